@@ -1,0 +1,79 @@
+#include "relations/confidence.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "relations/information.hpp"
+
+namespace isthmus {
+namespace {
+
+std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
+
+/// Worse than 100 m or 100 rad is not determined: undetermined directions stand with 1e8 where they arise,
+/// and what hangs by them moves with them.
+constexpr double most_variance = 1e4;
+
+bool determined(const Eigen::Matrix3d& covariance) {
+  return covariance.allFinite() && covariance.diagonal().maxCoeff() < most_variance;
+}
+
+/// The covariance of a pose of the plane with a held, turned into a's axes.
+Eigen::Matrix3d in_frame_of(const Pose& a, const Eigen::Matrix3d& covariance) {
+  Eigen::Matrix3d a_from_plane = Eigen::Matrix3d::Identity();
+  a_from_plane.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-a.yaw).toRotationMatrix();
+  return a_from_plane * covariance * a_from_plane.transpose();
+}
+
+}  // namespace
+
+std::map<PatchId, Eigen::Matrix3d> local_relative_covariances(const RelationGraph& graph,
+                                                              std::span<const Pose> poses, PatchId a,
+                                                              std::size_t most) {
+  std::map<PatchId, Eigen::Matrix3d> found;
+  const std::vector<PatchId> patches = graph.nearest_in_graph(a, most);
+  if (patches.size() < 2) return found;
+  BlockCholesky<3> information = reduced_information(graph, poses, patches);
+  information.factor();
+  const std::vector<Eigen::Matrix3d> covariances = information.inverse_diagonal();
+  for (std::size_t i = 0; i < covariances.size(); ++i)
+    if (determined(covariances[i]))
+      found.emplace(patches[i + 1], in_frame_of(poses[index(a)], covariances[i]));
+  return found;
+}
+
+std::vector<Eigen::Matrix3d> exact_relative_covariances(const RelationGraph& graph,
+                                                        std::span<const Pose> poses, PatchId a,
+                                                        std::span<const PatchId> others) {
+  std::vector<PatchId> patches{a};
+  for (const PatchId patch : graph.patches_of(graph.island(a)))
+    if (patch != a) patches.push_back(patch);
+  std::vector<int> row(graph.patch_count(), -1);
+  for (std::size_t i = 1; i < patches.size(); ++i) row[index(patches[i])] = static_cast<int>(i) - 1;
+
+  BlockCholesky<3> information = reduced_information(graph, poses, patches);
+  information.factor();
+  if (!information.positive_definite()) return {};
+  std::vector<Eigen::Matrix3d> found;
+  for (const PatchId other : others) {
+    if (other == a) {
+      found.push_back(Eigen::Matrix3d::Zero());
+      continue;
+    }
+    if (row[index(other)] < 0) return {};
+    found.push_back(in_frame_of(poses[index(a)], information.inverse_diagonal(row[index(other)])));
+  }
+  return found;
+}
+
+bool well_determined(const Eigen::Matrix3d& relative_covariance, const ConfidenceThreshold& threshold) {
+  const Eigen::Matrix2d position = relative_covariance.topLeftCorner<2, 2>();
+  const double middle = 0.5 * position.trace();
+  const double half_difference = std::hypot(0.5 * (position(0, 0) - position(1, 1)), position(0, 1));
+  const double longest = std::sqrt(std::max(0.0, middle + half_difference));
+  const double sigma_yaw = std::sqrt(std::max(0.0, relative_covariance(2, 2)));
+  return 1.96 * longest <= threshold.position_m && 1.96 * sigma_yaw <= threshold.yaw_rad;
+}
+
+}  // namespace isthmus

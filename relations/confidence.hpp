@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include "relations/graph.hpp"
+
+namespace isthmus {
+
+/// Relative Fisher confidence (seed 001, III-C; eqs. 9, 10, 12): how well patch b is determined with respect
+/// to patch a, as the covariance of (x, y, yaw) of a_from_b, in a's own frame. Information is Gauss-Newton's.
+/// `poses` is indexed by patch id.
+
+/// For localisation: from the information of the at most `most` patches nearest to `a` in the graph, a held.
+/// At the same poses and weights it never says less than the exact covariance. Holds every patch of the
+/// sub-graph but `a` that is determined with respect to it.
+std::map<PatchId, Eigen::Matrix3d> local_relative_covariances(const RelationGraph& graph,
+                                                              std::span<const Pose> poses, PatchId a,
+                                                              std::size_t most = 200);
+
+/// For reports and operators, from the whole island: the covariance of each of `others` (on a's island)
+/// relative to a; one factorisation for all. A patch equal to `a` gets zero. Not for islands whose
+/// information is singular: then the result is empty.
+std::vector<Eigen::Matrix3d> exact_relative_covariances(const RelationGraph& graph,
+                                                        std::span<const Pose> poses, PatchId a,
+                                                        std::span<const PatchId> others);
+
+struct ConfidenceThreshold {
+  double position_m = 0.5;
+  double yaw_rad = 0.5;
+};
+
+/// Eq. 12 in a's own frame: 1.96 x (longer axis of the position ellipse) and 1.96 sigma_yaw within the
+/// threshold.
+bool well_determined(const Eigen::Matrix3d& relative_covariance, const ConfidenceThreshold& threshold);
+
+}  // namespace isthmus

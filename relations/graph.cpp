@@ -1,0 +1,213 @@
+#include "relations/graph.hpp"
+
+#include <algorithm>
+#include <boost/graph/adjacency_list.hpp>
+#include <boost/graph/connected_components.hpp>
+#include <stdexcept>
+#include <string>
+
+namespace isthmus {
+namespace {
+
+std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
+std::size_t index(RelationId id) { return static_cast<std::size_t>(id.value); }
+
+PatchId other_end(const Relation& relation, PatchId end) {
+  return relation.a == end ? relation.b : relation.a;
+}
+
+std::string text(PatchId id) { return std::to_string(id.value); }
+
+/// The set's lowest id; the way there is shortened.
+PatchId root(std::vector<PatchId>& parent, PatchId id) {
+  while (parent[index(id)] != id) {
+    parent[index(id)] = parent[index(parent[index(id)])];
+    id = parent[index(id)];
+  }
+  return id;
+}
+
+void join(std::vector<PatchId>& parent, PatchId a, PatchId b) {
+  const PatchId root_a = root(parent, a);
+  const PatchId root_b = root(parent, b);
+  parent[index(std::max(root_a, root_b))] = std::min(root_a, root_b);
+}
+
+void set_least(Relation& relation) {
+  auto* correspondences = std::get_if<Correspondences>(&relation.measurement);
+  if (correspondences) correspondences->least = correspondences->form.least();
+}
+
+}  // namespace
+
+void RelationGraph::add_patch(PatchId id) {
+  if (!id.valid() || index(id) != of_.size())
+    throw std::invalid_argument("patch " + text(id) + " added to a graph of " + std::to_string(of_.size()));
+  of_.emplace_back();
+  island_parent_.push_back(id);
+  ++version_;
+}
+
+void RelationGraph::check_ends(const Relation& relation) const {
+  for (const PatchId end : {relation.a, relation.b})
+    if (!end.valid() || index(end) >= of_.size())
+      throw std::invalid_argument("relation of a patch " + text(end) + " that was never added");
+  if (relation.a == relation.b)
+    throw std::invalid_argument("relation of patch " + text(relation.a) + " with itself");
+}
+
+RelationId RelationGraph::add(Relation relation) {
+  check_ends(relation);
+  relation.id = RelationId{static_cast<std::int32_t>(stored_.size())};
+  set_least(relation);
+  of_[index(relation.a)].push_back(relation.id);
+  of_[index(relation.b)].push_back(relation.id);
+  join(island_parent_, relation.a, relation.b);
+  ++relation_count_;
+  ++version_;
+  const RelationId id = relation.id;
+  stored_.push_back(std::make_shared<const Relation>(std::move(relation)));
+  return id;
+}
+
+void RelationGraph::replace(RelationId id, Relation relation) {
+  const Relation* old = find(id);
+  if (!old) throw std::invalid_argument("no relation " + std::to_string(id.value) + " to replace");
+  if (std::minmax(old->a, old->b) != std::minmax(relation.a, relation.b))
+    throw std::invalid_argument("relation " + std::to_string(id.value) + " replaced by one of other patches");
+  relation.id = id;
+  set_least(relation);
+  stored_[index(id)] = std::make_shared<const Relation>(std::move(relation));
+  ++version_;
+}
+
+/// Whether the islands may have parted: not where the two patches are still joined by a short way.
+bool RelationGraph::take_away(RelationId id) {
+  const Relation* relation = find(id);
+  if (!relation) return false;
+  const PatchId a = relation->a;
+  const PatchId b = relation->b;
+  for (const PatchId end : {a, b}) std::erase(of_[index(end)], id);
+  stored_[index(id)].reset();
+  --relation_count_;
+  ++version_;
+  return !hops(a, b, 2);
+}
+
+void RelationGraph::remove(RelationId id) { remove(std::span(&id, 1)); }
+
+void RelationGraph::remove(std::span<const RelationId> ids) {
+  bool may_part = false;
+  for (const RelationId id : ids) may_part = take_away(id) || may_part;
+  if (may_part) find_islands();
+}
+
+const Relation* RelationGraph::find(RelationId id) const {
+  return id.valid() && index(id) < stored_.size() ? stored_[index(id)].get() : nullptr;
+}
+
+std::span<const RelationId> RelationGraph::of(PatchId id) const {
+  if (!id.valid() || index(id) >= of_.size()) return {};
+  return of_[index(id)];
+}
+
+std::vector<RelationId> RelationGraph::between(PatchId a, PatchId b) const {
+  std::vector<RelationId> found;
+  for (const RelationId id : of(a))
+    if (other_end(stored(id), a) == b) found.push_back(id);
+  return found;
+}
+
+std::vector<PatchId> RelationGraph::neighbours(PatchId id) const {
+  std::vector<PatchId> found;
+  for (const RelationId relation : of(id)) found.push_back(other_end(stored(relation), id));
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+IslandId RelationGraph::island(PatchId id) const {
+  while (island_parent_.at(index(id)) != id) id = island_parent_[index(id)];
+  return id;
+}
+
+std::vector<std::vector<PatchId>> RelationGraph::islands() const {
+  std::vector<std::vector<PatchId>> found;
+  std::vector<std::size_t> place(of_.size());
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(of_.size()); ++i) {
+    const PatchId patch{i};
+    const IslandId lowest = island(patch);
+    if (lowest == patch) {
+      place[index(patch)] = found.size();
+      found.emplace_back();
+    }
+    found[place[index(lowest)]].push_back(patch);
+  }
+  return found;
+}
+
+std::vector<PatchId> RelationGraph::patches_of(IslandId wanted) const {
+  std::vector<PatchId> found;
+  for (std::int32_t i = std::max(wanted.value, 0); i < static_cast<std::int32_t>(of_.size()); ++i)
+    if (island(PatchId{i}) == wanted) found.push_back(PatchId{i});
+  return found;
+}
+
+std::vector<PatchId> RelationGraph::nearest_in_graph(PatchId from, std::size_t most) const {
+  std::vector<PatchId> found;
+  if (most == 0) return found;
+  std::vector<char> seen(of_.size(), 0);
+  found.push_back(from);
+  seen[index(from)] = 1;
+  for (std::size_t level = 0, end = 1; level < end && found.size() < most; level = end, end = found.size()) {
+    for (std::size_t i = level; i < end; ++i) {
+      const PatchId patch = found[i];
+      for (const RelationId id : of(patch)) {
+        const PatchId next = other_end(stored(id), patch);
+        if (seen[index(next)]) continue;
+        seen[index(next)] = 1;
+        found.push_back(next);
+      }
+    }
+    std::sort(found.begin() + static_cast<std::ptrdiff_t>(end), found.end());
+  }
+  if (found.size() > most) found.resize(most);
+  return found;
+}
+
+std::optional<int> RelationGraph::hops(PatchId a, PatchId b, int limit) const {
+  std::vector<char> seen(of_.size(), 0);
+  std::vector<PatchId> level{a};
+  std::vector<PatchId> next;
+  seen[index(a)] = 1;
+  for (int distance = 0; distance <= limit && !level.empty(); ++distance) {
+    next.clear();
+    for (const PatchId patch : level) {
+      if (patch == b) return distance;
+      if (distance == limit) continue;
+      for (const RelationId id : of(patch)) {
+        const PatchId other = other_end(stored(id), patch);
+        if (seen[index(other)]) continue;
+        seen[index(other)] = 1;
+        next.push_back(other);
+      }
+    }
+    std::swap(level, next);
+  }
+  return std::nullopt;
+}
+
+void RelationGraph::find_islands() {
+  boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS> graph(of_.size());
+  for (const auto& [id, relation] : relations()) boost::add_edge(index(relation.a), index(relation.b), graph);
+  std::vector<std::size_t> component(of_.size());
+  const std::size_t count = boost::connected_components(graph, component.data());
+  std::vector<PatchId> lowest(count);
+  for (std::size_t i = 0; i < of_.size(); ++i) {
+    PatchId& least = lowest[component[i]];
+    if (!least.valid()) least = PatchId{static_cast<std::int32_t>(i)};
+    island_parent_[i] = least;
+  }
+}
+
+}  // namespace isthmus

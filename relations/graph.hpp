@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstddef>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "relations/relation.hpp"
+
+namespace isthmus {
+
+/// The relations between patches, and the islands they make: patches are on one island if and only if some
+/// sequence of relations connects them (seed 001, IV-C).
+///
+/// A value: a copy is a version of the graph of its own. Stored relations are immutable and shared between
+/// copies, so a copy costs one pointer a relation. Reading one graph from several threads is safe.
+class RelationGraph {
+  using Stored = std::vector<std::shared_ptr<const Relation>>;  // by id; null where taken away
+
+ public:
+  /// Pairs (id, relation) in order of their ids.
+  class Relations {
+   public:
+    class Iterator {
+     public:
+      using iterator_category = std::input_iterator_tag;
+      using value_type = std::pair<RelationId, const Relation&>;
+      using difference_type = std::ptrdiff_t;
+      using pointer = void;
+      using reference = value_type;
+
+      Iterator(Stored::const_iterator at, Stored::const_iterator end) : at_(at), end_(end) { skip_absent(); }
+      value_type operator*() const { return {(*at_)->id, **at_}; }
+      Iterator& operator++() {
+        ++at_;
+        skip_absent();
+        return *this;
+      }
+      bool operator==(const Iterator& other) const { return at_ == other.at_; }
+
+     private:
+      void skip_absent() {
+        while (at_ != end_ && !*at_) ++at_;
+      }
+      Stored::const_iterator at_, end_;
+    };
+
+    Relations(const Stored& stored, std::size_t size) : stored_(&stored), size_(size) {}
+    Iterator begin() const { return {stored_->begin(), stored_->end()}; }
+    Iterator end() const { return {stored_->end(), stored_->end()}; }
+    std::size_t size() const { return size_; }
+    bool empty() const { return size_ == 0; }
+
+   private:
+    const Stored* stored_;
+    std::size_t size_;
+  };
+
+  /// Patches come with dense ids 0, 1, 2, ...; throws std::invalid_argument otherwise.
+  void add_patch(PatchId id);
+  std::size_t patch_count() const { return of_.size(); }
+
+  /// Gives the relation its id (and Correspondences their minimum) and stores it. Both patches must have
+  /// been added and differ; throws std::invalid_argument otherwise.
+  RelationId add(Relation relation);
+  /// Replaces the measurement of a stored relation between the same two patches.
+  void replace(RelationId id, Relation relation);
+  void remove(RelationId id);
+  /// All at once: islands are found anew only once.
+  void remove(std::span<const RelationId> ids);
+
+  /// nullptr where there is no such relation (any more).
+  const Relation* find(RelationId id) const;
+  Relations relations() const { return {stored_, relation_count_}; }
+  /// Relations that touch a patch, by id.
+  std::span<const RelationId> of(PatchId id) const;
+  /// Relations between two patches, whichever is a, by id.
+  std::vector<RelationId> between(PatchId a, PatchId b) const;
+  /// Patches that share a relation with this one, by id, each once.
+  std::vector<PatchId> neighbours(PatchId id) const;
+
+  /// The lowest patch id on the patch's island.
+  IslandId island(PatchId id) const;
+  /// Each island's patches by id; islands in order of their ids.
+  std::vector<std::vector<PatchId>> islands() const;
+  std::vector<PatchId> patches_of(IslandId island) const;
+
+  /// At most `most` patches nearest to `from` by number of relations, `from` first; ties by id.
+  std::vector<PatchId> nearest_in_graph(PatchId from, std::size_t most) const;
+  /// Number of relations on the shortest way; nothing beyond `limit` or on another island.
+  std::optional<int> hops(PatchId a, PatchId b, int limit) const;
+
+  /// Rises with every change.
+  std::int64_t version() const { return version_; }
+
+ private:
+  const Relation& stored(RelationId id) const { return *stored_[static_cast<std::size_t>(id.value)]; }
+  void check_ends(const Relation& relation) const;
+  bool take_away(RelationId id);
+  void find_islands();
+
+  Stored stored_;
+  std::size_t relation_count_ = 0;
+  std::vector<std::vector<RelationId>> of_;
+  std::int64_t version_ = 0;
+  // Disjoint sets, joined by lowest id as relations are added and found anew where a removal may part them.
+  std::vector<PatchId> island_parent_;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "patches/patch.hpp"
+
+namespace isthmus {
+
+/// A patch as the robot's surroundings: that part of the manifold which is well determined with respect to
+/// the robot's patch is projected on a plane (seed 001, IV-A, step 2), here the plane of `local` = the frame
+/// of the robot's patch.
+struct LocalPatch {
+  PatchPtr patch;
+  Pose local_from_patch;
+};
+
+struct LocalMap {
+  PatchId reference;  ///< whose frame `local` is
+  std::vector<LocalPatch> patches;
+};
+
+}  // namespace isthmus

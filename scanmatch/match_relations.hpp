@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "relations/relation.hpp"
+#include "scanmatch/match.hpp"
+
+namespace isthmus {
+
+struct MatchRelationOptions {
+  double sigma_m = 0.1;          ///< of one correspondence, calibrated: beams of one scan are not independent
+  int min_correspondences = 10;  ///< patches paired with fewer beams get no relation
+  double robust_scale = 0;       ///< of the loss on the pair as a whole; 0: none
+};
+
+/// The relations that a match found (seed 001, IV-A, step 3): for each patch of the local map that enough
+/// beams were paired with, the pairs as points of the new patch on lines of that patch. Ids are still to be
+/// given.
+std::vector<Relation> match_relations(const LocalMap& local_map, std::span<const ScanPoint> points,
+                                      const Match& match, PatchId new_patch, const Origin& origin,
+                                      const MatchRelationOptions& options = {});
+
+}  // namespace isthmus

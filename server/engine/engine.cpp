@@ -1,0 +1,254 @@
+#include "server/engine/engine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "server/engine/mapper.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr std::int64_t odometry_wait_us = 200'000;  // a scan waits so long, in event time, for its odometry
+constexpr std::int64_t backward_us = 1'000'000;     // stamps may go back by so much
+constexpr int most_stale_scans = 10;                // then the robot's clock was set back: a new session
+
+bool has_a_value(const Scan& scan) { return !scan.ranges_m.empty() && scan.bearing_step_rad != 0; }
+
+}  // namespace
+
+struct Engine::State {
+  Configuration configuration;
+  Map map;
+  std::map<std::string, Robot> robots;
+  std::vector<Session> sessions;
+  std::shared_ptr<TrajectoryStore> trajectory = std::make_shared<TrajectoryStore>();
+  std::vector<SightingRecord> sightings;
+  std::map<std::int32_t, TagRecord> tags;
+  Counters counters;
+  bool refine_queued = false;
+
+  explicit State(Configuration given) { configure(std::move(given)); }
+
+  void configure(Configuration given) {
+    configuration = std::move(given);
+    robots.clear();
+    for (const auto& [name, robot] : configuration.robots) {
+      robots[name].declaration = robot.robot;
+      robots[name].declared = robot.declared;
+    }
+  }
+
+  std::string drop(const std::string& robot, const std::string& reason) {
+    ++counters.dropped[reason];
+    if (!robot.empty()) ++counters.dropped_by_robot[robot][reason];
+    return reason;
+  }
+
+  Robot* declared(const std::string& name) {
+    const auto found = robots.find(name);
+    return found == robots.end() || !found->second.declared ? nullptr : &found->second;
+  }
+
+  Outcome take(const ConfigurationEvent& event);
+  Outcome take(const RobotEvent& event);
+  Outcome take(const TagEvent& event);
+  Outcome take(const OdometryEvent& event);
+  Outcome take(const ScanEvent& event);
+  Outcome take(const SightingEvent& event);
+  Outcome take(const CommandEvent& event);
+  Outcome take(const TickEvent&) { return {}; }
+
+  void answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting);
+  void map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome);
+  void refine_all();
+};
+
+Outcome Engine::State::take(const ConfigurationEvent& event) {
+  if (counters.events > 1) return {drop("", "late_configuration"), {}};
+  auto parsed = parse_configuration(event.toml, "configuration");
+  if (std::holds_alternative<std::string>(parsed)) return {drop("", "bad_configuration"), {}};
+  configure(std::get<Configuration>(std::move(parsed)));
+  return {};
+}
+
+Outcome Engine::State::take(const RobotEvent& event) {
+  for (const auto& [name, other] : robots) {
+    if (event.barcode >= 0 && name != event.robot && other.declared &&
+        other.declaration.barcode == event.barcode) {
+      return {drop(event.robot, "barcode_taken"), {}};
+    }
+  }
+  Robot& robot = robots[event.robot];
+  // What the configuration says of a robot stands against what the robot says.
+  const auto configured = configuration.robots.find(event.robot);
+  const bool fixed = configured != configuration.robots.end() && configured->second.declared;
+  if (!fixed) robot.declaration = event;
+  robot.declared = true;
+  if (event.restarted) {
+    robot.place.reset();
+    robot.odometry.clear();
+    robot.pending.clear();
+  }
+  return {};
+}
+
+Outcome Engine::State::take(const TagEvent& event) {
+  tags.try_emplace(event.barcode).first->second.barcode = event.barcode;
+  return {};
+}
+
+Outcome Engine::State::take(const OdometryEvent& event) {
+  Robot* robot = declared(event.robot);
+  if (!robot) return {drop(event.robot, "unknown_robot"), {}};
+  robot->odometry.add(event.utime, event.odom_from_robot);
+  return {};
+}
+
+Outcome Engine::State::take(const ScanEvent& event) {
+  Robot* robot = declared(event.robot);
+  if (!robot) return {drop(event.robot, "unknown_robot"), {}};
+  const Scan& scan = event.scan;
+  if (!has_a_value(scan)) return {drop(event.robot, "zero_beams"), {}};
+  const bool first = robot->last_scan_utime == 0;
+  if (!first && scan.utime == robot->last_scan_utime) return {drop(event.robot, "duplicate_stamp"), {}};
+  if (!first && scan.utime < robot->newest_scan_utime - backward_us) {
+    if (++robot->stale_scans < most_stale_scans) return {drop(event.robot, "stale_stamp"), {}};
+    robot->place.reset();
+    robot->newest_scan_utime = scan.utime;
+  }
+  robot->stale_scans = 0;
+  robot->last_scan_utime = scan.utime;
+  robot->newest_scan_utime = first ? scan.utime : std::max(robot->newest_scan_utime, scan.utime);
+  ++counters.scans;
+  robot->pending.push_back({scan, counters.last_receive_utime});
+  return {};
+}
+
+Outcome Engine::State::take(const SightingEvent& event) {
+  ++counters.sightings;
+  const Robot* observer = declared(event.robot);
+  const auto refuse = [&](const std::string& reason) {
+    sightings.push_back({event, "refused", reason, {}});
+    return Outcome{drop(event.robot, reason), {}};
+  };
+  if (!observer) return refuse("unknown_robot");
+  if (observer->declaration.barcode == event.barcode) return refuse("sees_itself");
+  const bool worn = std::any_of(robots.begin(), robots.end(), [&](const auto& entry) {
+    return entry.second.declared && entry.second.declaration.barcode == event.barcode;
+  });
+  if (!worn && !tags.contains(event.barcode) && !configuration.any_tag) return refuse("unknown_barcode");
+  sightings.push_back({event, "set_aside", "sightings_not_used", {}});
+  return {};
+}
+
+Outcome Engine::State::take(const CommandEvent& event) {
+  if (event.verb == "refine") {
+    refine_queued = true;
+    return {};
+  }
+  if (event.verb == "send_map") return {};
+  return {drop("", "no_such_closure"), {}};
+}
+
+void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting) {
+  while (!robot.pending.empty()) {
+    const PendingScan& waiting = robot.pending.front();
+    std::optional<Pose> odometry = robot.odometry.at(waiting.scan.utime);
+    if (!odometry) {
+      const bool waited = no_more_waiting ||
+                          counters.last_receive_utime > waiting.receive_utime + odometry_wait_us ||
+                          (!robot.odometry.empty() && robot.odometry.newest_utime() > waiting.scan.utime);
+      if (!waited) return;
+      odometry = robot.odometry.newest();
+    }
+    const Scan scan = std::move(robot.pending.front().scan);
+    robot.pending.pop_front();
+    if (odometry) {
+      map_scan(robot, scan, *odometry, outcome);
+    } else {
+      drop(robot.declaration.robot, "no_odometry");
+    }
+  }
+}
+
+void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) {
+  ScanOutcome done = take_scan(map, robot, scan, odom_from_robot, configuration.engine);
+  if (done.new_session) {
+    robot.session = static_cast<std::int32_t>(sessions.size());
+    Session session;
+    session.robot = robot.declaration.robot;
+    session.number = robot.session;
+    session.from_utime = scan.utime;
+    session.first_patch = done.pose.pose.patch;
+    sessions.push_back(session);
+  }
+  sessions[static_cast<std::size_t>(robot.session)].to_utime = scan.utime;
+  if (done.predicted_reason.empty()) {
+    ++counters.scans_matched;
+  } else {
+    ++counters.scans_predicted[done.predicted_reason];
+  }
+  trajectory->append({scan.utime, robot.session, done.pose.pose.patch, done.pose.pose.patch_from_object});
+  outcome.poses.push_back(std::move(done.pose));
+}
+
+void Engine::State::refine_all() {
+  for (const std::vector<PatchId>& island : map.graph().islands()) {
+    map.refit_island(island.front());
+  }
+  refine_queued = false;
+}
+
+Engine::Engine(Configuration configuration) : state_(std::make_unique<State>(std::move(configuration))) {}
+Engine::~Engine() = default;
+Engine::Engine(Engine&&) noexcept = default;
+Engine& Engine::operator=(Engine&&) noexcept = default;
+
+Outcome Engine::handle(const Event& event) {
+  State& state = *state_;
+  Counters& counters = state.counters;
+  if (counters.events++ == 0) counters.first_receive_utime = event.receive_utime;
+  counters.last_receive_utime = std::max(counters.last_receive_utime, event.receive_utime);
+  Outcome outcome = std::visit([&](const auto& body) { return state.take(body); }, event.body);
+  for (auto& [name, robot] : state.robots) state.answer_pending(robot, outcome, false);
+  if (state.refine_queued) state.refine_all();
+  return outcome;
+}
+
+void Engine::count_dropped(const std::string& robot, const std::string& reason) {
+  state_->drop(robot, reason);
+}
+
+Outcome Engine::finish() {
+  Outcome outcome;
+  for (auto& [name, robot] : state_->robots) state_->answer_pending(robot, outcome, true);
+  state_->refine_all();
+  return outcome;
+}
+
+bool Engine::has_queued_work() const {
+  return std::any_of(state_->robots.begin(), state_->robots.end(),
+                     [](const auto& entry) { return !entry.second.pending.empty(); });
+}
+
+const Configuration& Engine::configuration() const { return state_->configuration; }
+
+MapCopy Engine::copy() const {
+  const State& state = *state_;
+  state.trajectory->flush();
+  MapCopy copy;
+  copy.patches.assign(state.map.manifold().patches().begin(), state.map.manifold().patches().end());
+  copy.poses.assign(state.map.manifold().poses().begin(), state.map.manifold().poses().end());
+  copy.graph = state.map.graph();
+  copy.sessions = state.sessions;
+  copy.trajectory = state.trajectory;
+  copy.trajectory_rows = state.trajectory->size();
+  copy.sightings = state.sightings;
+  for (const auto& [barcode, tag] : state.tags) copy.tags.push_back(tag);
+  copy.counters = state.counters;
+  return copy;
+}
+
+}  // namespace isthmus

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/engine/configuration.hpp"
+#include "server/engine/event.hpp"
+#include "server/engine/map_copy.hpp"
+
+namespace isthmus {
+
+/// Where a robot is after a scan.
+struct RobotPose {
+  std::string robot;
+  std::int64_t utime = 0;  ///< of the scan it answers
+  IslandId island;
+  ManifoldPose pose;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of patch_from_robot, relative to the patch
+  Pose map_from_robot;                                   ///< projected on the island's plane
+  Pose map_from_odom;
+  bool matched = false;  ///< false: predicted from odometry
+};
+
+/// What became of an event.
+struct Outcome {
+  std::string drop_reason;       ///< empty: accepted
+  std::vector<RobotPose> poses;  ///< scans answered by this event (a scan may wait for its odometry)
+};
+
+/// The mapping engine: a deterministic function from a sequence of events to a manifold map. It has no clock,
+/// no LCM and no threads that matter to its result. Not thread-safe: one thread calls it; readers take
+/// copies.
+class Engine {
+ public:
+  explicit Engine(Configuration configuration = {});
+  ~Engine();
+  Engine(Engine&&) noexcept;
+  Engine& operator=(Engine&&) noexcept;
+
+  /// A ConfigurationEvent is taken only before every other event, and replaces the configuration.
+  Outcome handle(const Event& event);
+
+  /// Counts a message that never became an event. `robot` may be empty.
+  void count_dropped(const std::string& robot, const std::string& reason);
+
+  /// What remains to be done when no more events will come: waiting scans, queued work, the last fit.
+  /// Returns the answers to scans that were still waiting.
+  Outcome finish();
+
+  /// Whether work waits that a TickEvent would advance.
+  bool has_queued_work() const;
+
+  const Configuration& configuration() const;
+  MapCopy copy() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace isthmus

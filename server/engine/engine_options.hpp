@@ -1,0 +1,42 @@
+#pragma once
+
+#include "patches/patch.hpp"
+#include "relations/confidence.hpp"
+#include "scanmatch/match.hpp"
+#include "scanmatch/match_relations.hpp"
+
+namespace isthmus {
+
+/// The engine's settings. Defaults serve every log and building; the configuration file offers the first few.
+struct EngineOptions {
+  /// Eq. 12: how well a patch must be determined relative to the robot's, to be in its local map.
+  ConfidenceThreshold local_map = {0.25, 0.2};
+  /// A scan farther than this from every patch of the local map becomes a patch.
+  double patch_spacing_m = 1.0;
+  double patch_spacing_rad = 0.7;
+  /// A scan with more than this share of its free space outside the local map becomes a patch.
+  double uncovered_share = 0.3;
+
+  PatchOptions patch;
+
+  /// Patches beyond eq. 12 but determined so well are where a local loop may close (rejoin.hpp).
+  ConfidenceThreshold rejoin = {4.5, 0.6};
+  std::size_t confidence_patches = 400;  ///< confidence looks at so many patches, nearest in the graph
+  double local_map_reach_m = 4;          ///< patches with origins farther away are left out
+  double local_map_overlap = 0.3;        ///< and those that a scan overlaps less than this
+  int local_map_oldest = 8;
+  int local_map_newest = 4;
+
+  MatchOptions match;
+  double match_score = 0.25;    ///< a match below this is not believed
+  double restart_score = 0.45;  ///< nor one far from where odometry put the robot, below this
+  double thin_score = 0.5;      ///< a match below this is on new ground: worth a patch
+  /// Factor on a match's information against odometry's, from scan to scan: a match with many patches errs
+  /// less than the nominal noise of its beams, odometry more than its steps say.
+  double match_trust = 5;
+  MatchRelationOptions relations;
+  std::size_t window_patches = 40;  ///< fitted when a patch is added
+  std::size_t loop_patches = 400;   ///< fitted when a local loop closes
+};
+
+}  // namespace isthmus

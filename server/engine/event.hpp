@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "patches/scan.hpp"
+
+namespace isthmus {
+
+/// What the engine is told. The wire makes events of messages that it has checked; the journal keeps the
+/// messages; the engine is a function from a sequence of events to a map. Times in microseconds; `utime` is
+/// the sender's stamp. Robot names are upper case.
+
+struct ConfigurationEvent {
+  std::string toml;  ///< the text of the configuration file; always the first event of a journal
+};
+
+struct RobotEvent {
+  std::string robot;
+  std::int64_t utime = 0;
+  std::int32_t barcode = -1;  ///< the barcode it wears; negative: none
+  Laser laser;
+  double footprint_radius_m = 0.25;
+  bool restarted = false;  ///< the robot says that it begins a new session
+};
+
+struct TagEvent {
+  std::int64_t utime = 0;
+  std::int32_t barcode = -1;
+};
+
+struct OdometryEvent {
+  std::string robot;
+  std::int64_t utime = 0;
+  Pose odom_from_robot;
+};
+
+struct ScanEvent {
+  std::string robot;
+  Scan scan;
+};
+
+/// From the observer's base origin to the target's; a sigma of +infinity: that part was not measured.
+struct SightingEvent {
+  std::string robot;  ///< the observer
+  std::int64_t utime = 0;
+  std::int32_t barcode = -1;
+  double range_m = 0;
+  double range_sigma_m = 0;
+  double bearing_rad = 0;
+  double bearing_sigma_rad = 0;
+};
+
+struct CommandEvent {
+  std::int64_t utime = 0;
+  std::string verb;  ///< withdraw, forbid, allow, drop, refine, send_map
+  std::int64_t closure = -1;
+  std::string robot;
+};
+
+/// Time passes while the robots are silent.
+struct TickEvent {};
+
+struct Event {
+  std::int64_t receive_utime = 0;  ///< the journal's time: the LCM log header
+  std::variant<ConfigurationEvent, RobotEvent, TagEvent, OdometryEvent, ScanEvent, SightingEvent,
+               CommandEvent, TickEvent>
+      body;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,131 @@
+#include "server/engine/extend.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "scanmatch/match_relations.hpp"
+#include "server/engine/rejoin.hpp"
+
+namespace isthmus {
+namespace {
+
+Relation odometry_relation(PatchId previous, PatchId next, const OdometryPath& path,
+                           const Eigen::Matrix3d& covariance) {
+  Relation relation;
+  relation.a = previous;
+  relation.b = next;
+  relation.kind = RelationKind::odometry;
+  relation.measurement = RelativePose{path.start_from_end, covariance.inverse()};
+  relation.origin = {OriginKind::odometry, {}};
+  return relation;
+}
+
+void put_robot_on(Robot& robot, PatchId patch) {
+  Localisation& place = *robot.place;
+  place.pose = {patch, Pose{}};
+  place.covariance = place.spread = Eigen::Matrix3d::Identity() * 1e-8;
+  place.last_patch = patch;
+  place.since_last_patch = {};
+}
+
+}  // namespace
+
+double uncovered_share(const Star& star, std::span<const LocalPatch> patches_near,
+                       const Pose& local_from_robot) {
+  std::vector<Pose> patch_from_robot;
+  for (const LocalPatch& near : patches_near) {
+    patch_from_robot.push_back(ominus(local_from_robot, near.local_from_patch));
+  }
+  const std::vector<float>& ranges = star.ranges_m();
+  const std::size_t stride = std::max<std::size_t>(1, ranges.size() / 36);
+  double area = 0;
+  double uncovered = 0;
+  for (std::size_t beam = stride / 2; beam < ranges.size(); beam += stride) {
+    const double range = std::min<double>(ranges[beam], 8);
+    if (range <= 0.3) continue;
+    const double bearing = star.bearing0_rad() + static_cast<double>(beam) * star.bearing_step_rad();
+    for (const double share : {0.4, 0.7, 0.92}) {
+      const Eigen::Vector2d at = star.robot_from_laser() * Eigen::Vector2d(share * range * std::cos(bearing),
+                                                                           share * range * std::sin(bearing));
+      const double weight = share * range * range;  // of the area the sample stands for
+      area += weight;
+      bool covered = false;
+      for (std::size_t k = 0; k < patches_near.size() && !covered; ++k) {
+        covered = patches_near[k].patch->star.contains(patch_from_robot[k] * at);
+      }
+      if (!covered) uncovered += weight;
+    }
+  }
+  return area > 0 ? uncovered / area : 0;
+}
+
+bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Placement& placement,
+                   const Star& star, const EngineOptions& options) {
+  struct Near {
+    LocalPatch patch;
+    double distance_m;
+  };
+  std::vector<Near> near;
+  bool close = false;
+  bool here = false;
+  const Pose& local_from_robot = placement.local_from_robot;
+  for (const Determined& determined : surroundings.patches()) {
+    if (!determined.firm) continue;
+    const Pose patch_from_robot = ominus(local_from_robot, determined.local_from_patch);
+    const double distance = std::hypot(patch_from_robot.x, patch_from_robot.y);
+    if (distance > 2 * options.local_map_reach_m) continue;
+    near.push_back({{map.manifold().shared_patch(determined.patch), determined.local_from_patch}, distance});
+    here = here || (distance < 0.3 * options.patch_spacing_m &&
+                    std::abs(patch_from_robot.yaw) < 0.3 * options.patch_spacing_rad);
+    close = close || (distance < options.patch_spacing_m &&
+                      std::abs(patch_from_robot.yaw) < options.patch_spacing_rad);
+  }
+  if (!close || (!here && placement.match.quality.score < options.thin_score)) return true;
+  std::sort(near.begin(), near.end(),
+            [](const Near& a, const Near& b) { return a.distance_m < b.distance_m; });
+  std::vector<LocalPatch> patches;
+  for (const Near& n : near) patches.push_back(n.patch);
+  return uncovered_share(star, patches, local_from_robot) > options.uncovered_share;
+}
+
+void begin_island(Map& map, Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+                  const EngineOptions& options) {
+  const PatchId id = map.manifold().next_id();
+  map.add(make_patch(id, robot.declaration.robot, scan, robot.declaration.laser, options.patch), Pose{});
+  robot.place = Localisation{};
+  robot.place->odom_from_robot = odom_from_robot;
+  robot.place->utime = scan.utime;
+  put_robot_on(robot, id);
+}
+
+void extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement,
+            std::span<const ScanPoint> points, const EngineOptions& options) {
+  const PatchId id = map.manifold().next_id();
+  const Pose& local_from_robot = placement.local_from_robot;
+  std::vector<Relation> relations;
+  if (placement.matched) {
+    relations = match_relations(robot.local_map, points, placement.match, id, {OriginKind::match, {}},
+                                options.relations);
+  }
+  std::vector<Relation> loop;
+  if (placement.matched) {
+    loop = robot.rejoins.take(find_rejoin(map, robot.surroundings, local_from_robot, points, id, options));
+  }
+  const Pose map_from_robot = map.manifold().pose(robot.surroundings.reference()) * local_from_robot;
+  map.add(make_patch(id, robot.declaration.robot, scan, robot.declaration.laser, options.patch),
+          map_from_robot);
+  const OdometryPath& path = robot.place->since_last_patch;
+  const PatchId previous = robot.place->last_patch;
+  const Eigen::Matrix3d covariance =
+      placement.matched ? robot.noise.path_covariance(path.start_from_end, path.covariance,
+                                                      ominus(map_from_robot, map.manifold().pose(previous)))
+                        : path.covariance;
+  map.relate(odometry_relation(previous, id, path, covariance));
+  for (const Relation& relation : relations) map.relate(relation);
+  for (const Relation& relation : loop) map.relate(relation);
+  put_robot_on(robot, id);
+  map.refit_around(id, loop.empty() ? options.window_patches : options.loop_patches);
+}
+
+}  // namespace isthmus

@@ -1,0 +1,44 @@
+#include "server/engine/map.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "relations/fit.hpp"
+
+namespace isthmus {
+
+void Map::add(PatchPtr patch, const Pose& map_from_patch) {
+  const PatchId id = patch->id;
+  graph_.add_patch(id);
+  manifold_.add(std::move(patch), map_from_patch);
+  stamps_.push_back(0);
+  touch(id);
+}
+
+RelationId Map::relate(const Relation& relation) {
+  touch(relation.a);
+  touch(relation.b);
+  return graph_.add(relation);
+}
+
+void Map::refit_around(PatchId centre, std::size_t most_patches) {
+  std::vector<PatchId> window = graph_.nearest_in_graph(centre, most_patches);
+  std::erase(window, graph_.island(centre));
+  if (!window.empty() && fit(graph_, window, manifold_.poses()).ok)
+    std::for_each(window.begin(), window.end(), [this](PatchId id) { touch(id); });
+}
+
+void Map::refit_island(IslandId island) {
+  if (!fit_island(graph_, island, manifold_.poses()).ok) return;
+  for (const PatchId id : graph_.patches_of(island)) touch(id);
+}
+
+std::int64_t Map::stamp(std::span<const PatchId> patches) const {
+  std::int64_t newest = 0;
+  for (const PatchId id : patches) newest = std::max(newest, stamps_[static_cast<std::size_t>(id.value)]);
+  return newest;
+}
+
+void Map::touch(PatchId patch) { stamps_[static_cast<std::size_t>(patch.value)] = ++changes_; }
+
+}  // namespace isthmus

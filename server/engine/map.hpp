@@ -1,0 +1,39 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "patches/manifold.hpp"
+#include "relations/graph.hpp"
+
+namespace isthmus {
+
+/// The manifold map: patches with their projected poses, and the relations between them. Every change goes
+/// through here and leaves a stamp on the patches it touches, by which those who keep something derived from
+/// them know when to look again.
+class Map {
+ public:
+  const Manifold& manifold() const { return manifold_; }
+  const RelationGraph& graph() const { return graph_; }
+
+  void add(PatchPtr patch, const Pose& map_from_patch);
+  RelationId relate(const Relation& relation);
+
+  /// Refits the patches nearest in the graph to one, at most so many, their surroundings held. The island's
+  /// oldest patch carries its frame and is held too.
+  void refit_around(PatchId centre, std::size_t most_patches);
+  void refit_island(IslandId island);
+
+  /// The newest stamp on any of these patches.
+  std::int64_t stamp(std::span<const PatchId> patches) const;
+
+ private:
+  void touch(PatchId patch);
+
+  Manifold manifold_;
+  RelationGraph graph_;
+  std::vector<std::int64_t> stamps_;  // by patch id
+  std::int64_t changes_ = 0;
+};
+
+}  // namespace isthmus

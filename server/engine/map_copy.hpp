@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "patches/patch.hpp"
+#include "relations/graph.hpp"
+#include "server/engine/event.hpp"
+#include "server/engine/trajectory_store.hpp"
+
+namespace isthmus {
+
+/// One run of a robot between restarts; its patches are on one island (until merges).
+struct Session {
+  std::string robot;
+  std::int32_t number = 0;  ///< index among all sessions of all robots
+  std::int64_t from_utime = 0;
+  std::int64_t to_utime = 0;  ///< last scan so far
+  PatchId first_patch;        ///< none while nothing was mapped
+};
+
+/// A sighting and what became of it.
+struct SightingRecord {
+  SightingEvent sighting;
+  std::string verdict;  ///< "accepted", "refused", "waiting", "set_aside"
+  std::string reason;
+  ClosureId closure;
+};
+
+struct TagRecord {
+  std::int32_t barcode = -1;
+  IslandId island;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  bool placed = false;
+};
+
+/// A closure or merge, as report.json lists it.
+struct ClosureRecord {
+  ClosureId id;
+  std::string kind;   ///< "closure", "merge", "local_loop"
+  std::string state;  ///< "accepted", "refused", "waiting", "withdrawn"
+  std::int64_t utime = 0;
+  std::vector<std::string> robots;
+  std::string reason;
+  int patches_touched = 0;
+  int work_steps = 0;
+  std::int64_t start_utime = 0;  ///< event time
+  std::int64_t end_utime = 0;
+};
+
+/// What the engine counted, from its first event on. Keys of the maps are reasons, lower_case.
+struct Counters {
+  std::int64_t events = 0;
+  std::int64_t scans = 0;
+  std::int64_t scans_matched = 0;
+  std::map<std::string, std::int64_t> scans_predicted;  ///< placed by odometry alone, by reason
+  std::int64_t sightings = 0;
+  std::map<std::string, std::int64_t> dropped;  ///< messages, by reason
+  std::map<std::string, std::map<std::string, std::int64_t>> dropped_by_robot;
+  std::int64_t first_receive_utime = 0;
+  std::int64_t last_receive_utime = 0;
+};
+
+/// A consistent copy of the map, cheap (patches are shared), for exports and publishing off the engine's
+/// thread.
+struct MapCopy {
+  std::vector<PatchPtr> patches;  ///< by id
+  std::vector<Pose> poses;        ///< by patch id, in the island's frame
+  RelationGraph graph;
+  std::vector<Session> sessions;
+  std::shared_ptr<const TrajectoryStore> trajectory;  ///< rows of all sessions up to `trajectory_rows`
+  std::size_t trajectory_rows = 0;
+  std::vector<SightingRecord> sightings;
+  std::vector<TagRecord> tags;
+  std::vector<ClosureRecord> closures;
+  Counters counters;
+};
+
+/// SHA-256, in hex, over patches, accepted relations and closures by id, numbers as the bits of f64.
+std::string map_sha256(const MapCopy& map);
+
+}  // namespace isthmus

@@ -1,0 +1,137 @@
+#include "server/engine/mapper.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "server/engine/extend.hpp"
+
+namespace isthmus {
+namespace {
+
+/// After so many lost scans following implausible odometry, the robot is somewhere else: a new session.
+constexpr int most_lost_scans = 8;
+/// Local maps are chosen anew when the robot has moved so far.
+constexpr double reselect_m = 0.4;
+constexpr double reselect_rad = 0.3;
+
+void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot,
+                      std::span<const ScanPoint> points, const EngineOptions& options) {
+  robot.surroundings.update(map, robot.place->pose.patch, options);
+  const Pose moved = ominus(local_from_robot, robot.local_map_centre);
+  if (robot.local_map.reference == robot.surroundings.reference() &&
+      robot.local_map_stamp == robot.surroundings.stamp() && std::hypot(moved.x, moved.y) < reselect_m &&
+      std::abs(moved.yaw) < reselect_rad) {
+    return;
+  }
+  robot.local_map = robot.surroundings.local_map(map, local_from_robot, points, options);
+  robot.local_map_centre = local_from_robot;
+  robot.local_map_stamp = robot.surroundings.stamp();
+}
+
+// Eq. 14: the pose in the nearest patch of the surroundings that it lies in. The present patch is kept until
+// another is clearly nearer.
+void project_on_manifold(const Map& map, Robot& robot, const Placement& placement) {
+  constexpr double footprint_m = 0.5;  // a robot stood at each origin: it is free, whatever its laser covers
+  constexpr double clearly_nearer_m = 0.2;
+  const Determined* best = nullptr;
+  double best_distance = 0;
+  const Pose& q = placement.local_from_robot;
+  for (const Determined& determined : robot.surroundings.patches()) {
+    if (!determined.firm) continue;
+    const Pose r = ominus(q, determined.local_from_patch);
+    double distance = std::hypot(r.x, r.y);
+    if (distance > footprint_m && !map.manifold().patch(determined.patch).star.contains({r.x, r.y})) continue;
+    if (determined.patch == robot.surroundings.reference())
+      distance = std::max(0.0, distance - clearly_nearer_m);
+    if (best && distance >= best_distance) continue;
+    best = &determined;
+    best_distance = distance;
+  }
+  Localisation& place = *robot.place;
+  if (!best || best->patch == robot.surroundings.reference()) {
+    place.pose = {robot.surroundings.reference(), q};
+    place.covariance = placement.covariance;
+    place.spread = placement.spread;
+    return;
+  }
+  place.pose = {best->patch, ominus(q, best->local_from_patch)};
+  const Eigen::Matrix3d turn = ominus_jacobians(q, best->local_from_patch).by_q;
+  place.covariance = turn * placement.covariance * turn.transpose();
+  place.spread = turn * placement.spread * turn.transpose();
+}
+
+// Moves the robot's place on to the scan (eqs. 13, 14).
+void settle(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,
+            const Pose& odom_from_robot, std::int64_t utime) {
+  Localisation& place = *robot.place;
+  const Pose matched_step = ominus(placement.local_from_robot, place.pose.patch_from_object);
+  if (placement.matched && expectation.plausible) {
+    const double yaw = place.pose.patch_from_object.yaw;
+    const Eigen::Matrix2d local_from_step = Eigen::Rotation2Dd(yaw).toRotationMatrix();
+    robot.noise.learn(expectation.step, matched_step,
+                      local_from_step.transpose() * placement.match.direction_trust * local_from_step);
+  }
+  place.last_step = matched_step;
+  place.since_last_patch.append(expectation.plausible ? expectation.step : matched_step,
+                                robot.noise.covariance(expectation.step));
+  place.odom_from_robot = odom_from_robot;
+  place.utime = utime;
+  place.suspect = placement.matched ? false : place.suspect || !expectation.plausible;
+  place.lost_scans = placement.matched ? 0 : place.lost_scans + 1;
+  project_on_manifold(map, robot, placement);
+}
+
+// An unmatched scan becomes a patch only where the robot has left its surroundings behind: odometry alone
+// joins it.
+bool worth_a_patch_unmatched(const Robot& robot, const Placement& placement,
+                             std::span<const ScanPoint> points, const EngineOptions& options) {
+  const Pose& path = robot.place->since_last_patch.start_from_end;
+  return !robot.place->suspect && placement.reason != "few_returns" &&
+         static_cast<int>(points.size()) >= 2 * options.match.min_pairs && robot.place->lost_scans >= 3 &&
+         (std::hypot(path.x, path.y) > 0.4 * options.patch_spacing_m ||
+          std::abs(path.yaw) > 0.4 * options.patch_spacing_rad);
+}
+
+RobotPose answer(const Map& map, const Robot& robot, bool matched) {
+  const Localisation& place = *robot.place;
+  RobotPose pose;
+  pose.robot = robot.declaration.robot;
+  pose.utime = place.utime;
+  pose.island = map.graph().island(place.pose.patch);
+  pose.pose = place.pose;
+  pose.covariance = place.covariance;
+  pose.map_from_robot = map.manifold().project(place.pose);
+  pose.map_from_odom = pose.map_from_robot * inverse(place.odom_from_robot);
+  pose.matched = matched;
+  return pose;
+}
+
+}  // namespace
+
+ScanOutcome take_scan(Map& map, Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+                      const EngineOptions& options) {
+  const Laser& laser = robot.declaration.laser;
+  const std::vector<ScanPoint> points = to_points(scan, laser, options.patch.normals);
+  if (!robot.place) {
+    begin_island(map, robot, scan, odom_from_robot, options);
+    return {answer(map, robot, true), {}, true};
+  }
+  const Expectation expectation = expect(robot, odom_from_robot, scan.utime);
+  choose_local_map(map, robot, expectation.local_from_robot, points, options);
+  const Placement placement = place(robot, expectation, robot.local_map, points, options);
+  if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
+      robot.place->lost_scans + 1 >= most_lost_scans) {
+    begin_island(map, robot, scan, odom_from_robot, options);
+    return {answer(map, robot, true), {}, true};
+  }
+  settle(map, robot, expectation, placement, odom_from_robot, scan.utime);
+  const Star star(scan, laser, options.patch.free_space.max_range_m,
+                  options.patch.free_space.no_return_range_m);
+  const bool new_patch = placement.matched ? worth_a_patch(map, robot.surroundings, placement, star, options)
+                                           : worth_a_patch_unmatched(robot, placement, points, options);
+  if (new_patch) extend(map, robot, scan, placement, points, options);
+  return {answer(map, robot, placement.matched), placement.reason, false};
+}
+
+}  // namespace isthmus

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+
+#include "patches/pose.hpp"
+
+namespace isthmus {
+
+/// How far one robot's odometry can be trusted: a fixed shape (noise grows with the way driven and turned)
+/// and two scales, of translation and of rotation, learned on line from how far matching disagrees with it.
+class OdometryNoise {
+ public:
+  /// Covariance of the odometry's (x, y, yaw) over one step, in the frame at the step's beginning.
+  Eigen::Matrix3d covariance(const Pose& step) const;
+
+  /// One matched step against odometry's account of it. `direction_trust` says in which directions of the
+  /// step's own frame matching knows better (1) and in which it merely repeats odometry or guesses (0).
+  /// Disagreements beyond 4 sigma count as 4 sigma.
+  void learn(const Pose& odometry_step, const Pose& matched_step, const Eigen::Matrix2d& direction_trust);
+
+  /// Errors of successive steps have a common part (a wheel's diameter, a late stamp), so a path of many
+  /// steps errs more than their sum says: a third scale, learned from patch to patch. Returns the covariance
+  /// to believe for this path, after learning from it; where it is off by more than it may be, even more.
+  Eigen::Matrix3d path_covariance(const Pose& odometry_path, const Eigen::Matrix3d& summed_covariance,
+                                  const Pose& matched_path);
+
+  double translation_scale() const { return scale_[0]; }
+  double rotation_scale() const { return scale_[1]; }
+
+ private:
+  std::array<double, 2> scale_ = {1.5, 1.5};  // of standard deviations
+  double path_variance_scale_ = 4;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,138 @@
+#include "server/engine/rejoin.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "scanmatch/correlative.hpp"
+#include "scanmatch/match_relations.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr double rejoin_score = 0.55;
+constexpr double most_surprise = 16;      // chi² of three: 0.1 %
+constexpr double ambiguous_share = 0.88;  // a second answer at this share of the best: who knows which
+constexpr double certain_half_width_m = 0.6;
+constexpr double window_sigmas = 2.5;
+constexpr int enough_agreeing = 3;
+constexpr double enough_way_m = 2;
+constexpr std::size_t most_waiting = 20;
+
+// The nearest loose patch that the robot's scan could overlap, wherever in its covariance it is.
+const Determined* nearest_loose(const Surroundings& surroundings, const Pose& local_from_robot,
+                                const EngineOptions& options) {
+  const Determined* nearest = nullptr;
+  double nearest_m = 0;
+  for (const Determined& determined : surroundings.patches()) {
+    if (determined.firm) continue;
+    const Pose patch_from_robot = ominus(local_from_robot, determined.local_from_patch);
+    const double distance = std::hypot(patch_from_robot.x, patch_from_robot.y);
+    const double slack = std::sqrt(determined.covariance.topLeftCorner<2, 2>().trace());
+    if (distance > options.local_map_reach_m + slack) continue;
+    if (nearest && distance >= nearest_m) continue;
+    nearest = &determined;
+    nearest_m = distance;
+  }
+  return nearest;
+}
+
+// The anchor's own firm surroundings near the robot, as far as they are loose for the robot.
+LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const Surroundings& around_anchor,
+                   const Pose& anchor_from_robot, double slack_m, const EngineOptions& options) {
+  LocalMap local;
+  local.reference = around_anchor.reference();
+  for (const Determined& determined : around_anchor.patches()) {
+    const Pose patch_from_robot = ominus(anchor_from_robot, determined.local_from_patch);
+    if (!determined.firm ||
+        std::hypot(patch_from_robot.x, patch_from_robot.y) > options.local_map_reach_m + slack_m)
+      continue;
+    const bool loose =
+        std::any_of(surroundings.patches().begin(), surroundings.patches().end(),
+                    [&](const Determined& d) { return d.patch == determined.patch && !d.firm; });
+    if (loose)
+      local.patches.push_back({map.manifold().shared_patch(determined.patch), determined.local_from_patch});
+  }
+  constexpr std::size_t most = 20;
+  if (local.patches.size() > most) local.patches.resize(most);
+  return local;
+}
+
+double half_width(double variance, double most) {
+  return std::min(most, window_sigmas * std::sqrt(variance));
+}
+
+}  // namespace
+
+Rejoin find_rejoin(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
+                   std::span<const ScanPoint> points, PatchId new_patch, const EngineOptions& options) {
+  Rejoin found;
+  found.patch = new_patch;
+  const Determined* anchor = nearest_loose(surroundings, local_from_robot, options);
+  if (!anchor) return found;
+  Surroundings around_anchor;
+  around_anchor.update(map, anchor->patch, options);
+
+  // The robot seen from the anchor: the covariance of the inverse pose.
+  const Pose anchor_from_robot = ominus(local_from_robot, anchor->local_from_patch);
+  const Eigen::Matrix3d jacobian = ominus_jacobians(local_from_robot, anchor->local_from_patch).by_pi;
+  Eigen::Matrix3d covariance = jacobian * anchor->covariance * jacobian.transpose();
+  covariance.diagonal() += Eigen::Vector3d(4e-4, 4e-4, 1e-4);
+  const Eigen::Matrix3d information = covariance.inverse();
+  const SearchWindow window{anchor_from_robot, half_width(covariance(0, 0), 6),
+                            half_width(covariance(1, 1), 6), half_width(covariance(2, 2), 0.7)};
+  const double widest_m = std::max(window.half_x_m, window.half_y_m);
+  found.certain = widest_m <= certain_half_width_m;
+
+  const LocalMap local = rigid_map(map, surroundings, around_anchor, anchor_from_robot, widest_m, options);
+  if (local.patches.empty()) return found;
+  const CorrelativeResult search = search_window(local, points, window);
+  if (search.score <= 0 || search.exhausted) return found;
+  if (!found.certain && search.second_score > ambiguous_share * search.score) return found;
+  const Match match = match_scan(local, points, {search.local_from_robot, 0.01 * information}, options.match);
+  if (!match.ok || match.quality.score < rejoin_score || (!found.certain && match.quality.degenerate))
+    return found;
+  Eigen::Vector3d innovation = to_vector(match.local_from_robot) - to_vector(anchor_from_robot);
+  innovation.z() = wrap_angle(innovation.z());
+  if (innovation.dot(information * innovation) > most_surprise) return found;
+
+  const Pose map_from_anchor = map.manifold().pose(anchor->patch);
+  const Pose before = map_from_anchor * anchor_from_robot;
+  found.map_from_map = map_from_anchor * match.local_from_robot * inverse(before);
+  found.position = {before.x, before.y};
+  found.relations =
+      match_relations(local, points, match, new_patch, {OriginKind::match, {}}, options.relations);
+  return found;
+}
+
+std::vector<Relation> WaitingRejoins::take(Rejoin found) {
+  if (found.relations.empty()) return {};
+  if (found.certain) return std::move(found.relations);
+  // Two finds agree where they would move the map alike, seen where they are.
+  const auto agree = [&](const Rejoin& other) {
+    const Eigen::Vector2d mine = found.map_from_map * found.position;
+    const Eigen::Vector2d theirs = other.map_from_map * found.position;
+    return (mine - theirs).norm() < 0.4 &&
+           std::abs(wrap_angle(found.map_from_map.yaw - other.map_from_map.yaw)) < 0.07;
+  };
+  std::vector<Relation> relations = found.relations;
+  int agreeing = 1;
+  double way_m = 0;
+  for (const Rejoin& other : waiting_) {
+    if (!agree(other)) continue;
+    ++agreeing;
+    way_m = std::max(way_m, (other.position - found.position).norm());
+    relations.insert(relations.end(), other.relations.begin(), other.relations.end());
+  }
+  if (agreeing >= enough_agreeing && way_m >= enough_way_m) {
+    waiting_.clear();
+    return relations;
+  }
+  waiting_.push_back(std::move(found));
+  if (waiting_.size() > most_waiting) waiting_.pop_front();
+  return {};
+}
+
+}  // namespace isthmus

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "server/engine/surroundings.hpp"
+
+namespace isthmus {
+
+/// A local loop that may be closing: what a new patch would be related to, were it so.
+struct Rejoin {
+  PatchId patch;                    ///< the new patch
+  std::vector<Relation> relations;  ///< between it and the patches it came back to
+  Pose map_from_map;                ///< how the loop moves the new patch in the island's plane
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of the new patch before it
+  bool certain = false;  ///< the window was narrow: nothing else could have been meant
+};
+
+/// Looks for patches that are determined relative to the robot, but not firmly, where a scan placed at
+/// `local_from_robot` lies (eq. 12's own loops). Taken rigidly together around the nearest of them, they are
+/// matched on their own, in a window as wide as the relative covariance says. No relations where nothing
+/// fits, where two answers fit about as well, or where there is nothing to come back to.
+Rejoin find_rejoin(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
+                   std::span<const ScanPoint> points, PatchId new_patch, const EngineOptions& options);
+
+/// Loops found in wide windows wait here until others, found on the way, say the same.
+class WaitingRejoins {
+ public:
+  /// Takes a find. Returns the relations to add to the map now: its own if it is certain, or its own and
+  /// those of all that agree with it, once enough of them do over enough of the way. Empty otherwise.
+  std::vector<Relation> take(Rejoin found);
+  void clear() { waiting_.clear(); }
+
+ private:
+  std::deque<Rejoin> waiting_;
+};
+
+}  // namespace isthmus

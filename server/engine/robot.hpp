@@ -1,0 +1,64 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "server/engine/event.hpp"
+#include "server/engine/odometry_noise.hpp"
+#include "server/engine/odometry_track.hpp"
+#include "server/engine/rejoin.hpp"
+#include "server/engine/surroundings.hpp"
+
+namespace isthmus {
+
+/// Odometry added up over several scans, with its covariance.
+struct OdometryPath {
+  Pose start_from_end;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+
+  void append(const Pose& step, const Eigen::Matrix3d& step_covariance);
+};
+
+/// Where a robot is on the manifold, after its last scan.
+struct Localisation {
+  ManifoldPose pose;
+  /// Covariance of patch_from_robot, calibrated: what is published.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// Of the same, without the errors that successive matches with the same map have in common: what odometry
+  /// has to bridge from scan to scan.
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  Pose odom_from_robot;
+  Pose last_step;  ///< motion over the last scan period
+  std::int64_t utime = 0;
+  PatchId last_patch;             ///< the robot's newest own patch
+  OdometryPath since_last_patch;  ///< odometry since that patch
+  int lost_scans = 0;             ///< unmatched in a row
+  bool suspect = false;           ///< odometry did something implausible since the last match
+};
+
+struct PendingScan {
+  Scan scan;
+  std::int64_t receive_utime = 0;
+};
+
+/// What the engine keeps of one robot.
+struct Robot {
+  RobotEvent declaration;
+  bool declared = false;
+  OdometryTrack odometry;
+  OdometryNoise noise;
+  std::deque<PendingScan> pending;  ///< scans that wait for odometry
+  std::optional<Localisation> place;
+  std::int32_t session = -1;
+  Surroundings surroundings;
+  LocalMap local_map;
+  Pose local_map_centre;  ///< local_from_robot that the local map was chosen for
+  std::int64_t local_map_stamp = -1;
+  std::int64_t last_scan_utime = 0;
+  std::int64_t newest_scan_utime = 0;
+  WaitingRejoins rejoins;
+  int stale_scans = 0;  ///< in a row
+};
+
+}  // namespace isthmus

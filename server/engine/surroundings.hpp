@@ -1,0 +1,48 @@
+#pragma once
+
+#include <vector>
+
+#include "relations/confidence.hpp"
+#include "scanmatch/local_map.hpp"
+#include "server/engine/engine_options.hpp"
+#include "server/engine/map.hpp"
+
+namespace isthmus {
+
+/// A patch that is determined relative to another.
+struct Determined {
+  PatchId patch;
+  Pose local_from_patch;       ///< in the frame of the reference patch
+  Eigen::Matrix3d covariance;  ///< of that pose
+  bool firm = false;           ///< eq. 12 holds: it belongs to the local map
+};
+
+/// The surroundings of a patch: what is determined relative to it, kept until the patch or the graph near it
+/// changes. `firm` patches, those of eq. 12, make the local map that every scan is matched with; the others
+/// are where a local loop may be about to close, and are matched on their own (rejoin.hpp).
+class Surroundings {
+ public:
+  /// Looks again if the reference, or the graph near it, has changed since.
+  void update(const Map& map, PatchId reference, const EngineOptions& options);
+
+  PatchId reference() const { return reference_; }
+  /// Changes whenever `update` had to look again.
+  std::int64_t stamp() const { return stamp_; }
+  const std::vector<Determined>& patches() const { return patches_; }
+
+  /// The firm patches near a pose that a scan from there would overlap with: the oldest, which hold the map
+  /// together, and the newest.
+  LocalMap local_map(const Map& map, const Pose& local_from_robot, std::span<const ScanPoint> points,
+                     const EngineOptions& options) const;
+
+ private:
+  PatchId reference_;
+  std::int64_t stamp_ = -1;  // of `looked_at_` when they were looked at
+  std::vector<PatchId> looked_at_;
+  std::vector<Determined> patches_;
+};
+
+/// Share of a scan's points that have a patch's point near them, at a pose: a quick look at every few beams.
+double overlap_share(const Patch& patch, const Pose& patch_from_robot, std::span<const ScanPoint> points);
+
+}  // namespace isthmus

@@ -1,0 +1,64 @@
+#include "server/output/graph_g2o.hpp"
+
+#include "server/output/atomic_file.hpp"
+#include "server/output/number.hpp"
+
+namespace isthmus {
+namespace {
+
+/// (x, y, yaw) of a_from_b less those of the measured pose = a_from_error * e, with g2o's error e seen from
+/// the measured pose.
+Eigen::Matrix3d a_from_error(const Pose& measured_a_from_b) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.col(0).head<2>() = rotate(measured_a_from_b.yaw, Eigen::Vector2d::UnitX());
+  turn.col(1).head<2>() = rotate(measured_a_from_b.yaw, Eigen::Vector2d::UnitY());
+  return turn;
+}
+
+std::string pose_text(const Pose& pose) {
+  return number(pose.x) + " " + number(pose.y) + " " + number(pose.yaw);
+}
+
+std::string edge_line(const Relation& relation, const G2oEdge& edge) {
+  std::string line = "EDGE_SE2 " + std::to_string(relation.a.value) + " " + std::to_string(relation.b.value) +
+                     " " + pose_text(edge.measured_a_from_b);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = row; column < 3; ++column) line += " " + number(edge.information(row, column));
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+G2oEdge g2o_edge(const Relation& relation, const Pose& fitted_a_from_b) {
+  const Pose z = minimiser(relation.measurement, fitted_a_from_b);
+  const Eigen::Matrix3d turn = a_from_error(z);
+  const double weight =
+      robust_weight(chi_squared(relation.measurement, fitted_a_from_b), relation.robust_scale);
+  const Eigen::Matrix3d by_pose = weight * information(relation.measurement, z);
+  return {z, turn.transpose() * by_pose * turn};
+}
+
+RelativePose relative_pose(const G2oEdge& edge) {
+  const Eigen::Matrix3d turn = a_from_error(edge.measured_a_from_b);
+  return {edge.measured_a_from_b, turn * edge.information * turn.transpose()};
+}
+
+void write_g2o(const MapCopy& map, const RankedIslands& islands, const std::string& path) {
+  AtomicFile file(path);
+  for (std::size_t i = 0; i < map.patches.size(); ++i) {
+    file.write("VERTEX_SE2 " + std::to_string(map.patches[i]->id.value) + " " + pose_text(map.poses[i]) +
+               "\n");
+  }
+  for (const std::vector<PatchId>& patches : islands.patches) {
+    file.write("FIX " + std::to_string(patches.front().value) + "\n");
+  }
+  for (const auto& [id, relation] : map.graph.relations()) {
+    const Pose& map_from_a = map.poses[static_cast<std::size_t>(relation.a.value)];
+    const Pose& map_from_b = map.poses[static_cast<std::size_t>(relation.b.value)];
+    file.write(edge_line(relation, g2o_edge(relation, ominus(map_from_b, map_from_a))));
+  }
+  file.commit();
+}
+
+}  // namespace isthmus

@@ -1,0 +1,63 @@
+#include "server/output/output.hpp"
+
+#include "server/output/atomic_file.hpp"
+#include "server/output/graph_g2o.hpp"
+#include "server/output/grid.hpp"
+#include "server/output/grid_files.hpp"
+#include "server/output/islands.hpp"
+#include "server/output/picture.hpp"
+#include "server/output/report.hpp"
+#include "server/output/stale.hpp"
+#include "server/output/tables.hpp"
+#include "server/output/trajectories.hpp"
+
+namespace isthmus {
+namespace {
+
+/// The map with every island's frame moved; relations and covariances are relative and stay.
+MapCopy aligned(const MapCopy& map, const Pose& out_from_map) {
+  MapCopy out = map;
+  for (Pose& pose : out.poses) pose = out_from_map * pose;
+  const Eigen::Matrix2d turn = (Eigen::Matrix2d() << rotate(out_from_map.yaw, Eigen::Vector2d::UnitX()),
+                                rotate(out_from_map.yaw, Eigen::Vector2d::UnitY()))
+                                   .finished();
+  for (TagRecord& tag : out.tags) {
+    tag.position = out_from_map * tag.position;
+    tag.covariance = turn * tag.covariance * turn.transpose();
+  }
+  return out;
+}
+
+void write_grids(const MapCopy& map, const RankedIslands& islands, const std::string& directory,
+                 double resolution_m) {
+  std::vector<Picture> pictures;
+  for (std::size_t k = 0; k < islands.patches.size(); ++k) {
+    const OccupancyGrid grid = render_island(map, islands.patches[k], resolution_m);
+    write_grid(grid, directory + "/island-" + std::to_string(k));
+    pictures.emplace_back(grid);
+  }
+  write_pictures(map, islands, std::move(pictures), directory);
+}
+
+}  // namespace
+
+void write_outputs(const MapCopy& map, const RunCost& cost, const std::string& directory,
+                   const OutputOptions& options) {
+  const MapCopy out = aligned(map, options.align);
+  const RankedIslands islands = rank_islands(out.graph);
+  make_directory(directory + "/trajectories");
+
+  write_grids(out, islands, directory, options.resolution_m);
+  write_trajectories(out, directory + "/trajectories");
+  write_robots(out, islands, directory + "/robots.csv");
+  write_patches(out, islands, directory + "/patches.csv");
+  write_relations(out, directory + "/relations.csv");
+  write_sightings(out, directory + "/sightings.csv");
+  write_tags(out, islands, directory + "/tags.csv");
+  write_g2o(out, islands, directory + "/graph.g2o");
+  remove_stale(directory, islands.patches.size(), robots_of(out));
+  // Last, and of the map as it is: who finds a new report finds everything it speaks of.
+  write_report(map, islands, cost, directory + "/report.json");
+}
+
+}  // namespace isthmus

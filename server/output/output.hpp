@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "server/engine/map_copy.hpp"
+#include "server/output/latency.hpp"
+
+namespace isthmus {
+
+/// What a run cost; measured by the program that drove the engine.
+struct RunCost {
+  double wall_s = 0;
+  double cpu_s = 0;
+  double peak_rss_mb = 0;
+  LatencyHistogram event_latency;
+};
+/// CPU time and peak memory of this process so far.
+double process_cpu_s();
+double process_peak_rss_mb();
+
+struct OutputOptions {
+  double resolution_m = 0.05;
+  Pose align;  ///< applied to every island's frame before export: out_from_map
+};
+
+/// Writes every output file of FORMATS.md ("Files": grids, trajectories, CSVs, graph.g2o, report.json) into a
+/// directory, made where missing. Each file is complete or absent: written under a temporary name, synced and
+/// renamed. Throws std::runtime_error naming the file and the reason.
+void write_outputs(const MapCopy& map, const RunCost& cost, const std::string& directory,
+                   const OutputOptions& options = {});
+
+}  // namespace isthmus

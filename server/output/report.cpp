@@ -1,0 +1,112 @@
+#include "server/output/report.hpp"
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "server/output/atomic_file.hpp"
+
+namespace isthmus {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double seconds_between(std::int64_t from_utime, std::int64_t to_utime) {
+  return 1e-6 * (static_cast<double>(to_utime) - static_cast<double>(from_utime));
+}
+
+Json closures(const MapCopy& map) {
+  Json list = Json::array();
+  for (const ClosureRecord& closure : map.closures) {
+    list.push_back({{"id", closure.id.value},
+                    {"kind", closure.kind},
+                    {"state", closure.state},
+                    {"utime", closure.utime},
+                    {"robots", closure.robots},
+                    {"reason", closure.reason},
+                    {"patches_touched", closure.patches_touched},
+                    {"work_steps", closure.work_steps},
+                    {"event_time_s", seconds_between(closure.start_utime, closure.end_utime)}});
+  }
+  return list;
+}
+
+Json sessions(const MapCopy& map, const RankedIslands& islands) {
+  Json list = Json::array();
+  for (const Session& session : map.sessions) {
+    list.push_back({{"number", session.number},
+                    {"robot", session.robot},
+                    {"island", islands.rank(session.first_patch)},
+                    {"from_utime", session.from_utime},
+                    {"to_utime", session.to_utime}});
+  }
+  return list;
+}
+
+Json island_list(const MapCopy& map, const RankedIslands& islands) {
+  Json list = Json::array();
+  for (const std::vector<PatchId>& patches : islands.patches) {
+    std::set<std::string> robots;
+    for (const PatchId id : patches) robots.insert(map.patches[static_cast<std::size_t>(id.value)]->robot);
+    list.push_back({{"id", patches.front().value}, {"patches", patches.size()}, {"robots", robots}});
+  }
+  return list;
+}
+
+Json latency_ms(const LatencyHistogram& latency) {
+  return {{"p50", 1e3 * latency.quantile_s(0.5)},
+          {"p99", 1e3 * latency.quantile_s(0.99)},
+          {"max", 1e3 * latency.max_s()}};
+}
+
+/// A map of counts; an empty one is an object too.
+Json counts(const std::map<std::string, std::int64_t>& by_reason) {
+  Json object = Json::object();
+  for (const auto& [reason, count] : by_reason) object[reason] = count;
+  return object;
+}
+
+Json counts_by_robot(const std::map<std::string, std::map<std::string, std::int64_t>>& by_robot) {
+  Json object = Json::object();
+  for (const auto& [robot, by_reason] : by_robot) object[robot] = counts(by_reason);
+  return object;
+}
+
+}  // namespace
+
+std::string report_json(const MapCopy& map, const RankedIslands& islands, const RunCost& cost) {
+  const Counters& counters = map.counters;
+  const double log_duration_s = seconds_between(counters.first_receive_utime, counters.last_receive_utime);
+  const Json report = {{"events", counters.events},
+                       {"scans", counters.scans},
+                       {"scans_matched", counters.scans_matched},
+                       {"scans_predicted", counts(counters.scans_predicted)},
+                       {"sightings", counters.sightings},
+                       {"dropped", counts(counters.dropped)},
+                       {"dropped_by_robot", counts_by_robot(counters.dropped_by_robot)},
+                       {"patches", map.patches.size()},
+                       {"relations", map.graph.relations().size()},
+                       {"islands", islands.patches.size()},
+                       {"island_list", island_list(map, islands)},
+                       {"trajectory_rows", map.trajectory_rows},
+                       {"sessions", sessions(map, islands)},
+                       {"closures", closures(map)},
+                       {"log_duration_s", log_duration_s},
+                       {"wall_s", cost.wall_s},
+                       {"cpu_s", cost.cpu_s},
+                       {"realtime_factor", cost.wall_s > 0 ? log_duration_s / cost.wall_s : 0.0},
+                       {"event_latency_ms", latency_ms(cost.event_latency)},
+                       {"peak_rss_mb", cost.peak_rss_mb},
+                       {"map_sha256", map_sha256(map)}};
+  // Names and reasons may hold bytes that are no UTF-8; those are replaced, for a report must not fail on
+  // them.
+  return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_report(const MapCopy& map, const RankedIslands& islands, const RunCost& cost,
+                  const std::string& path) {
+  AtomicFile file(path);
+  file.write(report_json(map, islands, cost));
+  file.commit();
+}
+
+}  // namespace isthmus

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "server/output/islands.hpp"
+#include "server/output/output.hpp"
+
+namespace isthmus {
+
+/// The text of report.json: what was counted, what it cost, the closures, and the map's SHA-256.
+std::string report_json(const MapCopy& map, const RankedIslands& islands, const RunCost& cost);
+
+void write_report(const MapCopy& map, const RankedIslands& islands, const RunCost& cost,
+                  const std::string& path);
+
+}  // namespace isthmus

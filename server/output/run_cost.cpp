@@ -1,0 +1,22 @@
+#include <sys/resource.h>
+
+#include "server/output/output.hpp"
+
+namespace isthmus {
+
+double process_cpu_s() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  const auto total_s = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return total_s(usage.ru_utime) + total_s(usage.ru_stime);
+}
+
+double process_peak_rss_mb() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts in KiB
+}
+
+}  // namespace isthmus

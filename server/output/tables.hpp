@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "server/engine/map_copy.hpp"
+#include "server/output/islands.hpp"
+
+namespace isthmus {
+
+/// The CSV files of FORMATS.md. Islands are numbered by rank; -1 stands for "none". Poses are in the island's
+/// frame, as are the patches' polygons.
+
+/// `robot,island,from_s,to_s`: a row per robot and session, each robot's last one current.
+void write_robots(const MapCopy& map, const RankedIslands& islands, const std::string& path);
+
+/// A row per patch, with the exact covariance of (x, y, yaw) relative to the island's first patch, in that
+/// patch's frame (nan where the relations leave it open), and the free space as WKT.
+void write_patches(const MapCopy& map, const RankedIslands& islands, const std::string& path);
+
+void write_relations(const MapCopy& map, const std::string& path);
+void write_sightings(const MapCopy& map, const std::string& path);
+
+/// Fixed tags; nan where one has not been placed yet.
+void write_tags(const MapCopy& map, const RankedIslands& islands, const std::string& path);
+
+}  // namespace isthmus

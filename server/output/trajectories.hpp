@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "server/engine/map_copy.hpp"
+
+namespace isthmus {
+
+/// A robot's pose at one scan, projected by its patch's pose of this map.
+struct ProjectedRow {
+  const Session& session;
+  std::int64_t utime = 0;
+  PatchId patch;
+  Pose map_from_robot;
+};
+
+/// Calls `visit` with every row of the trajectory in event order. Memory does not grow with their number.
+void for_each_row(const MapCopy& map, const std::function<void(const ProjectedRow&)>& visit);
+
+/// The robots of all sessions, by name, each once.
+std::vector<std::string> robots_of(const MapCopy& map);
+
+/// The name of a robot as the name of a file: what is not a letter, a digit, '_' or '-' becomes %XX.
+std::string file_name_of(const std::string& robot);
+
+/// Writes ROBOT.tum for each robot into a directory: `timestamp tx ty tz qx qy qz qw`, all sessions' rows.
+void write_trajectories(const MapCopy& map, const std::string& directory);
+
+}  // namespace isthmus

@@ -1,0 +1,51 @@
+#include "server/wire/byte_check.hpp"
+
+namespace isthmus {
+namespace {
+
+/// Takes bytes from the front; false where there are too few.
+bool take(std::span<const std::uint8_t>& rest, std::int64_t count) {
+  if (count > static_cast<std::int64_t>(rest.size())) return false;
+  rest = rest.subspan(static_cast<std::size_t>(count));
+  return true;
+}
+
+bool take_member(std::span<const std::uint8_t>& rest, const Member& member) {
+  if (member.kind == Member::Kind::fixed) return take(rest, member.size);
+  if (rest.size() < 4) return false;
+  const std::int32_t count = read_int32(rest);
+  const std::int32_t least = member.kind == Member::Kind::text ? 1 : 0;
+  if (count < least || count > member.cap) return false;
+  take(rest, 4);
+  const std::int64_t bytes = std::int64_t{count} * member.size;
+  if (bytes > static_cast<std::int64_t>(rest.size())) return false;
+  if (member.kind == Member::Kind::text && rest[static_cast<std::size_t>(bytes - 1)] != 0) return false;
+  return take(rest, bytes);
+}
+
+}  // namespace
+
+std::string_view check_bytes(std::int64_t fingerprint, std::span<const Member> members,
+                             std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < 8) return "bad_length";
+  if (read_int64(bytes) != fingerprint) return "bad_fingerprint";
+  std::span<const std::uint8_t> rest = bytes.subspan(8);
+  for (const Member& member : members) {
+    if (!take_member(rest, member)) return "bad_length";
+  }
+  return rest.empty() ? "" : "bad_length";
+}
+
+std::int32_t read_int32(std::span<const std::uint8_t> bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = (value << 8) | bytes[i];
+  return static_cast<std::int32_t>(value);
+}
+
+std::int64_t read_int64(std::span<const std::uint8_t> bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < 8; ++i) value = (value << 8) | bytes[i];
+  return static_cast<std::int64_t>(value);
+}
+
+}  // namespace isthmus

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace isthmus {
+
+/// One member of an LCM type, as far as the number of its bytes goes.
+struct Member {
+  enum class Kind {
+    fixed,  ///< `size` bytes
+    array,  ///< an int32 count, at most `cap`, and that many elements of `size` bytes
+    text,   ///< an int32 length, at most `cap` with its final NUL, and that many bytes
+  };
+  Kind kind = Kind::fixed;
+  std::int32_t size = 0;
+  std::int32_t cap = 0;
+};
+
+constexpr Member fixed(std::int32_t bytes) { return {Member::Kind::fixed, bytes, 0}; }
+constexpr Member array(std::int32_t element_bytes, std::int32_t most) {
+  return {Member::Kind::array, element_bytes, most};
+}
+constexpr Member text(std::int32_t most_bytes) { return {Member::Kind::text, 1, most_bytes}; }
+
+/// Walks the members of a message, before any generated decoder sees it: those trust counts and lengths.
+/// Returns the reason for refusal, "bad_fingerprint" or "bad_length" (a count or length out of bounds, or a
+/// message longer or shorter than they say); empty for a message that is safe to decode.
+std::string_view check_bytes(std::int64_t fingerprint, std::span<const Member> members,
+                             std::span<const std::uint8_t> bytes);
+
+/// Big-endian integers, as in LCM messages and logs. There must be enough bytes.
+std::int32_t read_int32(std::span<const std::uint8_t> bytes);
+std::int64_t read_int64(std::span<const std::uint8_t> bytes);
+
+}  // namespace isthmus

@@ -1,0 +1,112 @@
+#include "server/wire/inbox.hpp"
+
+#include <utility>
+
+namespace isthmus {
+namespace {
+
+Message copy_of(std::int64_t utime, const std::string& channel, std::span<const std::uint8_t> bytes) {
+  return {utime, channel, {bytes.begin(), bytes.end()}};
+}
+
+}  // namespace
+
+void Inbox::push(const std::string& sender, bool is_scan, std::int64_t utime, const std::string& channel,
+                 std::span<const std::uint8_t> bytes) {
+  const std::lock_guard lock(mutex_);
+  if (closed_) return;
+  const std::string& queue = queue_name(sender);
+  if (bytes.size() > limits_.message_bytes) {
+    drops_[queue]["bad_length"] += 1;
+    return;
+  }
+  while (!has_room(queue, bytes.size())) {
+    remove_oldest(senders_[queue]);
+    drops_[queue]["queue_full"] += 1;
+  }
+  add(queue, is_scan, copy_of(utime, channel, bytes));
+}
+
+bool Inbox::push_waiting(const std::string& sender, bool is_scan, std::int64_t utime,
+                         const std::string& channel, std::span<const std::uint8_t> bytes) {
+  std::unique_lock lock(mutex_);
+  const std::string& queue = queue_name(sender);
+  if (bytes.size() > limits_.message_bytes) {
+    drops_[queue]["bad_length"] += 1;
+    return !closed_;
+  }
+  changed_.wait(lock, [&] { return closed_ || has_room(queue, bytes.size()); });
+  if (closed_) return false;
+  add(queue, is_scan, copy_of(utime, channel, bytes));
+  return true;
+}
+
+void Inbox::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  changed_.notify_all();
+}
+
+bool Inbox::finished() const {
+  const std::lock_guard lock(mutex_);
+  return closed_ && entries_.empty();
+}
+
+std::optional<Message> Inbox::pop(std::chrono::milliseconds wait) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, wait, [&] { return closed_ || !entries_.empty(); });
+  if (entries_.empty()) return std::nullopt;
+  auto node = entries_.extract(entries_.begin());
+  Entry& entry = node.mapped();
+  Sender& sender = senders_[entry.sender];
+  (entry.is_scan ? sender.scans : sender.others).pop_front();
+  sender.bytes -= entry.message.bytes.size();
+  all_bytes_ -= entry.message.bytes.size();
+  changed_.notify_all();
+  return std::move(entry.message);
+}
+
+std::map<std::string, std::map<std::string, std::int64_t>> Inbox::take_drops() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(drops_, {});
+}
+
+std::size_t Inbox::size() const {
+  const std::lock_guard lock(mutex_);
+  return entries_.size();
+}
+
+const std::string& Inbox::queue_name(const std::string& sender) const {
+  static const std::string shared;
+  return senders_.contains(sender) || senders_.size() < limits_.senders ? sender : shared;
+}
+
+bool Inbox::has_room(const std::string& sender, std::size_t bytes) const {
+  const auto found = senders_.find(sender);
+  if (found == senders_.end()) return true;
+  const Sender& queue = found->second;
+  const std::size_t messages = queue.scans.size() + queue.others.size();
+  return messages == 0 || (messages < limits_.messages && queue.bytes + bytes <= limits_.bytes &&
+                           all_bytes_ + bytes <= limits_.all_bytes);
+}
+
+void Inbox::add(const std::string& sender, bool is_scan, Message message) {
+  Sender& queue = senders_[sender];
+  queue.bytes += message.bytes.size();
+  all_bytes_ += message.bytes.size();
+  (is_scan ? queue.scans : queue.others).push_back(next_key_);
+  entries_.emplace_hint(entries_.end(), next_key_, Entry{std::move(message), sender, is_scan});
+  next_key_ += 1;
+  changed_.notify_all();
+}
+
+void Inbox::remove_oldest(Sender& sender) {
+  std::deque<std::uint64_t>& keys = sender.scans.empty() ? sender.others : sender.scans;
+  const auto entry = entries_.find(keys.front());
+  keys.pop_front();
+  sender.bytes -= entry->second.message.bytes.size();
+  all_bytes_ -= entry->second.message.bytes.size();
+  entries_.erase(entry);
+}
+
+}  // namespace isthmus

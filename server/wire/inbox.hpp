@@ -1,0 +1,84 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/wire/message.hpp"
+
+namespace isthmus {
+
+/// Bounds of what may wait between the receiving thread and the engine. A robot back from a radio shadow
+/// sends minutes at once: at 40 scans and odometries a second, 20,000 messages are four minutes.
+struct InboxLimits {
+  std::size_t messages = 20'000;              ///< of each sender
+  std::size_t bytes = 64 * 1024 * 1024;       ///< of each sender
+  std::size_t all_bytes = 512 * 1024 * 1024;  ///< of all senders together
+  std::size_t message_bytes = 1024 * 1024;    ///< a longer message is none of ours
+  std::size_t senders = 64;                   ///< senders beyond these share one queue
+};
+
+/// Messages in order of arrival, bounded for each sender, so that one robot's flood does not cost another's
+/// messages. Where a sender's queue is full its oldest scan goes first: the next one says nearly the same.
+class Inbox {
+ public:
+  explicit Inbox(InboxLimits limits = {}) : limits_(limits) {}
+
+  /// Copies the message. Any thread.
+  void push(const std::string& sender, bool is_scan, std::int64_t utime, const std::string& channel,
+            std::span<const std::uint8_t> bytes);
+
+  /// The same, but waits while the queue is full instead of dropping; false once closed. For sources that can
+  /// wait, such as a log file.
+  bool push_waiting(const std::string& sender, bool is_scan, std::int64_t utime, const std::string& channel,
+                    std::span<const std::uint8_t> bytes);
+
+  /// Nothing more will come: push drops silently from now on.
+  void close();
+  /// Closed and empty.
+  bool finished() const;
+
+  /// The oldest message; nothing after `wait`, or at once when closed and empty.
+  std::optional<Message> pop(std::chrono::milliseconds wait);
+
+  /// Messages dropped since the last call, by sender and reason.
+  std::map<std::string, std::map<std::string, std::int64_t>> take_drops();
+
+  std::size_t size() const;
+
+ private:
+  struct Entry {
+    Message message;
+    std::string sender;
+    bool is_scan = false;
+  };
+  struct Sender {
+    std::deque<std::uint64_t> scans;  ///< keys of entries_, rising
+    std::deque<std::uint64_t> others;
+    std::size_t bytes = 0;
+  };
+
+  const std::string& queue_name(const std::string& sender) const;
+  bool has_room(const std::string& sender, std::size_t bytes) const;
+  void add(const std::string& sender, bool is_scan, Message message);
+  void remove_oldest(Sender& sender);
+
+  InboxLimits limits_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool closed_ = false;
+  std::uint64_t next_key_ = 0;
+  std::size_t all_bytes_ = 0;
+  std::map<std::uint64_t, Entry> entries_;  ///< by arrival
+  std::map<std::string, Sender> senders_;
+  std::map<std::string, std::map<std::string, std::int64_t>> drops_;
+};
+
+}  // namespace isthmus

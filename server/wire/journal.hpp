@@ -1,0 +1,64 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/wire/file_bytes.hpp"
+#include "server/wire/message.hpp"
+
+namespace isthmus {
+
+struct JournalOptions {
+  std::int64_t segment_bytes = 64 * 1024 * 1024;  ///< a segment that would grow beyond it is closed
+  std::chrono::milliseconds sync_interval{1000};  ///< what was appended is on the disk after this time
+  /// Told when the disk begins to refuse events, and when it takes them again; from any thread.
+  std::function<void(const std::string&)> report;
+};
+
+/// The record of what the engine was told: an LCM log in segments journal-000001.lcm, ... of a directory,
+/// each event handed to the kernel as it is appended, so that a crash of this process loses nothing.
+class Journal {
+ public:
+  /// Makes the directory where missing, and begins with `first`. Throws std::runtime_error naming the
+  /// directory or file and the reason; a directory that holds a journal already is refused.
+  Journal(std::string directory, const Message& first, JournalOptions options = {});
+  ~Journal();
+
+  /// One thread may append. False where the disk refused the event: it is counted and not in the journal; the
+  /// next is tried again.
+  bool append(const Message& message);
+
+  std::int64_t bytes() const { return total_bytes_; }
+  std::int64_t failures() const { return failures_; }  ///< events refused; any thread may ask
+
+ private:
+  int write_frame();
+  int open_segment();
+  void note_result(int error);
+  void sync_loop(const std::stop_token& stop);
+
+  std::string directory_;
+  JournalOptions options_;
+  int segment_ = 0;
+  std::int64_t next_number_ = 0;
+  std::int64_t segment_size_ = 0;
+  std::int64_t total_bytes_ = 0;
+  bool failing_ = false;
+  std::atomic<std::int64_t> failures_ = 0;
+  std::vector<std::uint8_t> frame_;
+
+  std::mutex file_mutex_;  ///< file_ is replaced by the appending thread, read by the syncing one
+  FileHandle file_;
+  std::atomic<bool> unsynced_ = false;
+  std::condition_variable_any stopped_;
+  std::jthread syncer_;
+};
+
+}  // namespace isthmus

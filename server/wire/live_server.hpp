@@ -1,0 +1,73 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/engine/engine.hpp"
+#include "server/output/latency.hpp"
+#include "server/wire/inbox.hpp"
+#include "server/wire/journal.hpp"
+#include "server/wire/map_publisher.hpp"
+#include "server/wire/robot_monitor.hpp"
+
+namespace isthmus {
+
+struct LiveOptions {
+  std::string toml;               ///< the configuration's text; must parse
+  std::string journal_directory;  ///< empty: no journal
+  std::string output_directory;   ///< empty: nothing is exported
+  /// The time of ticks, microseconds; none where the messages carry the time of a log.
+  std::function<std::int64_t()> clock;
+  std::int64_t start_utime = 0;  ///< receive time of the configuration where there is no clock
+  std::chrono::milliseconds tick_interval{100};
+  std::chrono::milliseconds status_interval{1000};
+  MapPublisherOptions map;
+  JournalOptions journal;
+};
+
+/// The engine at work on what arrives in an inbox: checks and decodes each message, journals it, lets the
+/// engine take it, and publishes. Runs in one thread; the map is published from another.
+///
+/// The engine sees the events of the journal and no others, in its order and with its times, so that a replay
+/// of the journal gives the same map.
+class LiveServer {
+ public:
+  /// Throws std::runtime_error where the configuration is wrong or the journal cannot be begun.
+  LiveServer(LiveOptions options, Inbox& inbox, Publish publish);
+  ~LiveServer();
+
+  /// Until the inbox is closed and empty; then finishes the map and writes the outputs. Throws
+  /// std::runtime_error where those cannot be written.
+  void run();
+
+  const Engine& engine() const { return engine_; }
+
+ private:
+  void handle(Message message);
+  void take(const Event& event);
+  void journal(const Message& message);
+  void publish_poses(const Outcome& outcome);
+  void tick_if_due();
+  void count_inbox_drops();
+  void publish_status_if_due();
+  void write_results();
+
+  LiveOptions options_;
+  Inbox& inbox_;
+  Publish publish_;
+  Engine engine_;
+  RobotMonitor monitor_;
+  LatencyHistogram latency_;
+  std::int64_t last_utime_ = 0;  ///< receive times never go back
+  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point last_event_;
+  std::chrono::steady_clock::time_point last_status_;
+  std::unique_ptr<Journal> journal_;
+  std::unique_ptr<MapPublisher> map_publisher_;
+};
+
+}  // namespace isthmus

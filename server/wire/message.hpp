@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/engine/configuration.hpp"
+#include "server/engine/event.hpp"
+
+namespace isthmus {
+
+/// A message as LCM carries it.
+struct Message {
+  std::int64_t utime = 0;  ///< receive time, the LCM log header's
+  std::string channel;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// What a channel's message became: an event, or the reason why not.
+struct Decoded {
+  std::optional<Event> event;
+  std::string robot;   ///< upper case; empty where the channel belongs to none
+  std::string reason;  ///< lower_case, as in report.json's `dropped`; empty for an event
+  bool ours = true;    ///< false: a channel that is not Isthmus' input (ignored, not counted as dropped)
+};
+
+/// Checks the bytes (fingerprint, counts and string lengths within bounds, exact length) before any decode,
+/// then the values (finite, within reason), and makes an event.
+Decoded decode(const Configuration& configuration, const std::string& channel,
+               std::span<const std::uint8_t> bytes, std::int64_t receive_utime);
+
+/// The message of an event, on the default channels.
+Message encode(const Event& event);
+
+}  // namespace isthmus

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "isthmus/manifold_pose_t.hpp"
+#include "isthmus/status_t.hpp"
+#include "server/engine/engine.hpp"
+
+namespace isthmus {
+
+/// What the server itself says of itself, beside the engine's counters.
+struct ServerCounters {
+  std::int32_t queued = 0;
+  std::int64_t journal_bytes = 0;
+  std::int64_t journal_failures = 0;
+};
+
+/// Keeps, for ISTHMUS_STATUS, when and how often each robot was heard and how its scans fared.
+class RobotMonitor {
+ public:
+  void heard(const std::string& robot, std::int64_t utime);
+  void answered(const RobotPose& pose);
+
+  /// `elapsed_s` since the status before, for the rates.
+  status_t status(const MapCopy& map, const ServerCounters& server, std::int64_t utime, double elapsed_s);
+
+ private:
+  struct Robot {
+    std::int64_t last_heard_utime = 0;
+    std::int64_t messages_since = 0;  ///< since the last status
+    std::int64_t scans_since = 0;
+    std::int64_t scans = 0;
+    std::int64_t scans_matched = 0;
+    double message_rate_hz = 0;
+    double scan_rate_hz = 0;
+  };
+
+  std::map<std::string, Robot> robots_;
+};
+
+manifold_pose_t pose_message(const RobotPose& pose);
+
+}  // namespace isthmus

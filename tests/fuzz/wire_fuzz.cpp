@@ -1,0 +1,24 @@
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "server/wire/message.hpp"
+
+/// Input: one byte that chooses the channel, then the message. Whatever it is, it is refused with a reason,
+/// or it is an event that can be written and read again.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const std::array channels = {
+      "R1_ROBOT",        "R1_ODOMETRY",           "R1_SCAN",     "R1_SIGHTING", "ISTHMUS_TAG",
+      "ISTHMUS_COMMAND", "ISTHMUS_CONFIGURATION", "ISTHMUS_TICK"};
+  if (size == 0) return 0;
+  const isthmus::Configuration configuration;
+  const std::span bytes(data + 1, size - 1);
+  const auto decoded = isthmus::decode(configuration, channels[data[0] % channels.size()], bytes, 1);
+  if (decoded.event.has_value() != decoded.reason.empty()) std::abort();
+  if (!decoded.event) return 0;
+  const isthmus::Message again = isthmus::encode(*decoded.event);
+  if (!isthmus::decode(configuration, again.channel, again.bytes, again.utime).event) std::abort();
+  return 0;
+}

@@ -1,0 +1,122 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <functional>
+#include <numbers>
+
+#include "patches/pose.hpp"
+
+namespace isthmus {
+namespace {
+
+double between(double low, double high) {
+  return low + (high - low) * (*rc::gen::inRange(0, 1'000'001)) / 1e6;
+}
+
+Pose any_pose() { return {between(-50, 50), between(-50, 50), between(-3.2, 3.2)}; }
+
+void expect_same(const Pose& a, const Pose& b) {
+  RC_ASSERT(std::abs(a.x - b.x) < 1e-9);
+  RC_ASSERT(std::abs(a.y - b.y) < 1e-9);
+  RC_ASSERT(std::abs(wrap_angle(a.yaw - b.yaw)) < 1e-9);
+}
+
+// Central differences of a pose-valued function; differences of yaw are wrapped.
+Eigen::Matrix3d numeric_jacobian(const std::function<Pose(const Pose&)>& function, const Pose& at) {
+  constexpr double h = 1e-5;
+  Eigen::Matrix3d jacobian;
+  for (int k = 0; k < 3; ++k) {
+    Eigen::Vector3d step = Eigen::Vector3d::Zero();
+    step[k] = h;
+    const Pose up = function(to_pose(to_vector(at) + step));
+    const Pose down = function(to_pose(to_vector(at) - step));
+    jacobian.col(k) << up.x - down.x, up.y - down.y, wrap_angle(up.yaw - down.yaw);
+  }
+  return jacobian / (2 * h);
+}
+
+void expect_same(const Eigen::Matrix3d& analytic, const Eigen::Matrix3d& numeric) {
+  RC_ASSERT((analytic - numeric).cwiseAbs().maxCoeff() < 1e-6);
+}
+
+TEST(PoseProperty, IdentityChangesNothing) {
+  EXPECT_TRUE(rc::check([] {
+    const Pose pose = any_pose();
+    expect_same(pose * Pose{}, pose);
+    expect_same(Pose{} * pose, pose);
+  }));
+}
+
+TEST(PoseProperty, InverseUndoes) {
+  EXPECT_TRUE(rc::check([] {
+    const Pose pose = any_pose();
+    expect_same(pose * inverse(pose), {});
+    expect_same(inverse(pose) * pose, {});
+  }));
+}
+
+TEST(PoseProperty, CompositionIsAssociative) {
+  EXPECT_TRUE(rc::check([] {
+    const Pose a = any_pose();
+    const Pose b = any_pose();
+    const Pose c = any_pose();
+    expect_same((a * b) * c, a * (b * c));
+  }));
+}
+
+TEST(PoseProperty, CompositionActsOnPointsOneAfterTheOther) {
+  EXPECT_TRUE(rc::check([] {
+    const Pose a = any_pose();
+    const Pose b = any_pose();
+    const Eigen::Vector2d point(between(-50, 50), between(-50, 50));
+    RC_ASSERT(((a * b) * point - a * (b * point)).norm() < 1e-9);
+  }));
+}
+
+TEST(PoseProperty, OminusUndoesOplus) {
+  EXPECT_TRUE(rc::check([] {
+    const Pose pi = any_pose();
+    const Pose r = any_pose();
+    expect_same(ominus(pi * r, pi), r);
+    expect_same(ominus(r, pi), inverse(pi) * r);
+  }));
+}
+
+TEST(PoseProperty, WrappedAngleIsInRangeAndTheSameDirection) {
+  EXPECT_TRUE(rc::check([] {
+    const double angle = between(-1000, 1000);
+    const double wrapped = wrap_angle(angle);
+    RC_ASSERT(wrapped > -std::numbers::pi && wrapped <= std::numbers::pi);
+    RC_ASSERT(std::abs(std::remainder(angle - wrapped, 2 * std::numbers::pi)) < 1e-9);
+  }));
+}
+
+TEST(PoseProperty, ComposeJacobiansAreTheDerivatives) {
+  EXPECT_TRUE(rc::check([] {
+    const Pose a = any_pose();
+    const Pose b = any_pose();
+    const ComposeJacobians jacobians = compose_jacobians(a, b);
+    expect_same(jacobians.by_left, numeric_jacobian([&](const Pose& left) { return left * b; }, a));
+    expect_same(jacobians.by_right, numeric_jacobian([&](const Pose& right) { return a * right; }, b));
+  }));
+}
+
+TEST(PoseProperty, OminusJacobiansAreTheDerivatives) {
+  EXPECT_TRUE(rc::check([] {
+    const Pose q = any_pose();
+    const Pose pi = any_pose();
+    const OminusJacobians jacobians = ominus_jacobians(q, pi);
+    expect_same(jacobians.by_q, numeric_jacobian([&](const Pose& p) { return ominus(p, pi); }, q));
+    expect_same(jacobians.by_pi, numeric_jacobian([&](const Pose& p) { return ominus(q, p); }, pi));
+  }));
+}
+
+TEST(PoseProperty, InverseJacobianIsTheDerivative) {
+  EXPECT_TRUE(rc::check([] {
+    const Pose pose = any_pose();
+    expect_same(inverse_jacobian(pose), numeric_jacobian([](const Pose& p) { return inverse(p); }, pose));
+  }));
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,101 @@
+// Recorded logs from end to end: import, replay, evaluate against the ground-truth relations of the SLAM
+// benchmark (Kümmerle et al., Autonomous Robots 27, 2009). One configuration for all of them: the default.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "server/wire/event_log.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tools/evaluate/relation_error.hpp"
+#include "tools/import/import.hpp"
+#include "tools/replay/replay.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+constexpr double least_matched_share = 0.98;
+
+/// What a log's map must reach.
+struct Gate {
+  const char* log;
+  double laser_x_m;
+  double mean_m;
+  double mean_deg;
+  double median_m;
+};
+
+constexpr Gate gates[] = {
+    {"intel", 0, 0.025, 0.45, unlimited},
+    {"fr079", -0.04, 0.05, 0.6, unlimited},
+    {"aces", 0, 0.12, unlimited, 0.035},
+};
+
+std::string data_directory() {
+  const char* given = std::getenv("ISTHMUS_DATA");
+  return given != nullptr ? given : "../shared/data";
+}
+
+/// Imports a log of the benchmark; the path of the event log, nothing where there is no data.
+std::optional<std::string> imported(const Gate& gate, const TemporaryDirectory& directory) {
+  const std::string file = data_directory() + "/bench/" + gate.log + ".clf.gz";
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  CarmenImport what;
+  what.logs = {{"R1", file}};
+  what.laser_x_m = gate.laser_x_m;
+  const std::string log = directory / (std::string(gate.log) + ".lcm");
+  EventLogWriter writer(log);
+  import_carmen(what, [&](const Event& event) { writer.write(encode(event)); });
+  writer.finish();
+  return log;
+}
+
+RelationErrors errors_of(const Gate& gate, const ReplayResult& result, const TemporaryDirectory& directory) {
+  const std::string output = directory / gate.log;
+  write_outputs(result.engine.copy(), result.cost, output);
+  const auto truth = read_benchmark_relations(data_directory() + "/bench/" + gate.log + ".relations", "R1");
+  return evaluate_relations(truth, TeamTrajectories(output)).at("intra");
+}
+
+class RealLog : public testing::TestWithParam<Gate> {};
+
+TEST_P(RealLog, IsMappedAsAccuratelyAsItsGateAsksAndAlwaysTheSame) {
+  const Gate& gate = GetParam();
+  const TemporaryDirectory directory;
+  const auto log = imported(gate, directory);
+  if (!log) GTEST_SKIP() << "no recorded data at " << data_directory() << " (ISTHMUS_DATA)";
+  const ReplayResult first = replay(*log);
+  const MapCopy map = first.engine.copy();
+
+  EXPECT_EQ(first.skipped_bytes, 0);
+  EXPECT_GE(static_cast<double>(map.counters.scans_matched),
+            least_matched_share * static_cast<double>(map.counters.scans));
+  std::int64_t accounted = map.counters.scans_matched;
+  for (const auto& [reason, count] : map.counters.scans_predicted) accounted += count;
+  EXPECT_EQ(accounted, map.counters.scans);
+  EXPECT_EQ(map.trajectory_rows, static_cast<std::size_t>(map.counters.scans));
+
+  const RelationErrors errors = errors_of(gate, first, directory);
+  EXPECT_EQ(errors.missing, 0U);
+  EXPECT_LE(errors.translation_m.mean, gate.mean_m);
+  EXPECT_LE(errors.translation_m.median, gate.median_m);
+  EXPECT_LE(errors.rotation_deg.mean, gate.mean_deg);
+  RecordProperty("translation_mean_m", std::to_string(errors.translation_m.mean));
+  RecordProperty("rotation_mean_deg", std::to_string(errors.rotation_deg.mean));
+  std::printf("%s: %.4f ± %.4f m (median %.4f), %.3f ± %.3f deg\n", gate.log, errors.translation_m.mean,
+              errors.translation_m.deviation, errors.translation_m.median, errors.rotation_deg.mean,
+              errors.rotation_deg.deviation);
+
+  EXPECT_EQ(map_sha256(replay(*log).engine.copy()), map_sha256(map));
+}
+
+INSTANTIATE_TEST_SUITE_P(Benchmark, RealLog, testing::ValuesIn(gates),
+                         [](const auto& test) { return std::string(test.param.log); });
+
+}  // namespace
+}  // namespace isthmus

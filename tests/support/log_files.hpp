@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/wire/event_log.hpp"
+
+namespace isthmus {
+
+inline std::vector<std::uint8_t> read_bytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<std::uint8_t> bytes;
+  for (char c = 0; file.get(c);) bytes.push_back(static_cast<std::uint8_t>(c));
+  return bytes;
+}
+
+inline void write_bytes(const std::string& path, std::span<const std::uint8_t> bytes) {
+  std::ofstream file(path, std::ios::binary);
+  for (const std::uint8_t byte : bytes) file.put(static_cast<char>(byte));
+}
+
+inline void write_log(const std::string& path, const std::vector<Message>& messages) {
+  EventLogWriter writer(path);
+  for (const Message& message : messages) writer.write(message);
+  writer.finish();
+}
+
+struct LogContent {
+  std::vector<Message> messages;
+  std::int64_t skipped = 0;
+};
+
+/// A log file or journal directory, read to its end.
+inline LogContent read_log(const std::string& path) {
+  EventLogReader reader(path);
+  LogContent content;
+  while (auto message = reader.next()) content.messages.push_back(*message);
+  content.skipped = reader.skipped_bytes();
+  return content;
+}
+
+inline bool same(const Message& a, const Message& b) {
+  return a.utime == b.utime && a.channel == b.channel && a.bytes == b.bytes;
+}
+
+/// Frame k of a log of these messages occupies the bytes [ends[k - 1], ends[k]).
+inline std::vector<std::size_t> frame_ends(const std::vector<Message>& messages) {
+  std::vector<std::size_t> ends;
+  std::size_t end = 0;
+  for (const Message& message : messages) {
+    end += 28 + message.channel.size() + message.bytes.size();
+    ends.push_back(end);
+  }
+  return ends;
+}
+
+}  // namespace isthmus

@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "relations/confidence.hpp"
+#include "tools/inspect/confidence_text.hpp"
+#include "tools/inspect/overview.hpp"
+#include "tools/inspect/pose_graph.hpp"
+
+namespace isthmus {
+namespace {
+
+/// A file with this text, which goes away with it.
+class TextFile {
+ public:
+  explicit TextFile(const std::string& text) {
+    std::string name = (std::filesystem::temp_directory_path() / "isthmus-inspect-XXXXXX").string();
+    ::close(::mkstemp(name.data()));
+    path_ = name;
+    std::ofstream(path_) << text;
+  }
+  ~TextFile() { std::filesystem::remove(path_); }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+template <class Action>
+std::string error_of(Action action) {
+  try {
+    action();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+//  0 --- 1 --- 2     3
+constexpr const char* graph =
+    "VERTEX_SE2 0 0 0 0\n"
+    "VERTEX_SE2 1 1 0 1.5707963267948966\n"
+    "VERTEX_SE2 2 1 2 1.5707963267948966\n"
+    "VERTEX_SE2 3 9 9 0\n"
+    "FIX 0\n"
+    "FIX 3\n"
+    "EDGE_SE2 0 1 1 0 1.5707963267948966 100 0 0 400 0 900\n"
+    "EDGE_SE2 1 2 2 0 0 100 0 0 400 0 900\n";
+
+TEST(PoseGraph, IsReadWithInformationTurnedToTheFirstPatchsAxes) {
+  const TextFile file(graph);
+  const PoseGraph map = read_pose_graph(file.path());
+  ASSERT_EQ(map.poses.size(), 4u);
+  EXPECT_EQ(map.poses[2], (Pose{1, 2, 1.5707963267948966}));
+  ASSERT_EQ(map.graph.relations().size(), 2u);
+  const auto& relation = map.graph.relations().begin()->second;
+  const Eigen::Matrix3d by_pose = information(relation.measurement, Pose{1, 0, 1.5707963267948966});
+  // The error's x axis is a's y axis.
+  EXPECT_NEAR(by_pose(0, 0), 400, 1e-9);
+  EXPECT_NEAR(by_pose(1, 1), 100, 1e-9);
+  EXPECT_NEAR(by_pose(2, 2), 900, 1e-9);
+}
+
+TEST(PoseGraph, ErrorsNameFileLineAndReason) {
+  const auto error = [](const std::string& text) {
+    const TextFile file(text);
+    const std::string message = error_of([&] { read_pose_graph(file.path()); });
+    return message.starts_with(file.path()) ? message.substr(file.path().size()) : "?" + message;
+  };
+  EXPECT_EQ(error("VERTEX_SE2 1 0 0 0\n"), ":1: vertex ids must be 0, 1, 2, ... in order");
+  EXPECT_EQ(error("VERTEX_SE2 0 0 0\n"), ":1: expected 5 fields, found 4");
+  EXPECT_EQ(error("VERTEX_SE2 0 0 x 0\n"), ":1: 'x' is not a finite number");
+  EXPECT_EQ(error("VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 1 0 0 0 1 0 0 1 0 1\n"), ":2: no vertex '1'");
+  EXPECT_EQ(error("VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 0 0 0 0 1 0 0 1 0 1\n"),
+            ":2: an edge from a vertex to itself");
+  EXPECT_EQ(error("\nPOINT 1\n"), ":2: unknown line 'POINT'");
+}
+
+TEST(Confidence, IsThatOfTheChainInTheFirstPatchsFrame) {
+  const TextFile file(graph);
+  const PoseGraph map = read_pose_graph(file.path());
+  const std::string text = confidence_text(map.graph, map.poses, PatchId{0}, PatchId{1});
+  EXPECT_NE(text.find("patch 1 relative to patch 0"), std::string::npos) << text;
+  EXPECT_NE(text.find("pose   x 1.0000 m, y 0.0000 m, yaw 90.000 deg"), std::string::npos) << text;
+  EXPECT_NE(text.find("sigma  x 0.0500 m, y 0.1000 m, yaw 1.910 deg"), std::string::npos) << text;
+  EXPECT_NE(text.find("95 %   0.1960 m along the longer axis, 3.743 deg"), std::string::npos) << text;
+}
+
+TEST(Confidence, WhatCannotBeAnsweredIsSaid) {
+  const TextFile file(graph);
+  const PoseGraph map = read_pose_graph(file.path());
+  const auto error = [&](int a, int b) {
+    return error_of([&] { confidence_text(map.graph, map.poses, PatchId{a}, PatchId{b}); });
+  };
+  EXPECT_EQ(error(0, 3), "patches 0 and 3 are on different islands");
+  EXPECT_EQ(error(0, 4), "there is no patch 4");
+  EXPECT_EQ(error(-1, 0), "there is no patch -1");
+}
+
+constexpr const char* report = R"({
+  "events": 120, "scans": 40, "scans_matched": 38, "scans_predicted": {"no_overlap": 2}, "sightings": 1,
+  "dropped": {"unknown_robot": 3}, "patches": 7, "relations": 9, "islands": 2,
+  "island_list": [{"id": 2, "patches": 5, "robots": ["R1", "R2"]}, {"id": 0, "patches": 2, "robots": ["R1"]}],
+  "sessions": [{"number": 0, "robot": "R1", "island": 1, "from_utime": 1000000, "to_utime": 2500000},
+               {"number": 1, "robot": "R2", "island": -1, "from_utime": 0, "to_utime": 0}],
+  "closures": [{"id": 4, "kind": "merge", "state": "accepted", "utime": 2000000, "robots": ["R1", "R2"],
+                "reason": "", "patches_touched": 6, "work_steps": 3, "event_time_s": 0.5}],
+  "log_duration_s": 60, "wall_s": 1, "cpu_s": 0.9, "realtime_factor": 60,
+  "event_latency_ms": {"p50": 0.1, "p99": 2, "max": 3.25}, "peak_rss_mb": 31, "map_sha256": "abc"})";
+
+TEST(Overview, ShowsCountersIslandsSessionsAndClosuresWithIds) {
+  EXPECT_EQ(overview(report, "report.json"),
+            "  map        abc\n"
+            "  events     120 in 60.0 s\n"
+            "  scans      40, 95.00 % matched\n"
+            "  predicted  no_overlap 2\n"
+            "  dropped    unknown_robot 3\n"
+            "  sightings  1\n"
+            "  patches    7\n"
+            "  relations  9\n"
+            "  cost       0.9 s CPU, 31 MB\n"
+            "  latency    0.100 ms median, 2.000 ms 99 %, 3.250 ms at most\n"
+            "\nislands\n"
+            "  island  id  patches  robots\n"
+            "  0       2   5        R1 R2\n"
+            "  1       0   2        R1\n"
+            "\nsessions\n"
+            "  session  robot  island  from s  to s\n"
+            "  0        R1     1       1.000   2.500\n"
+            "  1        R2     -       0.000   0.000\n"
+            "\nclosures\n"
+            "  closure  kind   state     at s   robots  patches  reason\n"
+            "  4        merge  accepted  2.000  R1 R2   6\n");
+}
+
+TEST(Overview, WhatIsNoReportIsAnErrorThatNamesTheFile) {
+  for (const char* text : {"", "[]", "{\"events\": 1}", "{\"events\":"}) {
+    const std::string error = error_of([&] { overview(text, "out/report.json"); });
+    EXPECT_TRUE(error.starts_with("out/report.json: not a report of Isthmus: ")) << error;
+  }
+}
+
+}  // namespace
+}  // namespace isthmus

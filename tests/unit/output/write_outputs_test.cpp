@@ -1,0 +1,168 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include "server/output/output.hpp"
+#include "tests/unit/output/room.hpp"
+
+namespace isthmus {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::content;
+using testing::lines;
+using testing::map_of;
+using testing::rectangle;
+using testing::TemporaryDirectory;
+
+MapCopy room() { return map_of(rectangle(0.025, 0.025, 4.025, 3.025), {{1, 1, 0}, {2, 1, 0.2}, {3, 2, 1}}); }
+
+std::set<std::string> names_in(const std::string& directory) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(directory)) {
+    if (entry.is_regular_file()) names.insert(fs::relative(entry.path(), directory).string());
+  }
+  return names;
+}
+
+struct Pgm {
+  int width = 0;
+  int height = 0;
+  std::string pixels;
+};
+
+Pgm read_pgm(const std::string& file) {
+  const std::string bytes = content(file);
+  std::istringstream header(bytes);
+  std::string magic;
+  Pgm pgm;
+  int most = 0;
+  header >> magic >> pgm.width >> pgm.height >> most;
+  EXPECT_EQ(magic, "P5");
+  EXPECT_EQ(most, 255);
+  pgm.pixels = bytes.substr(static_cast<std::size_t>(header.tellg()) + 1);
+  return pgm;
+}
+
+TEST(WriteOutputs, EveryFileIsThereAndNoOther) {
+  const TemporaryDirectory directory;
+  write_outputs(room(), {}, directory.file("new/out"));
+  EXPECT_EQ(names_in(directory.file("new/out")),
+            (std::set<std::string>{"graph.g2o", "island-0-trajectory.png", "island-0.pgm", "island-0.png",
+                                   "island-0.yaml", "patches.csv", "relations.csv", "report.json",
+                                   "robots.csv", "sightings.csv", "tags.csv", "trajectories/R1.tum"}));
+}
+
+TEST(WriteOutputs, AnEmptyMapIsWrittenToo) {
+  const TemporaryDirectory directory;
+  write_outputs(MapCopy{}, {}, directory.path());
+  EXPECT_EQ(names_in(directory.path()),
+            (std::set<std::string>{"graph.g2o", "patches.csv", "relations.csv", "report.json", "robots.csv",
+                                   "sightings.csv", "tags.csv"}));
+}
+
+TEST(WriteOutputs, TheGridReadsBackAsMapServerReadsIt) {
+  const TemporaryDirectory directory;
+  write_outputs(room(), {}, directory.path(), {.resolution_m = 0.05, .align = {}});
+  EXPECT_EQ(lines(directory.file("island-0.yaml")),
+            (std::vector<std::string>{"image: island-0.pgm", "mode: trinary", "resolution: 0.05",
+                                      "origin: [-0.200000, -0.200000, 0.0]", "negate: 0",
+                                      "occupied_thresh: 0.65", "free_thresh: 0.196"}));
+  const Pgm pgm = read_pgm(directory.file("island-0.pgm"));
+  ASSERT_EQ(pgm.pixels.size(), static_cast<std::size_t>(pgm.width * pgm.height));
+  // map_server: occupancy (255 - p) / 255; above 0.65 occupied, below free_thresh free, else unknown.
+  const auto state = [&](double x, double y) {
+    const int column = static_cast<int>(std::floor((x + 0.2) / 0.05));
+    const int row = pgm.height - 1 - static_cast<int>(std::floor((y + 0.2) / 0.05));
+    const auto pixel =
+        static_cast<unsigned char>(pgm.pixels[static_cast<std::size_t>(row * pgm.width + column)]);
+    const double occupancy = (255.0 - pixel) / 255.0;
+    return occupancy > 0.65 ? "occupied" : occupancy < 0.196 ? "free" : "unknown";
+  };
+  EXPECT_STREQ(state(2.01, 1.51), "free");
+  EXPECT_STREQ(state(2.01, 0.025), "occupied");
+  EXPECT_STREQ(state(2.01, 3.025), "occupied");
+  EXPECT_STREQ(state(4.025, 2.01), "occupied");
+  EXPECT_STREQ(state(-0.1, 1.51), "unknown");
+  EXPECT_EQ(std::set<char>(pgm.pixels.begin(), pgm.pixels.end()).size(), 3u);
+}
+
+TEST(WriteOutputs, PicturesAreOfTheGridsSize) {
+  const TemporaryDirectory directory;
+  write_outputs(room(), {}, directory.path());
+  const Pgm pgm = read_pgm(directory.file("island-0.pgm"));
+  for (const char* name : {"island-0.png", "island-0-trajectory.png"}) {
+    const std::string png = content(directory.file(name));
+    ASSERT_EQ(png.substr(1, 3), "PNG");
+    const auto big_endian = [&](std::size_t at) {
+      int value = 0;
+      for (std::size_t i = at; i < at + 4; ++i) value = value * 256 + static_cast<unsigned char>(png[i]);
+      return value;
+    };
+    EXPECT_EQ(big_endian(16), pgm.width);
+    EXPECT_EQ(big_endian(20), pgm.height);
+  }
+}
+
+TEST(WriteOutputs, AlignMovesTheFrameAndNothingElse) {
+  const TemporaryDirectory directory;
+  const MapCopy map = room();
+  write_outputs(map, {}, directory.file("plain"));
+  write_outputs(map, {}, directory.file("aligned"),
+                {.resolution_m = 0.05, .align = {10, 20, std::numbers::pi / 2}});
+
+  EXPECT_TRUE(
+      lines(directory.file("plain/trajectories/R1.tum"))[0].starts_with("1.000000 1.000000 1.000000 "));
+  EXPECT_TRUE(
+      lines(directory.file("aligned/trajectories/R1.tum"))[0].starts_with("1.000000 9.000000 21.000000 "));
+  EXPECT_EQ(content(directory.file("plain/relations.csv")), content(directory.file("aligned/relations.csv")));
+  // A quarter turn of a room on cell boundaries exchanges the sides of its grid.
+  const Pgm plain = read_pgm(directory.file("plain/island-0.pgm"));
+  const Pgm turned = read_pgm(directory.file("aligned/island-0.pgm"));
+  EXPECT_NEAR(plain.width, turned.height, 1);
+  EXPECT_NEAR(plain.height, turned.width, 1);
+  const std::string sha = "\"map_sha256\": \"" + map_sha256(map) + "\"";
+  EXPECT_NE(content(directory.file("plain/report.json")).find(sha), std::string::npos);
+  EXPECT_NE(content(directory.file("aligned/report.json")).find(sha), std::string::npos);
+}
+
+TEST(WriteOutputs, WhatAnEarlierExportLeftIsRemoved) {
+  const TemporaryDirectory directory;
+  MapCopy two = room();
+  two.graph.remove(two.graph.between(PatchId{0}, PatchId{1}).front());
+  two.sessions.push_back({"R9", 1, 0, 0, PatchId{}});
+  write_outputs(two, {}, directory.path());
+  ASSERT_TRUE(fs::exists(directory.file("island-1.pgm")));
+  ASSERT_TRUE(fs::exists(directory.file("trajectories/R9.tum")));
+  for (const char* name : {"island-7.txt", "island-x.pgm", "notes.md", "trajectories/notes.md"}) {
+    std::ofstream(directory.file(name)) << "mine";
+  }
+  write_outputs(room(), {}, directory.path());
+  for (const char* name :
+       {"island-1.pgm", "island-1.yaml", "island-1.png", "island-1-trajectory.png", "trajectories/R9.tum"}) {
+    EXPECT_FALSE(fs::exists(directory.file(name))) << name;
+  }
+  for (const char* name :
+       {"island-0.pgm", "island-7.txt", "island-x.pgm", "notes.md", "trajectories/notes.md"}) {
+    EXPECT_TRUE(fs::exists(directory.file(name))) << name;
+  }
+}
+
+TEST(WriteOutputs, TheSameMapGivesTheSameBytes) {
+  const TemporaryDirectory directory;
+  write_outputs(room(), {}, directory.file("a"));
+  write_outputs(room(), {}, directory.file("b"));
+  for (const std::string& name : names_in(directory.file("a"))) {
+    EXPECT_EQ(content(directory.file("a/" + name)), content(directory.file("b/" + name))) << name;
+  }
+}
+
+}  // namespace
+}  // namespace isthmus

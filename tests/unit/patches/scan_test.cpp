@@ -1,0 +1,152 @@
+#include "patches/scan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/support/patch_scenes.hpp"
+
+namespace isthmus {
+namespace {
+
+using testing::half_turn;
+using testing::look_at;
+using testing::reversed;
+
+constexpr float inf = std::numeric_limits<float>::infinity();
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+TEST(Scan, RangesAreClassifiedByRep117) {
+  Laser laser;
+  laser.range_min_m = 0.5;
+  laser.range_max_m = 10;
+  EXPECT_EQ(classify(5, laser), BeamKind::hit);
+  EXPECT_EQ(classify(0.5F, laser), BeamKind::hit);
+  EXPECT_EQ(classify(9.99F, laser), BeamKind::hit);
+  EXPECT_EQ(classify(10, laser), BeamKind::no_return);
+  EXPECT_EQ(classify(11, laser), BeamKind::no_return);
+  EXPECT_EQ(classify(inf, laser), BeamKind::no_return);
+  for (const float range_m : {0.49F, 0.0F, -0.0F, -5.0F, -inf, nan}) {
+    EXPECT_EQ(classify(range_m, laser), BeamKind::ignored) << range_m;
+  }
+}
+
+TEST(Scan, ZeroRangeIsIgnoredEvenWithoutAMinimum) {
+  Laser laser;
+  laser.range_min_m = 0;
+  EXPECT_EQ(classify(0, laser), BeamKind::ignored);
+  EXPECT_EQ(classify(1e-3F, laser), BeamKind::hit);
+}
+
+TEST(Scan, InfinityIsNoReturnAlsoForALaserWithoutAMaximum) {
+  Laser laser;
+  laser.range_max_m = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(classify(inf, laser), BeamKind::no_return);
+  EXPECT_EQ(classify(1e6F, laser), BeamKind::hit);
+}
+
+TEST(Scan, PointsAreTheHitsInTheRobotsFrame) {
+  Scan scan;
+  scan.bearing0_rad = 0;
+  scan.bearing_step_rad = std::numbers::pi / 2;
+  scan.ranges_m = {1, inf, 3, nan, 2};
+  Laser laser;
+  laser.robot_from_laser = {0.5, 0.25, std::numbers::pi / 2};
+  const auto points = to_points(scan, laser);
+  ASSERT_EQ(points.size(), 3U);
+  EXPECT_EQ(points[0].beam, 0);
+  EXPECT_EQ(points[1].beam, 2);
+  EXPECT_EQ(points[2].beam, 4);
+  EXPECT_NEAR((points[0].position - Eigen::Vector2d(0.5, 1.25)).norm(), 0, 1e-6);
+  EXPECT_NEAR((points[1].position - Eigen::Vector2d(0.5, -2.75)).norm(), 0, 1e-6);
+}
+
+TEST(Scan, NormalsOnAWallAreItsOwnAndFaceTheLaser) {
+  Scan scan = half_turn(181, 0);
+  look_at(scan, {{0.4, 3}});
+  Laser laser;
+  laser.robot_from_laser = {0.2, -0.1, 0.3};
+  const Eigen::Vector2d facing_laser = rotate(0.4 + 0.3, {-1, 0});
+  int near = 0;
+  for (const ScanPoint& point : to_points(scan, laser)) {
+    const double distance = (point.position - Eigen::Vector2d(0.2, -0.1)).norm();
+    if (distance > 6) continue;  // farther out, beams are too far apart
+    ++near;
+    ASSERT_TRUE(point.has_normal()) << point.beam;
+    EXPECT_NEAR(point.normal.norm(), 1, 1e-9);
+    EXPECT_NEAR((point.normal - facing_laser).norm(), 0, 1e-3) << point.beam;
+  }
+  EXPECT_GT(near, 100);
+}
+
+TEST(Scan, NormalsNearACornerBelongToOneOfItsWallsOrAreNone) {
+  Scan scan = half_turn(721, 0);
+  look_at(scan, {{0, 2}, {std::numbers::pi / 2, 2}, {-std::numbers::pi / 2, 2}});
+  int along_first = 0;
+  int along_second = 0;
+  for (const ScanPoint& point : to_points(scan, {})) {
+    const Eigen::Vector2d& p = point.position;
+    const double from_corner = (p - Eigen::Vector2d(2, 2)).norm();
+    if (p.y() < 0 || from_corner < 0.31) continue;
+    ASSERT_TRUE(point.has_normal()) << p.transpose();
+    const bool on_first = p.x() > 2 - 1e-3;
+    const Eigen::Vector2d expected = on_first ? Eigen::Vector2d(-1, 0) : Eigen::Vector2d(0, -1);
+    EXPECT_NEAR((point.normal - expected).norm(), 0, 1e-3) << p.transpose();
+    ++(on_first ? along_first : along_second);
+  }
+  EXPECT_GT(along_first, 50);
+  EXPECT_GT(along_second, 50);
+}
+
+TEST(Scan, PointsAcrossAJumpDoNotBendNormals) {
+  // A wall at 4 m, and a box's front at 2 m before its middle.
+  Scan scan = half_turn(361, 0);
+  look_at(scan, {{0, 4}});
+  for (std::size_t i = 160; i <= 200; ++i) {
+    scan.ranges_m[i] = static_cast<float>(2 / std::cos(testing::bearing_rad(scan, i)));
+  }
+  for (const ScanPoint& point : to_points(scan, {})) {
+    if (point.beam < 120 || point.beam > 240) continue;
+    ASSERT_TRUE(point.has_normal()) << point.beam;
+    EXPECT_NEAR((point.normal - Eigen::Vector2d(-1, 0)).norm(), 0, 1e-3) << point.beam;
+  }
+}
+
+TEST(Scan, LonePointsHaveNoNormal) {
+  Scan scan = half_turn(181, inf);
+  scan.ranges_m[20] = scan.ranges_m[90] = scan.ranges_m[160] = 5;
+  const auto points = to_points(scan, {});
+  ASSERT_EQ(points.size(), 3U);
+  for (const ScanPoint& point : points) EXPECT_FALSE(point.has_normal());
+}
+
+TEST(Scan, NegativeStepGivesTheSamePointsInTheOtherOrder) {
+  Scan scan = half_turn(181, 0);
+  look_at(scan, {{0.3, 3}, {-1.0, 2}, {1.4, 2.5}});
+  const auto points = to_points(scan, {});
+  const auto other = to_points(reversed(scan), {});
+  ASSERT_EQ(points.size(), other.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const ScanPoint& same = other[other.size() - 1 - i];
+    EXPECT_NEAR((points[i].position - same.position).norm(), 0, 1e-6);
+    EXPECT_NEAR((points[i].normal - same.normal).norm(), 0, 1e-6);
+    EXPECT_EQ(points[i].beam + same.beam, 180);
+  }
+}
+
+TEST(Scan, DegenerateScansGivePointsWithoutNormalsOrNone) {
+  Scan scan = half_turn(181, 5);
+  scan.ranges_m.clear();
+  EXPECT_TRUE(to_points(scan, {}).empty());
+  EXPECT_TRUE(to_points(half_turn(181, nan), {}).empty());
+  EXPECT_TRUE(to_points(half_turn(181, inf), {}).empty());
+  scan = half_turn(181, 5);
+  scan.bearing_step_rad = 0;
+  for (const ScanPoint& point : to_points(scan, {})) EXPECT_FALSE(point.has_normal()) << "all in one place";
+  scan.ranges_m = {5};
+  ASSERT_EQ(to_points(scan, {}).size(), 1U);
+  EXPECT_FALSE(to_points(scan, {})[0].has_normal());
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,140 @@
+#include "relations/confidence.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/relations/small_maps.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace small_maps;
+
+const Eigen::Matrix3d some_information = Eigen::Vector3d(100, 25, 400).asDiagonal();
+
+TEST(RelativeCovariance, OfNeighboursIsTheInverseOfTheirRelationsInformation) {
+  SmallMap map(2);
+  map.graph.add(relation(0, 1, RelativePose{{1, 0, 0.2}, some_information}));
+  const std::vector<Pose> poses{{5, 5, 1.3}, Pose{5, 5, 1.3} * Pose{1, 0, 0.2}};
+  const auto local = local_relative_covariances(map.graph, poses, PatchId{0});
+  ASSERT_EQ(local.size(), 1U);
+  EXPECT_TRUE(local.at(PatchId{1}).isApprox(some_information.inverse(), 1e-9));
+  const std::vector<PatchId> others{PatchId{1}, PatchId{0}};
+  const auto exact = exact_relative_covariances(map.graph, poses, PatchId{0}, others);
+  ASSERT_EQ(exact.size(), 2U);
+  EXPECT_TRUE(exact[0].isApprox(some_information.inverse(), 1e-9));
+  EXPECT_EQ(exact[1], Eigen::Matrix3d::Zero());
+}
+
+TEST(RelativeCovariance, DoesNotTurnWithTheMap) {
+  std::mt19937 random(1);
+  const SmallMap map = random_map(random, 15, 30, 0.05);
+  std::vector<Pose> moved = map.truth;
+  for (Pose& pose : moved) pose = Pose{40, -7, 2} * pose;
+  const auto here = local_relative_covariances(map.graph, map.truth, PatchId{3});
+  const auto there = local_relative_covariances(map.graph, moved, PatchId{3});
+  ASSERT_EQ(here.size(), 14U);
+  for (const auto& [patch, covariance] : here) EXPECT_TRUE(there.at(patch).isApprox(covariance, 1e-7));
+}
+
+TEST(RelativeCovariance, OfTheWholeIslandAgreesLocallyAndExactly) {
+  std::mt19937 random(2);
+  const SmallMap map = random_map(random, 60, 150, 0.05);
+  const std::vector<PatchId> others = map.graph.patches_of(PatchId{0});
+  const auto exact = exact_relative_covariances(map.graph, map.truth, PatchId{11}, others);
+  const auto local = local_relative_covariances(map.graph, map.truth, PatchId{11}, 60);
+  ASSERT_EQ(exact.size(), 60U);
+  ASSERT_EQ(local.size(), 59U);
+  for (const auto& [patch, covariance] : local)
+    EXPECT_TRUE(covariance.isApprox(exact[static_cast<std::size_t>(patch.value)], 1e-9));
+}
+
+TEST(RelativeCovariance, HasNothingForPatchesWithoutRelation) {
+  SmallMap map(3);
+  EXPECT_TRUE(local_relative_covariances(map.graph, map.truth, PatchId{0}).empty());
+  map.graph.add(relation(0, 1, RelativePose{{1, 0, 0}, some_information}));
+  const auto local = local_relative_covariances(map.graph, map.truth, PatchId{0});
+  EXPECT_EQ(local.size(), 1U);
+  EXPECT_FALSE(local.contains(PatchId{2}));
+  const std::vector<PatchId> elsewhere{PatchId{2}};
+  EXPECT_TRUE(exact_relative_covariances(map.graph, map.truth, PatchId{0}, elsewhere).empty());
+}
+
+//   0 === 1 === 2 --- 3     === a corridor: nothing along x; --- a full relation
+TEST(RelativeCovariance, NeverClaimsThePlaceAlongACorridor) {
+  std::mt19937 random(3);
+  SmallMap map(4);
+  for (int i = 0; i < 4; ++i) map.truth[static_cast<std::size_t>(i)] = {2.0 * i, 0, 0};
+  for (int i = 1; i < 3; ++i)
+    map.graph.add(
+        relation(i - 1, i, correspondences(points_on_walls(random, map.relative(i - 1, i), 50, {0}, 0.02))));
+  map.graph.add(relation(2, 3, RelativePose{{2, 0, 0}, some_information}));
+  const ConfidenceThreshold loose{50, 3};
+  for (const auto& [patch, covariance] : local_relative_covariances(map.graph, map.truth, PatchId{0}))
+    EXPECT_FALSE(well_determined(covariance, loose)) << patch.value;
+  // From the other side of the corridor the full relation still counts.
+  const auto from_2 = local_relative_covariances(map.graph, map.truth, PatchId{2});
+  ASSERT_TRUE(from_2.contains(PatchId{3}));
+  EXPECT_TRUE(from_2.at(PatchId{3}).isApprox(Eigen::Matrix3d(some_information.inverse()), 0.1));
+  const std::vector<PatchId> others{PatchId{3}};
+  EXPECT_TRUE(exact_relative_covariances(map.graph, map.truth, PatchId{2}, others).empty());
+}
+
+TEST(RelativeCovariance, OdometryAlongACorridorDeterminesIt) {
+  std::mt19937 random(4);
+  SmallMap map(20);
+  for (int i = 0; i < 20; ++i) map.truth[static_cast<std::size_t>(i)] = {2.0 * i, 0, 0};
+  for (int i = 1; i < 20; ++i) {
+    map.graph.add(
+        relation(i - 1, i, correspondences(points_on_walls(random, map.relative(i - 1, i), 50, {0}, 0.02))));
+    map.graph.add(relation(i - 1, i, RelativePose{{2, 0, 0}, some_information}));
+  }
+  const auto local = local_relative_covariances(map.graph, map.truth, PatchId{0});
+  ASSERT_EQ(local.size(), 19U);
+  EXPECT_NEAR(local.at(PatchId{19})(0, 0), 19 / 100.0, 0.01);
+  EXPECT_LT(local.at(PatchId{19})(1, 1), 0.1);
+}
+
+TEST(RelativeCovariance, LeavesOutPatchesThatHangByARangeAlone) {
+  SmallMap map(4);
+  map.truth = {{0, 0, 0}, {3, 0, 0}, {0, 2, 0}, {4, 0, 0}};
+  map.graph.add(relation(0, 1, Range{{0, 0}, {0, 0}, 3, 0.01}));
+  map.graph.add(relation(0, 2, RelativePose{{0, 2, 0}, some_information}));
+  map.graph.add(relation(1, 3, RelativePose{{1, 0, 0}, some_information}));
+  const auto local = local_relative_covariances(map.graph, map.truth, PatchId{0});
+  EXPECT_TRUE(local.contains(PatchId{2}));
+  EXPECT_FALSE(local.contains(PatchId{1}));
+  EXPECT_FALSE(local.contains(PatchId{3}));
+}
+
+TEST(RelativeCovariance, ThreeRangesToKnownPatchesDetermineTheirPlaceButNotTheYaw) {
+  SmallMap map(4);
+  map.truth = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0.5}};
+  for (int i = 1; i < 3; ++i)
+    map.graph.add(relation(0, i, RelativePose{map.relative(0, i), some_information}));
+  for (int i = 0; i < 3; ++i) {
+    const Pose pose = map.relative(i, 3);
+    map.graph.add(relation(i, 3, Range{{0, 0}, {0, 0}, std::hypot(pose.x, pose.y), 0.1}));
+  }
+  EXPECT_FALSE(local_relative_covariances(map.graph, map.truth, PatchId{0}).contains(PatchId{3}));
+}
+
+TEST(WellDetermined, TestsTheLongerAxisOfTheEllipse) {
+  const ConfidenceThreshold threshold{0.5, 0.1};
+  const double limit = 0.5 / 1.96;
+  const auto ellipse = [](double longer, double yaw, double sigma_yaw) {
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(yaw).toRotationMatrix();
+    covariance.topLeftCorner<2, 2>() =
+        turn * Eigen::Vector2d(longer * longer, 1e-4).asDiagonal() * turn.transpose();
+    covariance(2, 2) = sigma_yaw * sigma_yaw;
+    return covariance;
+  };
+  for (const double yaw : {0.0, 0.7, 1.5, 2.4}) {
+    EXPECT_TRUE(well_determined(ellipse(0.999 * limit, yaw, 0.01), threshold));
+    EXPECT_FALSE(well_determined(ellipse(1.001 * limit, yaw, 0.01), threshold));
+    EXPECT_FALSE(well_determined(ellipse(0.5 * limit, yaw, 0.052), threshold));
+  }
+}
+
+}  // namespace
+}  // namespace isthmus

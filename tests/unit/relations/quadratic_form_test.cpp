@@ -1,0 +1,81 @@
+#include "relations/quadratic_form.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/relations/small_maps.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace small_maps;
+
+TEST(QuadraticForm, OfNoRowsCostsNothing) {
+  const QuadraticForm form = QuadraticFormBuilder().build();
+  EXPECT_EQ(form.cost({1, 2, 3}), 0);
+  EXPECT_EQ(form.information({1, 2, 3}), Eigen::Matrix3d::Zero());
+}
+
+TEST(QuadraticForm, PointAtPointIsTheSquaredDistanceOverTwoVariances) {
+  QuadraticFormBuilder builder;
+  builder.point_at_point({1, 0}, {0, 0}, 0.5);
+  const Pose a_from_b{3, 3, 0};  // the point comes to lie at (4, 3), 5 m away
+  EXPECT_EQ(builder.rows(), 2);
+  EXPECT_NEAR(builder.build().cost(a_from_b), 25 / (2 * 0.25), 1e-12);
+}
+
+TEST(QuadraticForm, PointWithCorrelatedCovarianceIsTheMahalanobisDistance) {
+  Eigen::Matrix2d covariance;
+  covariance << 0.04, 0.015, 0.015, 0.01;
+  QuadraticFormBuilder builder;
+  builder.point_at_point({0.3, -0.7}, {1, 2}, covariance);
+  const Pose a_from_b{0.9, 2.2, 0.4};
+  const Eigen::Vector2d e = a_from_b * Eigen::Vector2d(0.3, -0.7) - Eigen::Vector2d(1, 2);
+  EXPECT_NEAR(builder.build().cost(a_from_b), 0.5 * e.dot(covariance.inverse() * e), 1e-10);
+}
+
+TEST(QuadraticForm, RefusesACovarianceThatIsNone) {
+  QuadraticFormBuilder builder;
+  EXPECT_THROW(builder.point_at_point({0, 0}, {0, 0}, Eigen::Matrix2d(-Eigen::Matrix2d::Identity())),
+               std::invalid_argument);
+}
+
+TEST(QuadraticForm, SegmentOnLineIsBothItsEnds) {
+  QuadraticFormBuilder segment, points;
+  segment.segment_on_line({1, 1}, {2, 1}, {0, 0}, {0, 1}, 0.1);
+  points.point_on_line({1, 1}, {0, 0}, {0, 1}, 0.1);
+  points.point_on_line({2, 1}, {0, 0}, {0, 1}, 0.1);
+  const Pose pose{0.3, -0.8, 0.2};
+  EXPECT_NEAR(segment.build().cost(pose), points.build().cost(pose), 1e-12);
+}
+
+TEST(QuadraticForm, MinimumOfExactPointsIsTheTruth) {
+  std::mt19937 random(1);
+  const Pose truth{1.5, -2, 2.8};
+  const QuadraticForm form = correspondences(points_on_walls(random, truth, 40, {0, 1.5}, 0)).form;
+  const QuadraticForm::Minimum near = form.minimum(truth * Pose{0.4, -0.3, 0.3});
+  EXPECT_LT(distance(near.a_from_b, truth), 1e-9);
+  EXPECT_LT(near.cost, 1e-16);
+  EXPECT_LT(distance(form.least().a_from_b, truth), 1e-9);
+}
+
+TEST(QuadraticForm, MinimumInACorridorLeavesThePlaceAlongItAtTheStart) {
+  std::mt19937 random(2);
+  const Pose truth{0, 0.2, 0.1};
+  const QuadraticForm form = correspondences(points_on_walls(random, truth, 40, {0}, 0)).form;
+  const Pose found = form.minimum({7, 0, 0}).a_from_b;
+  EXPECT_NEAR(found.x, 7, 1e-9);
+  EXPECT_NEAR(found.y, truth.y, 1e-9);
+  EXPECT_NEAR(found.yaw, truth.yaw, 1e-9);
+  EXPECT_LT(form.information(truth)(0, 0), 1e-9 * form.information(truth)(1, 1));
+}
+
+TEST(QuadraticForm, LeastCostIsNotAboveTheCostAnywhere) {
+  std::mt19937 random(3);
+  const QuadraticForm form = correspondences(points_on_walls(random, {1, 1, -2}, 30, {0.2, 1.5}, 0.2)).form;
+  const double least = form.least().cost;
+  for (int i = 0; i < 500; ++i) EXPECT_GE(form.minimum(random_pose(random)).cost, least * (1 - 1e-12));
+  EXPECT_GT(least, 0.1);
+}
+
+}  // namespace
+}  // namespace isthmus

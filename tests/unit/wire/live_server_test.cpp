@@ -1,0 +1,239 @@
+#include "server/wire/live_server.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "isthmus/grid_t.hpp"
+#include "isthmus/manifold_pose_t.hpp"
+#include "isthmus/map_t.hpp"
+#include "isthmus/status_t.hpp"
+#include "server/wire/encoded.hpp"
+#include "tests/support/box_room.hpp"
+#include "tests/support/log_files.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace isthmus {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// What the server published, by channel.
+class Published {
+ public:
+  Publish sink() {
+    return [this](const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+      const std::lock_guard lock(mutex_);
+      messages_[channel].push_back(bytes);
+    };
+  }
+  template <class T>
+  std::vector<T> of(const std::string& channel) {
+    const std::lock_guard lock(mutex_);
+    std::vector<T> messages;
+    for (const auto& bytes : messages_[channel]) {
+      T message;
+      const int size = static_cast<int>(bytes.size());
+      EXPECT_EQ(message.decode(bytes.data(), 0, size), size) << channel;
+      messages.push_back(message);
+    }
+    return messages;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, std::vector<std::vector<std::uint8_t>>> messages_;
+};
+
+LiveOptions quick_options() {
+  LiveOptions options;
+  std::int64_t now = 1'000'000'000;
+  options.clock = [now]() mutable { return now += 1000; };
+  options.status_interval = milliseconds(20);
+  options.tick_interval = milliseconds(5);
+  options.map.grid_interval = milliseconds(0);
+  options.map.chunk_pause = milliseconds(0);
+  return options;
+}
+
+void push(Inbox& inbox, const std::string& robot, const Message& message) {
+  inbox.push(robot, message.channel.ends_with("_SCAN"), message.utime, message.channel, message.bytes);
+}
+
+void drive(Inbox& inbox, const std::string& name, int rounds, milliseconds pause = milliseconds(0)) {
+  const BoxRoomRobot robot(name);
+  push(inbox, name, robot.introduction());
+  for (int i = 0; i < rounds; ++i) {
+    for (const Message& message : robot.round(i)) push(inbox, name, message);
+    std::this_thread::sleep_for(pause);
+  }
+}
+
+/// The map that the journal's events make, and how many there are.
+struct Replayed {
+  std::string sha256;
+  std::size_t events = 0;
+};
+
+Replayed replay(const std::string& journal) {
+  Engine engine;
+  const LogContent content = read_log(journal);
+  for (const Message& message : content.messages) {
+    const Decoded decoded = decode(engine.configuration(), message.channel, message.bytes, message.utime);
+    EXPECT_TRUE(decoded.event) << message.channel << " " << decoded.reason;
+    if (decoded.event) engine.handle(*decoded.event);
+  }
+  engine.finish();
+  return {map_sha256(engine.copy()), content.messages.size()};
+}
+
+TEST(LiveServer, MakesTheMapThatAReplayOfItsJournalMakes) {
+  TemporaryDirectory directory;
+  LiveOptions options = quick_options();
+  options.journal_directory = directory / "journal";
+  options.output_directory = directory / "out";
+  Published published;
+  Inbox inbox;
+  LiveServer server(options, inbox, published.sink());
+  std::thread engine_thread([&] { server.run(); });
+  std::thread first([&] { drive(inbox, "R1", 150, milliseconds(1)); });
+  std::thread second([&] { drive(inbox, "R2", 150, milliseconds(1)); });
+  first.join();
+  second.join();
+  inbox.close();
+  engine_thread.join();
+
+  const MapCopy map = server.engine().copy();
+  EXPECT_GE(map.patches.size(), 4U);
+  EXPECT_EQ(map.counters.scans, 300);
+  const Replayed replayed = replay(directory / "journal");
+  EXPECT_EQ(replayed.sha256, map_sha256(map));
+  EXPECT_GE(replayed.events, 1U + 2U + 600U);
+  EXPECT_TRUE(std::filesystem::exists(directory / "out/report.json"));
+  EXPECT_TRUE(std::filesystem::exists(directory / "out/trajectories/R2.tum"));
+}
+
+TEST(LiveServer, AnswersEachScanAndTellsOfTheMap) {
+  Published published;
+  Inbox inbox;
+  LiveServer server(quick_options(), inbox, published.sink());
+  std::thread engine_thread([&] { server.run(); });
+  drive(inbox, "R1", 100, milliseconds(2));
+  while (published.of<grid_t>("ISTHMUS_GRID").empty()) std::this_thread::sleep_for(milliseconds(5));
+  inbox.close();
+  engine_thread.join();
+
+  const auto poses = published.of<manifold_pose_t>("R1_POSE");
+  ASSERT_EQ(poses.size(), 100U);
+  EXPECT_EQ(poses.back().robot, "R1");
+  EXPECT_EQ(poses.back().utime, 1'000'000'000 + 99 * 100'000);
+  const auto maps = published.of<map_t>("ISTHMUS_MAP");
+  ASSERT_FALSE(maps.empty());
+  EXPECT_TRUE(maps.front().whole);
+  const auto statuses = published.of<status_t>("ISTHMUS_STATUS");
+  ASSERT_FALSE(statuses.empty());
+  EXPECT_GT(statuses.back().scans, 0);
+  ASSERT_EQ(statuses.back().nrobots, 1);
+  EXPECT_EQ(statuses.back().robots[0].robot, "R1");
+  const grid_t grid = published.of<grid_t>("ISTHMUS_GRID").front();
+  EXPECT_EQ(grid.npixels, grid.width * grid.height);
+  EXPECT_GT(std::count(grid.pixels.begin(), grid.pixels.end(), 254), 100);
+}
+
+TEST(LiveServer, SendsTheWholeMapOnRequest) {
+  Published published;
+  Inbox inbox;
+  LiveServer server(quick_options(), inbox, published.sink());
+  std::thread engine_thread([&] { server.run(); });
+  drive(inbox, "R1", 20);
+  const auto whole_maps = [&] {
+    const auto maps = published.of<map_t>("ISTHMUS_MAP");
+    return std::count_if(maps.begin(), maps.end(),
+                         [](const map_t& map) { return map.whole && map.npatches > 0; });
+  };
+  while (published.of<map_t>("ISTHMUS_MAP").empty()) std::this_thread::sleep_for(milliseconds(5));
+  const auto before = whole_maps();
+  push(inbox, "", encode({1, CommandEvent{5, "send_map", -1, ""}}));
+  for (int i = 0; i < 1000 && whole_maps() == before; ++i) std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_GT(whole_maps(), before);
+  inbox.close();
+  engine_thread.join();
+}
+
+TEST(LiveServer, CountsBadMessagesAndKeepsThemOutOfTheJournal) {
+  TemporaryDirectory directory;
+  LiveOptions options = quick_options();
+  options.journal_directory = directory / "journal";
+  Published published;
+  Inbox inbox;
+  LiveServer server(options, inbox, published.sink());
+  const BoxRoomRobot robot("R1");
+  push(inbox, "R1", robot.introduction());
+  for (const Message& message : robot.round(0)) push(inbox, "R1", message);
+  push(inbox, "R1", {1, "R1_SCAN", {1, 2, 3}});
+  push(inbox, "R1", {1, "R1_SCAN", robot.round(1)[0].bytes});
+  push(inbox, "", {1, "CAMERA", {1, 2, 3}});
+  push(inbox, "", encode({1, TickEvent{}}));
+  push(inbox, "", encode({1, ConfigurationEvent{"tags = \"any\""}}));
+  inbox.close();
+  server.run();
+
+  const MapCopy map = server.engine().copy();
+  const std::map<std::string, std::int64_t> expected = {
+      {"bad_length", 1}, {"bad_fingerprint", 1}, {"bad_channel", 2}};
+  EXPECT_EQ(map.counters.dropped, expected);
+  EXPECT_FALSE(server.engine().configuration().any_tag);
+  EXPECT_EQ(read_log(directory / "journal").messages.size(), 4U) << "configuration, robot, odometry, scan";
+}
+
+// The engine decides who is known, from what the journal holds: so the journal holds what strangers sent.
+TEST(LiveServer, LeavesAStrangersMessagesToTheEngine) {
+  TemporaryDirectory directory;
+  LiveOptions options = quick_options();
+  options.journal_directory = directory / "journal";
+  Published published;
+  Inbox inbox;
+  LiveServer server(options, inbox, published.sink());
+  for (const Message& message : BoxRoomRobot("R9").round(0)) push(inbox, "R9", message);
+  inbox.close();
+  server.run();
+  const MapCopy map = server.engine().copy();
+  EXPECT_EQ(map.counters.dropped.at("unknown_robot"), 2);
+  EXPECT_TRUE(map.patches.empty());
+  EXPECT_EQ(read_log(directory / "journal").messages.size(), 3U);
+  EXPECT_EQ(replay(directory / "journal").sha256, map_sha256(map));
+}
+
+TEST(LiveServer, GivesReceiveTimesThatNeverGoBack) {
+  TemporaryDirectory directory;
+  LiveOptions options = quick_options();
+  options.journal_directory = directory / "journal";
+  Published published;
+  Inbox inbox;
+  LiveServer server(options, inbox, published.sink());
+  const BoxRoomRobot robot("R1");
+  push(inbox, "R1", robot.introduction());
+  for (const int round : {5, 2, 9, 1}) {
+    for (const Message& message : robot.round(round)) push(inbox, "R1", message);
+  }
+  inbox.close();
+  server.run();
+  const LogContent content = read_log(directory / "journal");
+  EXPECT_TRUE(std::is_sorted(content.messages.begin(), content.messages.end(),
+                             [](const Message& a, const Message& b) { return a.utime < b.utime; }));
+}
+
+TEST(LiveServer, RefusesAWrongConfiguration) {
+  LiveOptions options = quick_options();
+  options.toml = "tags = 5";
+  Inbox inbox;
+  EXPECT_EQ(error_of([&] { LiveServer server(options, inbox, [](const auto&, const auto&) {}); }),
+            "configuration:1: tags must be a string");
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,86 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <stdexcept>
+
+#include "server/engine/robot_name.hpp"
+#include "tools/evaluate/report.hpp"
+
+namespace {
+
+using namespace isthmus;
+
+struct Arguments {
+  std::string relations;
+  std::string truth;
+  std::string output;
+  std::string robot;
+  std::string g2o;
+  bool json = false;
+};
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// A `.relations` file does not say whose it is: the only robot's, or the one asked for.
+std::string robot_of_benchmark(const Arguments& arguments, const TeamTrajectories& team) {
+  if (!arguments.robot.empty()) return upper_case(arguments.robot);
+  if (team.trajectories().size() == 1) return team.trajectories().begin()->first;
+  throw std::runtime_error(arguments.output + ": several robots: say with --robot whose relations these are");
+}
+
+std::vector<TrueRelation> read_relations(const Arguments& arguments, const TeamTrajectories& team) {
+  if (ends_with(arguments.relations, ".csv")) return read_team_relations(arguments.relations);
+  return read_benchmark_relations(arguments.relations, robot_of_benchmark(arguments, team));
+}
+
+Evaluation evaluate(const Arguments& arguments) {
+  Evaluation evaluation;
+  if (!arguments.g2o.empty()) evaluation.pose_graph = fit_pose_graph(arguments.g2o);
+  if (arguments.relations.empty() && arguments.truth.empty()) return evaluation;
+  const TeamTrajectories team(arguments.output);
+  if (!arguments.relations.empty()) {
+    evaluation.relations = evaluate_relations(read_relations(arguments, team), team);
+  }
+  if (!arguments.truth.empty()) {
+    const std::string relations = arguments.truth + "/relations.csv";
+    if (arguments.relations.empty() && std::filesystem::exists(relations)) {
+      evaluation.relations = evaluate_relations(read_team_relations(relations), team);
+    }
+    evaluation.absolute = evaluate_absolute(read_trajectories(arguments.truth), team);
+  }
+  return evaluation;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Compares a map with ground truth, or fits a pose graph.", "isthmus-evaluate");
+  Arguments arguments;
+  auto* relations =
+      app.add_option("--relations", arguments.relations,
+                     "true relations: *.relations of the SLAM benchmark, or relations.csv of a team");
+  auto* truth = app.add_option("--truth", arguments.truth, "a directory with ROBOT.tum and relations.csv");
+  auto* output = app.add_option("--output", arguments.output, "what isthmus-replay or isthmus-server wrote");
+  app.add_option("--robot", arguments.robot, "whose relations these are, where the map has several robots");
+  auto* g2o = app.add_option("--g2o", arguments.g2o, "a pose graph to fit in one batch, plain or gz");
+  app.add_flag("--json", arguments.json, "print JSON");
+  relations->needs(output);
+  truth->needs(output);
+  try {
+    app.parse(argc, argv);
+    if (!*relations && !*truth && !*g2o) throw CLI::RequiredError("--relations, --truth or --g2o");
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    const Evaluation evaluation = evaluate(arguments);
+    std::fputs((arguments.json ? to_json(evaluation) : to_text(evaluation)).c_str(), stdout);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "isthmus-evaluate: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,57 @@
+#include "tools/evaluate/pose_graph.hpp"
+
+#include <ctime>
+#include <sstream>
+#include <stdexcept>
+
+#include "relations/fit.hpp"
+#include "relations/g2o.hpp"
+#include "tools/text/lines.hpp"
+
+namespace isthmus {
+namespace {
+
+PoseGraphFile read(const std::string& file) {
+  LineReader lines(file);
+  std::stringstream text;
+  while (const auto line = lines.next()) text << *line << '\n';
+  auto graph = read_g2o(text, file);
+  if (const std::string* error = std::get_if<std::string>(&graph)) throw std::runtime_error(*error);
+  return std::get<PoseGraphFile>(std::move(graph));
+}
+
+double cost_f(const RelationGraph& graph, const std::vector<Pose>& poses) {
+  double f = 0;
+  for (const auto& [id, relation] : graph.relations()) {
+    const Pose& a = poses[static_cast<std::size_t>(relation.a.value)];
+    const Pose& b = poses[static_cast<std::size_t>(relation.b.value)];
+    f += 2 * cost(relation.measurement, ominus(b, a));
+  }
+  return f;
+}
+
+}  // namespace
+
+PoseGraphFit fit_pose_graph(const std::string& file) {
+  PoseGraphFile input = read(file);
+  PoseGraphFit result;
+  result.patches = input.graph.patch_count();
+  result.relations = input.graph.relations().size();
+  result.f_before = cost_f(input.graph, input.poses);
+  result.ok = true;
+  FitOptions options;
+  options.chordal_start = true;
+  options.max_iterations = 100;
+  const std::clock_t start = std::clock();
+  for (const auto& island : input.graph.islands()) {
+    const FitReport report = fit_island(input.graph, island.front(), input.poses, options);
+    result.iterations += report.iterations;
+    result.ok = result.ok && report.ok;
+    ++result.islands;
+  }
+  result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  result.f_after = cost_f(input.graph, input.poses);
+  return result;
+}
+
+}  // namespace isthmus

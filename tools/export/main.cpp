@@ -1,0 +1,69 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <vector>
+
+#include "tools/replay/replay.hpp"
+#include "tools/text/progress.hpp"
+
+namespace {
+
+using namespace isthmus;
+
+struct Arguments {
+  std::string log;
+  std::string output;
+  std::string config_file;
+  double resolution_m = 0.05;
+  std::vector<double> align = {0, 0, 0};
+};
+
+ReplayResult replayed(const Arguments& arguments) {
+  Progress progress("export");
+  ReplayOptions options;
+  options.config_file = arguments.config_file;
+  options.progress = [&](double share) { progress.update(share); };
+  options.warn = [](const std::string& warning) {
+    std::fprintf(stderr, "isthmus-export: %s\n", warning.c_str());
+  };
+  return replay(arguments.log, options);
+}
+
+void run(const Arguments& arguments) {
+  const ReplayResult result = replayed(arguments);
+  OutputOptions options;
+  options.resolution_m = arguments.resolution_m;
+  options.align = {arguments.align[0], arguments.align[1], wrap_angle(arguments.align[2])};
+  write_outputs(result.engine.copy(), result.cost, arguments.output, options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Writes the map of a journal or log: grids, trajectories, tables, graph and report.",
+               "isthmus-export");
+  Arguments arguments;
+  app.add_option("journal", arguments.log, "a journal directory, or an LCM event log")->required();
+  app.add_option("--output", arguments.output, "directory for the files, made where missing")->required();
+  app.add_option("--resolution", arguments.resolution_m, "size of a grid cell in metres")
+      ->check(CLI::Range(0.005, 10.0))
+      ->capture_default_str();
+  app.add_option("--align", arguments.align,
+                 "X,Y,YAW (metres, radians): moves every island's frame by this before writing")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::Range(-1e6, 1e6));
+  app.add_option("--config", arguments.config_file, "TOML configuration, instead of the journal's own");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    run(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "isthmus-export: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

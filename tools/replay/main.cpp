@@ -1,0 +1,59 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "tools/replay/summary.hpp"
+#include "tools/text/progress.hpp"
+
+namespace {
+
+using namespace isthmus;
+
+struct Arguments {
+  std::string log;
+  std::string output;
+  std::string config_file;
+  std::vector<std::int32_t> forbid;
+  bool json = false;
+};
+
+void run(const Arguments& arguments) {
+  ReplayOptions options;
+  options.config_file = arguments.config_file;
+  for (const std::int32_t id : arguments.forbid) options.forbid.push_back({id});
+  options.warn = [](const std::string& warning) {
+    std::fprintf(stderr, "isthmus-replay: %s\n", warning.c_str());
+  };
+  ReplayResult result = [&] {
+    Progress progress("replay");
+    options.progress = [&](double share) { progress.update(share); };
+    return replay(arguments.log, options);
+  }();
+  const MapCopy map = result.engine.copy();
+  write_outputs(map, result.cost, arguments.output);
+  std::fputs((arguments.json ? summary_json(result, map) : summary_text(result, map)).c_str(), stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Maps a recorded log: the server's engine, reading as fast as it can.", "isthmus-replay");
+  Arguments arguments;
+  app.add_option("log", arguments.log, "an LCM event log, or a journal directory")->required();
+  app.add_option("--output", arguments.output, "directory for the map, trajectories and report")->required();
+  app.add_option("--config", arguments.config_file, "TOML configuration, instead of the log's own");
+  app.add_option("--forbid", arguments.forbid, "id of a closure that must not be made; repeat for several");
+  app.add_flag("--json", arguments.json, "print the summary as JSON");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    run(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "isthmus-replay: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

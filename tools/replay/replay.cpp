@@ -1,0 +1,145 @@
+#include "tools/replay/replay.hpp"
+
+#include <chrono>
+#include <ctime>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "server/wire/event_log.hpp"
+
+namespace isthmus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double cpu_now_s() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+Configuration parsed(const std::string& toml, const std::string& file) {
+  auto result = parse_configuration(toml, file);
+  if (const std::string* error = std::get_if<std::string>(&result)) throw std::runtime_error(*error);
+  return std::get<Configuration>(std::move(result));
+}
+
+Configuration read_configuration(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw std::runtime_error(file + ": cannot be read");
+  return parsed(text.str(), file);
+}
+
+/// One run of the engine over one log.
+class Replay {
+ public:
+  Replay(const std::string& path, const ReplayOptions& options)
+      : options_(options), reader_(path), own_configuration_(options.config_file.empty()) {
+    if (!own_configuration_) result_.engine = Engine(read_configuration(options.config_file));
+  }
+
+  ReplayResult run() {
+    const Clock::time_point start = Clock::now();
+    const double cpu_start_s = cpu_now_s();
+    while (const std::optional<Message> message = reader_.next()) {
+      report_damage(" before the event at offset " + std::to_string(reader_.offset()));
+      take(*message);
+      if (options_.progress) options_.progress(reader_.progress());
+    }
+    report_damage(" at its end");
+    begin();
+    timed([&] { result_.engine.finish(); });
+    result_.cost.wall_s = seconds_since(start);
+    result_.cost.cpu_s = cpu_now_s() - cpu_start_s;
+    result_.cost.peak_rss_mb = process_peak_rss_mb();
+    return std::move(result_);
+  }
+
+ private:
+  void take(const Message& message) {
+    ++result_.messages;
+    const Decoded decoded =
+        decode(result_.engine.configuration(), message.channel, message.bytes, message.utime);
+    if (!decoded.ours) {
+      ++result_.ignored;
+    } else if (!decoded.event) {
+      result_.engine.count_dropped(decoded.robot, decoded.reason);
+    } else if (const auto* configuration = std::get_if<ConfigurationEvent>(&decoded.event->body)) {
+      configure(*configuration, *decoded.event);
+    } else {
+      begin();
+      handle(*decoded.event);
+    }
+  }
+
+  /// The log's own configuration: only before every other event, and not where another was given.
+  void configure(const ConfigurationEvent& configuration, const Event& event) {
+    if (!own_configuration_) return;
+    const std::string where = reader_.file() + ": configuration at event " +
+                              std::to_string(reader_.event_number()) + ", offset " +
+                              std::to_string(reader_.offset());
+    parsed(configuration.toml, where);
+    handle(event);
+  }
+
+  /// Before the first event: what must not happen.
+  void begin() {
+    if (begun_) return;
+    begun_ = true;
+    for (const ClosureId closure : options_.forbid) {
+      CommandEvent command;
+      command.verb = "forbid";
+      command.closure = closure.value;
+      result_.engine.handle({0, command});
+    }
+  }
+
+  void handle(const Event& event) {
+    const double cpu_s = timed([&] { result_.engine.handle(event); });
+    since_scan_s_ += cpu_s;
+    if (!std::holds_alternative<ScanEvent>(event.body)) return;
+    result_.scan_cost.add(since_scan_s_);
+    since_scan_s_ = 0;
+  }
+
+  /// Adds the wall time of `work` to the latencies; returns its CPU time.
+  template <class Work>
+  double timed(const Work& work) {
+    const double cpu_start_s = cpu_now_s();
+    const Clock::time_point start = Clock::now();
+    work();
+    result_.cost.event_latency.add(seconds_since(start));
+    return cpu_now_s() - cpu_start_s;
+  }
+
+  void report_damage(const std::string& where) {
+    const std::int64_t skipped = reader_.skipped_bytes() - result_.skipped_bytes;
+    if (skipped == 0) return;
+    result_.skipped_bytes += skipped;
+    if (options_.warn) {
+      options_.warn(reader_.file() + ": " + std::to_string(skipped) + " damaged bytes passed over" + where);
+    }
+  }
+
+  const ReplayOptions& options_;
+  EventLogReader reader_;
+  bool own_configuration_;
+  bool begun_ = false;
+  double since_scan_s_ = 0;
+  ReplayResult result_;
+};
+
+}  // namespace
+
+ReplayResult replay(const std::string& path, const ReplayOptions& options) {
+  return Replay(path, options).run();
+}
+
+}  // namespace isthmus

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/engine/engine.hpp"
+#include "server/output/output.hpp"
+#include "tools/replay/cost_profile.hpp"
+
+namespace isthmus {
+
+struct ReplayOptions {
+  std::string config_file;        ///< empty: the log's own configuration, if it begins with one
+  std::vector<ClosureId> forbid;  ///< closures that must not be made
+  std::function<void(double)> progress;
+  std::function<void(const std::string&)> warn;  ///< told of damaged parts of the log
+};
+
+struct ReplayResult {
+  Engine engine;
+  RunCost cost;
+  CostProfile scan_cost;           ///< CPU time of the engine from one scan to the next
+  std::int64_t messages = 0;       ///< read from the log
+  std::int64_t ignored = 0;        ///< on channels that are not input
+  std::int64_t skipped_bytes = 0;  ///< damaged
+};
+
+/// Runs the engine over an LCM event log or a journal directory, as fast as it can, to the end
+/// (Engine::finish included). Throws std::runtime_error naming file, event or line and reason: no log, a bad
+/// configuration.
+ReplayResult replay(const std::string& path, const ReplayOptions& options = {});
+
+}  // namespace isthmus

@@ -1,0 +1,87 @@
+#include "tools/replay/summary.hpp"
+
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace isthmus {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class... Values>
+std::string line(const char* format, Values... values) {
+  std::array<char, 256> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), format, values...);
+  return std::string(buffer.data()) + "\n";
+}
+
+/// ", 12 of them no_odometry" for each reason.
+std::string counts(const std::map<std::string, std::int64_t>& by_reason) {
+  std::string text;
+  for (const auto& [reason, count] : by_reason) {
+    text += (text.empty() ? "" : ", ") + reason + " " + std::to_string(count);
+  }
+  return text.empty() ? "none" : text;
+}
+
+double share_matched(const Counters& counters) {
+  if (counters.scans == 0) return 0;
+  return static_cast<double>(counters.scans_matched) / static_cast<double>(counters.scans);
+}
+
+double log_duration_s(const Counters& counters) {
+  return 1e-6 * static_cast<double>(counters.last_receive_utime - counters.first_receive_utime);
+}
+
+}  // namespace
+
+std::string summary_text(const ReplayResult& result, const MapCopy& map) {
+  const Counters& c = map.counters;
+  const RunCost& cost = result.cost;
+  const double second_ms = 1e3 * result.scan_cost.mean_s(0.1, 0.2);
+  const double last_ms = 1e3 * result.scan_cost.mean_s(0.9, 1.0);
+  const long long scans = c.scans;
+  std::string text = line("scans      %lld, %.2f %% matched", scans, 100 * share_matched(c));
+  text += "predicted  " + counts(c.scans_predicted) + "\n";
+  text += "dropped    " + counts(c.dropped) + "\n";
+  text += line("map        %zu patches, %zu relations, %zu islands, %zu closures", map.patches.size(),
+               map.graph.relations().size(), map.graph.islands().size(), map.closures.size());
+  text += line("time       %.1f s of log in %.2f s, %.2f s CPU; peak memory %.0f MB", log_duration_s(c),
+               cost.wall_s, cost.cpu_s, cost.peak_rss_mb);
+  text += line("event      p50 %.3f ms, p99 %.3f ms, max %.3f ms", 1e3 * cost.event_latency.quantile_s(0.5),
+               1e3 * cost.event_latency.quantile_s(0.99), 1e3 * cost.event_latency.max_s());
+  text += line("per scan   %.3f ms CPU in the second tenth, %.3f ms in the last: %.2f times", second_ms,
+               last_ms, second_ms > 0 ? last_ms / second_ms : 0.0);
+  return text + "map_sha256 " + map_sha256(map) + "\n";
+}
+
+std::string summary_json(const ReplayResult& result, const MapCopy& map) {
+  const Counters& c = map.counters;
+  const RunCost& cost = result.cost;
+  const Json json = {{"messages", result.messages},
+                     {"skipped_bytes", result.skipped_bytes},
+                     {"scans", c.scans},
+                     {"matched_share", share_matched(c)},
+                     {"scans_predicted", Json(c.scans_predicted)},
+                     {"dropped", Json(c.dropped)},
+                     {"patches", map.patches.size()},
+                     {"relations", map.graph.relations().size()},
+                     {"islands", map.graph.islands().size()},
+                     {"closures", map.closures.size()},
+                     {"log_duration_s", log_duration_s(c)},
+                     {"wall_s", cost.wall_s},
+                     {"cpu_s", cost.cpu_s},
+                     {"peak_rss_mb", cost.peak_rss_mb},
+                     {"event_latency_ms",
+                      {{"p50", 1e3 * cost.event_latency.quantile_s(0.5)},
+                       {"p99", 1e3 * cost.event_latency.quantile_s(0.99)},
+                       {"max", 1e3 * cost.event_latency.max_s()}}},
+                     {"scan_cost_ms",
+                      {{"second_tenth", 1e3 * result.scan_cost.mean_s(0.1, 0.2)},
+                       {"last_tenth", 1e3 * result.scan_cost.mean_s(0.9, 1.0)}}},
+                     {"map_sha256", map_sha256(map)}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace isthmus

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "tools/simulate/random.hpp"
+#include "tools/simulate/ray_caster.hpp"
+#include "tools/simulate/scenario.hpp"
+
+namespace isthmus {
+
+/// Another robot, as a laser sees it.
+struct Body {
+  Eigen::Vector2d centre;
+  double radius_m = 0;
+};
+
+/// The mount and limits that the robot tells of: those of the plan, and the error of its survey.
+Laser declared_laser(const LaserPlan& plan);
+
+/// One scan taken at a pose, with noise, dropouts and no-returns; utime is left to the caller.
+Scan take_scan(const LaserPlan& plan, const RayCaster& caster, const Pose& world_from_robot,
+               const std::vector<Body>& bodies, Random& random);
+
+}  // namespace isthmus
