@@ -342,7 +342,8 @@ std::string to_wkt(const Polysolid& solid, int decimals) {
     const bool is_zero = written.find_first_not_of("-0.") == std::string::npos;
     return is_zero && written.front() == '-' ? written.substr(1) : written;
   };
-  const auto ring_text = [&](const Ring& ring) {
+  const auto ring_text = [&](const Ring& ring) -> std::string {
+    if (ring.empty()) return "EMPTY";
     std::string text = "(";
     for (const Vector2d& point : ring) text += number(point.x()) + " " + number(point.y()) + ", ";
     return text + number(ring.front().x()) + " " + number(ring.front().y()) + ")";

@@ -73,6 +73,8 @@ class NormalEquations {
     if (problem_.is_free(link.a) && problem_.is_free(link.b)) matrix_.add(link.a, link.b, ab);
   }
 
+  bool partly_deficient() const { return matrix_.partly_deficient(); }
+
   std::span<const Vector> solve() {
     matrix_.factor();
     matrix_.solve(right_);
@@ -131,12 +133,13 @@ void solve_translations(const FitProblem& problem, NormalEquations& equations, s
 
 }  // namespace
 
-std::vector<Pose> chordal_poses(const FitProblem& problem, std::span<const Pose> given) {
+std::optional<std::vector<Pose>> chordal_poses(const FitProblem& problem, std::span<const Pose> given) {
   std::vector<Pose> poses(given.begin(), given.end());
   NormalEquations equations(problem);
   solve_yaws(problem, equations, poses);
   equations.clear();
   solve_translations(problem, equations, poses);
+  if (equations.partly_deficient()) return std::nullopt;
   return poses;
 }
 

@@ -20,8 +20,9 @@ std::map<PatchId, Eigen::Matrix3d> local_relative_covariances(const RelationGrap
                                                               std::size_t most = 200);
 
 /// For reports and operators, from the whole island: the covariance of each of `others` (on a's island)
-/// relative to a; one factorisation for all. A patch equal to `a` gets zero. Not for islands whose
-/// information is singular: then the result is empty.
+/// relative to a; one factorisation for all. A patch equal to `a` gets zero. It does
+/// not depend on a gauge, as relations are relative: holding a is the choice that asks for the diagonal
+/// alone. Empty for islands whose information is singular, and where one of `others` is on another island.
 std::vector<Eigen::Matrix3d> exact_relative_covariances(const RelationGraph& graph,
                                                         std::span<const Pose> poses, PatchId a,
                                                         std::span<const PatchId> others);

@@ -173,9 +173,9 @@ Attempt best_attempt(const FitProblem& problem, const std::vector<Pose>& given, 
   std::vector<Pose> start = given;
   double radius = warm_radius;
   if (options.chordal_start) {
-    std::vector<Pose> chordal = chordal_poses(problem, given);
-    if (cost(problem, chordal) < cost_before) {
-      start = std::move(chordal);
+    std::optional<std::vector<Pose>> chordal = chordal_poses(problem, given);
+    if (chordal && cost(problem, *chordal) < cost_before) {
+      start = std::move(*chordal);
       radius = chordal_radius;
     }
   }

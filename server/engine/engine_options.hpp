@@ -30,6 +30,7 @@ struct EngineOptions {
   MatchOptions match;
   double match_score = 0.25;    ///< a match below this is not believed
   double restart_score = 0.45;  ///< nor one far from where odometry put the robot, below this
+  double found_score = 0.6;     ///< nor one after odometry did what no robot does, below this
   double thin_score = 0.5;      ///< a match below this is on new ground: worth a patch
   /// Factor on a match's information against odometry's, from scan to scan: a match with many patches errs
   /// less than the nominal noise of its beams, odometry more than its steps say.

@@ -29,6 +29,11 @@ double surprise(const Pose& pose, const Expectation& expectation) {
   return innovation.dot(covariance.inverse() * innovation);
 }
 
+// Odometry that is back at its origin: the robot was switched off and on, perhaps elsewhere.
+bool begins_again(const Pose& odom_from_robot) {
+  return std::hypot(odom_from_robot.x, odom_from_robot.y) < 0.05 && std::abs(odom_from_robot.yaw) < 0.05;
+}
+
 SearchWindow window_of(const Expectation& expectation) {
   const auto half = [](double variance, double least, double most) {
     return std::clamp(3 * std::sqrt(variance), least, most);
@@ -47,11 +52,12 @@ void OdometryPath::append(const Pose& step, const Eigen::Matrix3d& step_covarian
 Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime) {
   const Localisation& place = *robot.place;
   Expectation expectation;
-  expectation.step = ominus(odom_from_robot, place.odom_from_robot);
+  expectation.step = expectation.claimed_step = ominus(odom_from_robot, place.odom_from_robot);
   const double seconds = std::max(0.1, static_cast<double>(utime - place.utime) * 1e-6);
   const double way_m = std::hypot(expectation.step.x, expectation.step.y);
   expectation.plausible = way_m <= 0.3 + most_speed_m_per_s * seconds &&
-                          std::abs(expectation.step.yaw) <= 0.5 + most_turn_rad_per_s * seconds;
+                          std::abs(expectation.step.yaw) <= 0.5 + most_turn_rad_per_s * seconds &&
+                          !(way_m > 0.5 && begins_again(odom_from_robot));
   Eigen::Matrix3d noise = robot.noise.covariance(expectation.step);
   if (!expectation.plausible) {
     expectation.step = Pose{};  // what it says is no motion of a robot; where it is, only matching can tell
@@ -83,10 +89,14 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
   MatchOptions match_options = options.match;
   match_options.sigma_m /= std::sqrt(options.match_trust);
   const Eigen::Matrix3d information = expectation.spread.inverse();
-  // Far from where it was expected, a match needs more to be believed.
+  // Far from where it was expected, or where odometry cannot be believed, a match needs more to be.
+  const bool doubtful = !expectation.plausible || robot.place->suspect;
   const auto fits = [&](const Match& match) {
     const bool surprising = surprise(match.local_from_robot, expectation) > 25;
-    return match.ok && match.quality.score >= (surprising ? options.restart_score : options.match_score);
+    const double least = doubtful     ? options.found_score
+                         : surprising ? options.restart_score
+                                      : options.match_score;
+    return match.ok && match.quality.score >= least;
   };
 
   Match best = match_scan(local_map, points, {expectation.local_from_robot, information}, match_options);
@@ -98,6 +108,7 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
     const Pose& r = robot.place->pose.patch_from_object;
     try_from(r * robot.place->last_step, 0.05);
     try_from(r, 0.05);
+    if (!expectation.plausible) try_from(r * expectation.claimed_step, 0.05);
     if (!fits(best)) {
       const CorrelativeResult found = search_window(local_map, points, window_of(expectation));
       if (found.score > 0) try_from(found.local_from_robot, 0.05);

@@ -12,7 +12,8 @@ struct Expectation {
   Pose local_from_robot;       ///< in the frame of the robot's patch
   Eigen::Matrix3d covariance;  ///< grown from the calibrated covariance
   Eigen::Matrix3d spread;
-  Pose step;              ///< odometry since the last scan
+  Pose step;              ///< odometry since the last scan; none where that is implausible
+  Pose claimed_step;      ///< what odometry said
   bool plausible = true;  ///< false: no robot moves like that
 };
 Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime);

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "server/wire/channel.hpp"
+#include "server/wire/event_log.hpp"
 
 namespace isthmus {
 namespace {
@@ -63,27 +64,28 @@ std::string cannot_open(const std::string& url) {
 
 }  // namespace
 
-/// Called by liblcm in the receiving thread.
+/// Copies messages into the inbox; for a network, called by liblcm in the receiving thread.
 struct LcmHandler {
   Inbox& inbox;
   Configuration configuration;
-  bool can_wait = false;
 
   void handle(const lcm::ReceiveBuffer* buffer, const std::string& name) noexcept {
     // Nothing may escape into liblcm, whose next handle() would abort.
     try {
-      const std::optional<Channel> channel = find_channel(configuration, name);
-      if (!channel) return;
       const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
-      const bool is_scan = channel->input == Input::scan;
-      if (can_wait) {
-        inbox.push_waiting(channel->robot, is_scan, buffer->recv_utime, name, bytes);
-      } else {
-        inbox.push(channel->robot, is_scan, buffer->recv_utime, name, bytes);
-      }
+      const std::optional<Channel> channel = find_channel(configuration, name);
+      if (channel) inbox.push(channel->robot, channel->input == Input::scan, buffer->recv_utime, name, bytes);
     } catch (const std::exception& error) {
       std::cerr << "isthmus-server: a message was lost on receipt: " << error.what() << "\n";
     }
+  }
+
+  /// False once the inbox is closed.
+  bool put_waiting(const Message& message) {
+    const std::optional<Channel> channel = find_channel(configuration, message.channel);
+    if (!channel || channel->input == Input::configuration || channel->input == Input::tick) return true;
+    return inbox.push_waiting(channel->robot, channel->input == Input::scan, message.utime, message.channel,
+                              message.bytes);
   }
 };
 
@@ -123,20 +125,25 @@ std::int64_t kernel_receive_buffer_bytes() {
   return file >> bytes ? bytes : 0;
 }
 
-LcmLink::LcmLink(const std::string& url)
-    : is_file_(!log_file_of(url).empty()), lcm_(std::make_unique<lcm::LCM>(url)) {
+LcmLink::LcmLink(const std::string& url) : log_file_(log_file_of(url)) {
+  if (!log_file_.empty()) return;
+  lcm_ = std::make_unique<lcm::LCM>(url);
   if (!lcm_->good()) throw std::runtime_error(cannot_open(url));
 }
 
 LcmLink::~LcmLink() { stop(); }
 
 void LcmLink::receive_into(Inbox& inbox, const Configuration& configuration) {
-  handler_ = std::make_unique<LcmHandler>(LcmHandler{inbox, configuration, is_file_});
+  handler_ = std::make_unique<LcmHandler>(LcmHandler{inbox, configuration});
+  if (!lcm_) {
+    thread_ = std::jthread([this](const std::stop_token& stop) { receive_log(stop); });
+    return;
+  }
   lcm::Subscription* subscription =
       lcm_->subscribe(input_expression(configuration), &LcmHandler::handle, handler_.get());
   if (!subscription) throw std::runtime_error("cannot subscribe to the input channels");
   subscription->setQueueCapacity(queue_messages);
-  thread_ = std::jthread([this](const std::stop_token& stop) { receive_loop(stop); });
+  thread_ = std::jthread([this](const std::stop_token& stop) { receive_network(stop); });
 }
 
 void LcmLink::stop() {
@@ -146,18 +153,28 @@ void LcmLink::stop() {
 }
 
 void LcmLink::publish(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
-  if (is_file_) return;  // a file that is read cannot be written to
+  if (!lcm_) return;
   if (lcm_->publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0) publish_failures_ += 1;
 }
 
-void LcmLink::receive_loop(const std::stop_token& stop) {
+void LcmLink::receive_network(const std::stop_token& stop) {
   using namespace std::chrono_literals;
   while (!stop.stop_requested()) {
-    if (lcm_->handleTimeout(100) >= 0) continue;
-    if (is_file_) break;
-    std::this_thread::sleep_for(100ms);  // a network may come back
+    if (lcm_->handleTimeout(100) < 0) std::this_thread::sleep_for(100ms);  // a network may come back
   }
-  ended_ = is_file_ && !stop.stop_requested();
+}
+
+void LcmLink::receive_log(const std::stop_token& stop) {
+  try {
+    EventLogReader reader(log_file_);
+    while (!stop.stop_requested()) {
+      const std::optional<Message> message = reader.next();
+      if (!message || !handler_->put_waiting(*message)) break;
+    }
+  } catch (const std::exception& error) {
+    std::cerr << "isthmus-server: " << error.what() << "\n";
+  }
+  ended_ = true;
 }
 
 }  // namespace isthmus

@@ -15,32 +15,35 @@ class LCM;
 
 namespace isthmus {
 
-/// An LCM URL as liblcm reads it: udpm://239.255.76.67:7667?ttl=0, memq://, file:///path?speed=0. For UDP
-/// the large receive buffer that scans need is asked for, unless the URL asks for another.
+/// An LCM URL as liblcm reads it, udpm://239.255.76.67:7667?ttl=0 or memq://. For UDP the large receive
+/// buffer that scans need is asked for, unless the URL asks for another. A URL file:///path is a log or
+/// journal, read from its beginning to its end as fast as the engine takes it, with the times of the log.
 std::string complete_lcm_url(const std::string& url);
 
 /// What the user should know of a URL: messages that leave the machine, a receive buffer that the kernel
 /// clips to `kernel_buffer_bytes` (net.core.rmem_max).
 std::vector<std::string> lcm_url_warnings(const std::string& completed_url, std::int64_t kernel_buffer_bytes);
 
-/// The log that a file:// URL reads; empty for other URLs.
+/// The log that a file:// URL names; empty for other URLs.
 std::string log_file_of(const std::string& url);
 
 /// net.core.rmem_max; 0 where it cannot be read.
 std::int64_t kernel_receive_buffer_bytes();
 
-/// The server's end of an LCM network, for receiving and publishing.
+/// The server's end of an LCM network, for receiving and publishing; or of a log, for receiving.
 class LcmLink {
  public:
   /// Throws std::runtime_error with what to do about it where the network cannot be opened.
   explicit LcmLink(const std::string& completed_url);
   ~LcmLink();
 
-  /// Starts a thread that copies messages on input channels into the inbox, until `stop` or, for a file, its
-  /// end. A file waits for the inbox; a network does not.
+  /// Starts a thread that copies messages on input channels into the inbox, until `stop` or the log's end. A
+  /// log waits for the inbox; a network does not.
   void receive_into(Inbox& inbox, const Configuration& configuration);
-  /// Whether a file's end has been reached.
+  /// Whether the log's end has been reached.
   bool ended() const { return ended_; }
+  /// Waits for the thread. A log that waits for room in the inbox goes on only when the inbox is closed or
+  /// emptied.
   void stop();
 
   /// Any thread; never throws. Messages that the network refused are counted.
@@ -48,10 +51,11 @@ class LcmLink {
   std::int64_t publish_failures() const { return publish_failures_; }
 
  private:
-  void receive_loop(const std::stop_token& stop);
+  void receive_network(const std::stop_token& stop);
+  void receive_log(const std::stop_token& stop);
 
-  bool is_file_ = false;
-  std::unique_ptr<lcm::LCM> lcm_;
+  std::string log_file_;
+  std::unique_ptr<lcm::LCM> lcm_;  ///< none for a log
   std::unique_ptr<struct LcmHandler> handler_;
   std::atomic<bool> ended_ = false;
   std::atomic<std::int64_t> publish_failures_ = 0;

@@ -28,7 +28,7 @@ struct Arguments {
 
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--config", arguments.config_file, "TOML configuration; none is needed");
-  app.add_option("--lcm-url", arguments.lcm_url, "LCM network, or file://LOG to read a log")
+  app.add_option("--lcm-url", arguments.lcm_url, "LCM network, or file://LOG for a log")
       ->capture_default_str();
   app.add_option("--journal", arguments.journal_directory, "new directory for the record of all events");
   app.add_option("--output", arguments.output_directory,
@@ -102,8 +102,9 @@ void serve(const Arguments& arguments, const std::string& toml, const Configurat
   link.receive_into(inbox, configuration);
   say("listening on " + url);
   wait_for_end(signals, link, running);
-  link.stop();
+  if (log_file_of(url).empty()) link.stop();  // what was received before is still handled
   inbox.close();
+  link.stop();
   running.get();
 }
 

@@ -11,7 +11,10 @@
 namespace isthmus {
 namespace {
 
+constexpr const char* override_source = "--set ";
+
 std::string place(const std::string& file, const toml::source_region& source) {
+  if (file.starts_with(override_source)) return file;
   return file + ":" + std::to_string(source.begin.line);
 }
 
@@ -92,7 +95,7 @@ Setting read_toml(const std::string& file) {
 }
 
 void override_setting(Setting& root, const std::string& assignment) {
-  const std::string source = "--set " + assignment;
+  const std::string source = override_source + assignment;
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos) fail_at(source, "expected key=value");
   const std::string key = assignment.substr(0, equals), value = assignment.substr(equals + 1);

@@ -13,7 +13,7 @@ using rc::gen::arbitrary;
 using rc::gen::inRange;
 
 double uniform(double least, double most) {
-  return least + (most - least) * *inRange<std::int64_t>(0, 1'000'001) / 1e6;
+  return least + (most - least) * *inRange<std::int32_t>(0, 1'000'001) / 1e6;
 }
 
 std::int64_t utime() { return *inRange<std::int64_t>(0, std::int64_t{1} << 53); }

@@ -151,6 +151,18 @@ TEST(Polysolid, TransformedMovesPoints) {
   EXPECT_TRUE(transformed({std::nan(""), 0, 0}, moved).empty());
 }
 
+TEST(Polysolid, UncheckedRingsWithoutPointsAreTakenByEveryFunction) {
+  const Polysolid hollow = Polysolid::of_sound({{{}, {{}, {}}}});
+  const Polysolid square = solid(rectangle(0, 0, 1, 1));
+  EXPECT_NEAR(area_m2(unite(hollow, square)), 1, 1e-12);
+  EXPECT_TRUE(intersect(hollow, square).empty());
+  EXPECT_NEAR(area_m2(subtract(square, hollow)), 1, 1e-12);
+  EXPECT_FALSE(overlap(hollow, square));
+  EXPECT_FALSE(contains(hollow, {0, 0}));
+  EXPECT_EQ(area_m2(transformed({1, 2, 3}, hollow)), 0);
+  EXPECT_EQ(to_wkt(hollow), "MULTIPOLYGON ((EMPTY, EMPTY, EMPTY))");
+}
+
 TEST(Polysolid, WktClosesRingsAndHasNoNegativeZero) {
   const Polysolid frame = solid({{-1e-9, 0}, {3, 0}, {3, 3}, {0, 3}}, {rectangle(1, 1, 2, 2)});
   EXPECT_EQ(to_wkt(solid(rectangle(0, 0, 1, 1.25)), 2),

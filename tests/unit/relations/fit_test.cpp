@@ -51,8 +51,9 @@ TEST(ChordalPoses, OfExactMeasurementsAreTheTruth) {
   const FitProblem problem = make_fit_problem(map.graph, map.graph.patches_of(PatchId{0}));
   std::vector<Pose> nonsense(map.truth.size());
   nonsense[0] = map.truth[0];
-  const std::vector<Pose> found = chordal_poses(problem, poses_of(problem, nonsense));
-  EXPECT_LT(worst(found, poses_of(problem, map.truth)), 1e-7);
+  const auto found = chordal_poses(problem, poses_of(problem, nonsense));
+  ASSERT_TRUE(found);
+  EXPECT_LT(worst(*found, poses_of(problem, map.truth)), 1e-7);
 }
 
 TEST(Fit, HoldsTheLowestPatchOfAnIslandAsGauge) {

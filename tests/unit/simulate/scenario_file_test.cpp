@@ -85,7 +85,7 @@ TEST(ScenarioFile, ErrorsNameFileLineAndReason) {
   EXPECT_EQ(error_with("building = {walls = []}\n").substr(0, 3), ":1:");
   EXPECT_EQ(error_with("tour = [[1,").substr(0, 3), ":1:");
   EXPECT_EQ(error_with(small_scenario, {"laps"}), "--set laps: expected key=value");
-  EXPECT_EQ(error_with(small_scenario, {"lap=2"}), "--set lap=2:1: unknown key 'lap'");
+  EXPECT_EQ(error_with(small_scenario, {"lap=2"}), "--set lap=2: unknown key 'lap'");
 }
 
 TEST(ScenarioFile, RefusesATourThroughAWall) {

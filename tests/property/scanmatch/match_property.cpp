@@ -1,0 +1,49 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "scanmatch/match.hpp"
+#include "tests/support/walls.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+double between(double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 10001) / 10000.0; }
+
+TEST(MatchScanProperty, TheAnswerDoesNotDependOnTheFrameOfTheLocalMap) {
+  rc::check([] {
+    const Pose view{between(-0.5, 0.5), between(-0.5, 0.5), between(-0.3, 0.3)};
+    const Pose truth{between(-0.8, 0.8), between(-0.8, 0.8), between(-0.4, 0.4)};
+    const Pose frame{between(-50, 50), between(-50, 50), between(-3, 3)};
+    const PatchPtr patch = patch_from(furnished_room(), PatchId{0}, view);
+    const auto points = to_points(scan_from(furnished_room(), truth), laser_of());
+    const Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+    const Match here = match_scan({PatchId{0}, {{patch, view}}}, points, {truth, information});
+    const Match there =
+        match_scan({PatchId{0}, {{patch, frame * view}}}, points, {frame * truth, information});
+    RC_ASSERT(here.ok == there.ok);
+    const Pose back = ominus(there.local_from_robot, frame);
+    RC_ASSERT(std::abs(back.x - here.local_from_robot.x) < 1e-3);
+    RC_ASSERT(std::abs(back.y - here.local_from_robot.y) < 1e-3);
+    RC_ASSERT(std::abs(wrap_angle(back.yaw - here.local_from_robot.yaw)) < 1e-3);
+  });
+}
+
+TEST(MatchScanProperty, AnyScanIsSurvived) {
+  rc::check([] {
+    const PatchPtr patch = patch_from(furnished_room(), PatchId{0}, {});
+    Scan scan = scan_from(furnished_room(), {});
+    for (float& range : scan.ranges_m) {
+      if (*rc::gen::inRange(0, 3) == 0) range = static_cast<float>(between(-1, 25));
+    }
+    const Match match = match_scan({PatchId{0}, {{patch, {}}}}, to_points(scan, laser_of()),
+                                   {{}, Eigen::Matrix3d::Identity()});
+    RC_ASSERT(is_finite(match.local_from_robot));
+    RC_ASSERT(match.beam_information.allFinite());
+    RC_ASSERT(match.quality.score >= 0 && match.quality.score <= 1);
+  });
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "patches/patch.hpp"
+
+namespace isthmus::testing {
+
+using Wall2d = std::pair<Eigen::Vector2d, Eigen::Vector2d>;
+using Walls = std::vector<Wall2d>;
+
+inline void add_box(Walls& walls, double x0, double y0, double x1, double y1) {
+  const Eigen::Vector2d a(x0, y0), b(x1, y0), c(x1, y1), d(x0, y1);
+  walls.insert(walls.end(), {{a, b}, {b, c}, {c, d}, {d, a}});
+}
+
+/// A room of 8 m by 6 m with a cupboard in a corner and a pillar, so that no two views of it are alike.
+inline Walls furnished_room() {
+  Walls walls;
+  add_box(walls, -4, -3, 4, 3);
+  add_box(walls, 2.5, 1.8, 4, 3);
+  add_box(walls, -2.2, 0.9, -1.8, 1.3);
+  return walls;
+}
+
+/// Two parallel walls, 2 m apart, longer than any laser sees.
+inline Walls corridor() { return {{{-100, -1}, {100, -1}}, {{-100, 1}, {100, 1}}}; }
+
+inline double range_to(const Walls& walls, const Eigen::Vector2d& eye, double bearing) {
+  const Eigen::Vector2d direction(std::cos(bearing), std::sin(bearing));
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& [from, to] : walls) {
+    const Eigen::Vector2d along = to - from;
+    const double cross = direction.x() * along.y() - direction.y() * along.x();
+    if (std::abs(cross) < 1e-12) continue;
+    const Eigen::Vector2d offset = from - eye;
+    const double range = (offset.x() * along.y() - offset.y() * along.x()) / cross;
+    const double share = (offset.x() * direction.y() - offset.y() * direction.x()) / cross;
+    if (range > 0 && share >= 0 && share <= 1) nearest = std::min(nearest, range);
+  }
+  return nearest;
+}
+
+/// A scan of 180 beams over half a turn, from a pose among the walls, with beams cut at range_max_m.
+inline Scan scan_from(const Walls& walls, const Pose& world_from_robot, std::int64_t utime = 0,
+                      double range_max_m = 20, int beams = 180) {
+  Scan scan;
+  scan.utime = utime;
+  scan.bearing0_rad = -0.5 * std::numbers::pi;
+  scan.bearing_step_rad = std::numbers::pi / beams;
+  for (int i = 0; i < beams; ++i) {
+    const double bearing = world_from_robot.yaw + scan.bearing0_rad + i * scan.bearing_step_rad;
+    const double range = range_to(walls, {world_from_robot.x, world_from_robot.y}, bearing);
+    scan.ranges_m.push_back(static_cast<float>(range < range_max_m ? range : range_max_m));
+  }
+  return scan;
+}
+
+inline Laser laser_of(double range_max_m = 20) { return {{}, 0.05, range_max_m}; }
+
+inline PatchPtr patch_from(const Walls& walls, PatchId id, const Pose& world_from_robot) {
+  return make_patch(id, "R1", scan_from(walls, world_from_robot), laser_of(), {});
+}
+
+}  // namespace isthmus::testing

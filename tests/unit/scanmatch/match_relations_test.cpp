@@ -1,0 +1,80 @@
+#include "scanmatch/match_relations.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/walls.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+struct Matched {
+  LocalMap map;
+  std::vector<ScanPoint> points;
+  Match match;
+};
+
+Matched matched(const Walls& walls, const std::vector<Pose>& views, const Pose& truth) {
+  Matched result;
+  result.map.reference = PatchId{0};
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    result.map.patches.push_back(
+        {patch_from(walls, PatchId{static_cast<std::int32_t>(i)}, views[i]), views[i]});
+  }
+  result.points = to_points(scan_from(walls, truth), laser_of());
+  result.match = match_scan(result.map, result.points, {truth, Eigen::Matrix3d::Identity()});
+  return result;
+}
+
+TEST(MatchRelations, EachPatchPairedWithEnoughBeamsGetsOneWhoseMinimumIsTheMatch) {
+  const std::vector<Pose> views = {{-1, 0, 0.2}, {0.5, -1, 0.4}};
+  const Pose truth{0.2, -0.4, 0.3};
+  const Matched m = matched(furnished_room(), views, truth);
+  const auto relations = match_relations(m.map, m.points, m.match, PatchId{7}, {});
+  ASSERT_EQ(relations.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(relations[k].a, PatchId{static_cast<std::int32_t>(k)});
+    EXPECT_EQ(relations[k].b, PatchId{7});
+    EXPECT_GE(count(relations[k]), 10);
+    const Pose expected = ominus(truth, views[k]);
+    const Pose found = minimiser(relations[k].measurement, expected);
+    EXPECT_NEAR(found.x, expected.x, 0.02);
+    EXPECT_NEAR(found.y, expected.y, 0.02);
+    EXPECT_NEAR(found.yaw, expected.yaw, 0.005);
+  }
+}
+
+TEST(MatchRelations, PatchesPairedWithFewBeamsGetNone) {
+  const Matched m = matched(furnished_room(), {{-1, 0, 0.2}}, {0.2, -0.4, 0.3});
+  MatchRelationOptions options;
+  options.min_correspondences = 1000;
+  EXPECT_TRUE(match_relations(m.map, m.points, m.match, PatchId{7}, {}, options).empty());
+}
+
+TEST(MatchRelations, ACorridorsRelationSaysNothingAlongIt) {
+  const Matched m = matched(corridor(), {{0, 0, 0}}, {0.5, 0.1, 0.05});
+  const auto relations = match_relations(m.map, m.points, m.match, PatchId{1}, {});
+  ASSERT_EQ(relations.size(), 1U);
+  const Eigen::Matrix3d h = information(relations[0].measurement, {0.5, 0.1, 0.05});
+  EXPECT_LT(h(0, 0), 1e-3 * h(1, 1));
+}
+
+TEST(MatchRelations, AFewBeamsAlongTheCorridorAreHardlyTrusted) {
+  // A single door frame of the corridor, seen by few beams.
+  Walls walls = corridor();
+  add_box(walls, 3, 0.8, 3.1, 1);
+  const Matched m = matched(walls, {{0, 0, 0}}, {0.5, 0.1, 0.05});
+  ASSERT_TRUE(m.match.ok);
+  EXPECT_GT(m.match.quality.weakest_direction, 0);
+  Match trusting = m.match;
+  trusting.direction_trust.setIdentity();
+  const auto with = match_relations(m.map, m.points, m.match, PatchId{1}, {});
+  const auto without = match_relations(m.map, m.points, trusting, PatchId{1}, {});
+  ASSERT_FALSE(with.empty());
+  EXPECT_LT(information(with[0].measurement, {0.5, 0.1, 0.05})(0, 0),
+            0.5 * information(without[0].measurement, {0.5, 0.1, 0.05})(0, 0));
+}
+
+}  // namespace
+}  // namespace isthmus

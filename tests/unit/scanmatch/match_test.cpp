@@ -1,0 +1,87 @@
+#include "scanmatch/match.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/walls.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+LocalMap local_map_of(const Walls& walls, const std::vector<Pose>& views) {
+  LocalMap map;
+  map.reference = PatchId{0};
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    map.patches.push_back({patch_from(walls, PatchId{static_cast<std::int32_t>(i)}, views[i]), views[i]});
+  }
+  return map;
+}
+
+Prediction vague(const Pose& pose) { return {pose, Eigen::Vector3d(1, 1, 1).asDiagonal()}; }
+
+TEST(MatchScan, FindsThePoseInAFurnishedRoomFromAPredictionThatIsOff) {
+  const LocalMap map = local_map_of(furnished_room(), {{-1, 0, 0.2}, {0.5, -1, 0.4}});
+  const Pose truth{0.2, -0.4, 0.3};
+  const auto points = to_points(scan_from(furnished_room(), truth), laser_of());
+  const Match match = match_scan(map, points, vague({0.32, -0.5, 0.36}));
+  ASSERT_TRUE(match.ok);
+  EXPECT_NEAR(match.local_from_robot.x, truth.x, 0.01);
+  EXPECT_NEAR(match.local_from_robot.y, truth.y, 0.01);
+  EXPECT_NEAR(match.local_from_robot.yaw, truth.yaw, 0.003);
+  EXPECT_GT(match.quality.score, 0.8);
+  EXPECT_FALSE(match.quality.degenerate);
+}
+
+// |=====================|   Walls left and right say nothing of how far along the robot is.
+//      o->
+// |=====================|
+TEST(MatchScan, ACorridorLeavesTheDirectionAlongItToThePrediction) {
+  const LocalMap map = local_map_of(corridor(), {{0, 0, 0}, {1, 0.1, 0.05}});
+  const Pose truth{0.5, 0.2, 0.1};
+  const auto points = to_points(scan_from(corridor(), truth), laser_of());
+  const Pose predicted{0.8, 0.1, 0.12};
+  const Match match = match_scan(map, points, vague(predicted));
+  ASSERT_TRUE(match.ok);
+  EXPECT_NEAR(match.local_from_robot.x, predicted.x, 0.02);
+  EXPECT_NEAR(match.local_from_robot.y, truth.y, 0.01);
+  EXPECT_NEAR(match.local_from_robot.yaw, truth.yaw, 0.003);
+  EXPECT_TRUE(match.quality.degenerate);
+  EXPECT_LT(match.beam_information(0, 0), 1e-3 * match.beam_information(1, 1));
+}
+
+TEST(MatchScan, PeopleInFrontOfTheLaserDoNotPullThePoseAway) {
+  const LocalMap map = local_map_of(furnished_room(), {{-1, 0, 0.2}, {0.5, -1, 0.4}});
+  const Pose truth{0.2, -0.4, 0.3};
+  Scan scan = scan_from(furnished_room(), truth);
+  for (std::size_t i = 60; i < 90; ++i) scan.ranges_m[i] = 1.0F;
+  const Match match = match_scan(map, to_points(scan, laser_of()), vague({0.25, -0.45, 0.33}));
+  ASSERT_TRUE(match.ok);
+  EXPECT_NEAR(match.local_from_robot.x, truth.x, 0.02);
+  EXPECT_NEAR(match.local_from_robot.y, truth.y, 0.02);
+  EXPECT_LT(match.quality.score, 0.9);
+}
+
+TEST(MatchScan, TooFewBeamsAreNoMatchAndLeaveThePrediction) {
+  const LocalMap map = local_map_of(furnished_room(), {{0, 0, 0}});
+  auto points = to_points(scan_from(furnished_room(), {}), laser_of());
+  points.resize(5);
+  const Match match = match_scan(map, points, vague({0.1, 0.1, 0}));
+  EXPECT_FALSE(match.ok);
+  EXPECT_EQ(match.local_from_robot, (Pose{0.1, 0.1, 0}));
+}
+
+TEST(MatchScan, AnEmptyLocalMapIsNoMatch) {
+  const auto points = to_points(scan_from(furnished_room(), {}), laser_of());
+  EXPECT_FALSE(match_scan({}, points, vague({})).ok);
+}
+
+TEST(MatchScan, ABeamPairedWithTwoPatchesCountsOnce) {
+  const auto points = to_points(scan_from(furnished_room(), {}), laser_of());
+  const Match one = match_scan(local_map_of(furnished_room(), {{0, 0, 0}}), points, vague({}));
+  const Match two = match_scan(local_map_of(furnished_room(), {{0, 0, 0}, {0, 0, 0}}), points, vague({}));
+  EXPECT_NEAR(two.beam_information(1, 1) / one.beam_information(1, 1), 1, 0.05);
+}
+
+}  // namespace
+}  // namespace isthmus
