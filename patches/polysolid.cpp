@@ -114,39 +114,42 @@ Ring rounded_ring(const ExactPolygon& polygon) {
   return ring;
 }
 
-bool is_counter_clockwise(const Ring& ring) { return signed_area_m2(ring) > 0; }
-
 Ring tidied(const Ring& loop) {
   Ring tidy = without_straight_points(loop, straight_tolerance_m);
   return is_simple(tidy) ? tidy : loop;
 }
 
-// The boundary of one exact polygon. A ring that passes one point twice (a ring closing on itself around a
-// hole) is parted there into a ring and a hole.
+// A hole may touch its ring at a corner, hence the middle of an edge. Islands lie within larger rings.
+void give_to_owner(Ring hole, std::vector<PolygonWithHoles>& polygons, std::size_t first) {
+  const Vector2d inside = 0.5 * (hole[0] + hole[1]);
+  PolygonWithHoles* owner = nullptr;
+  for (std::size_t i = first; i < polygons.size(); ++i) {
+    if (!encloses(polygons[i].outer, inside)) continue;
+    if (owner == nullptr || signed_area_m2(polygons[i].outer) < signed_area_m2(owner->outer)) {
+      owner = &polygons[i];
+    }
+  }
+  if (owner != nullptr) owner->holes.push_back(std::move(hole));
+}
+
+// The boundary of one exact polygon. CGAL's rings may pass one point twice and are parted there: a ring that
+// closes on itself leaves a clockwise loop, which is a hole, and a hole with an island at its rim leaves a
+// counter-clockwise one, which is the island; CGAL does not list it apart.
 void append_rounded(const ExactSet::Polygon_with_holes_2& exact, std::vector<PolygonWithHoles>& polygons) {
   const std::size_t first = polygons.size();
   std::vector<Ring> holes;
-  for (const Ring& loop : simple_loops(rounded_ring(exact.outer_boundary()))) {
-    if (is_counter_clockwise(loop)) {
-      polygons.push_back({tidied(loop), {}});
-    } else {
-      holes.push_back(tidied(loop));
+  const auto sort_out = [&](const ExactPolygon& ring) {
+    for (const Ring& loop : simple_loops(rounded_ring(ring))) {
+      if (signed_area_m2(loop) > 0) {
+        polygons.push_back({tidied(loop), {}});
+      } else {
+        holes.push_back(tidied(loop));
+      }
     }
-  }
-  for (auto hole = exact.holes_begin(); hole != exact.holes_end(); ++hole) {
-    for (Ring& loop : simple_loops(rounded_ring(*hole))) {
-      if (is_counter_clockwise(loop)) std::reverse(loop.begin(), loop.end());
-      holes.push_back(tidied(loop));
-    }
-  }
-  for (Ring& hole : holes) {
-    // A hole may touch its ring at a corner, hence the middle of an edge.
-    const Vector2d inside = 0.5 * (hole[0] + hole[1]);
-    const auto owner =
-        std::find_if(polygons.begin() + static_cast<std::ptrdiff_t>(first), polygons.end(),
-                     [&](const PolygonWithHoles& polygon) { return encloses(polygon.outer, inside); });
-    if (owner != polygons.end()) owner->holes.push_back(std::move(hole));
-  }
+  };
+  sort_out(exact.outer_boundary());
+  std::for_each(exact.holes_begin(), exact.holes_end(), sort_out);
+  for (Ring& hole : holes) give_to_owner(std::move(hole), polygons, first);
 }
 
 Polysolid rounded(const ExactSet& set) {

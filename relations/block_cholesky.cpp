@@ -161,15 +161,12 @@ void BlockCholesky<N>::solve(std::span<Vector> x) const {
   for (int i = 0; i < size; ++i) x[at(i)] = y[at(order_[at(i)])];
 }
 
+/// Lᵀ⁻¹ diag(diagonal) L⁻¹, its diagonal blocks in place.
 template <int N>
-std::vector<typename BlockCholesky<N>::Block> BlockCholesky<N>::inverse_diagonal() const {
-  const int size = static_cast<int>(pivot_.size());
-  std::vector<Block> diagonal = pivot_inverse_;
-  for (const auto& [column, projector] : null_projector_)
-    diagonal[at(column)] += undetermined_variance * projector;
+void BlockCholesky<N>::selected_inverse(std::vector<Block>& diagonal) const {
   // Z_ij = −Σ_k Z_ik L_kj over k in the column's pattern; every Z_ik needed lies in the pattern.
   std::vector<Block> z(row_.size());
-  for (int column = size - 1; column >= 0; --column) {
+  for (int column = static_cast<int>(pivot_.size()) - 1; column >= 0; --column) {
     const std::size_t begin = begin_[at(column)];
     const std::size_t end = begin_[at(column) + 1];
     for (std::size_t k = begin; k < end; ++k) z[k].setZero();
@@ -187,8 +184,30 @@ std::vector<typename BlockCholesky<N>::Block> BlockCholesky<N>::inverse_diagonal
     for (std::size_t k = begin; k < end; ++k) own.noalias() -= lower_[k].transpose() * z[k];
     own = (0.5 * (own + own.transpose())).eval();
   }
-  std::vector<Block> by_row(at(size));
-  for (int i = 0; i < size; ++i) by_row[at(i)] = diagonal[at(order_[at(i)])];
+}
+
+/// A row without a share in any null direction (beyond rounding) keeps its covariance to the last digit.
+template <int N>
+typename BlockCholesky<N>::Block BlockCholesky<N>::with_undetermined(const Block& covariance,
+                                                                     const Block& null_share) {
+  const double share = null_share.trace();
+  if (share <= rank_tolerance) return covariance;
+  return covariance + undetermined_variance / share * null_share;
+}
+
+template <int N>
+std::vector<typename BlockCholesky<N>::Block> BlockCholesky<N>::inverse_diagonal() const {
+  std::vector<Block> diagonal = pivot_inverse_;
+  selected_inverse(diagonal);
+  if (!positive_definite()) {
+    std::vector<Block> null_share(diagonal.size(), Block::Zero());
+    for (const auto& [column, projector] : null_projector_) null_share[at(column)] = projector;
+    selected_inverse(null_share);
+    for (std::size_t c = 0; c < diagonal.size(); ++c)
+      diagonal[c] = with_undetermined(diagonal[c], null_share[c]);
+  }
+  std::vector<Block> by_row(diagonal.size());
+  for (std::size_t i = 0; i < by_row.size(); ++i) by_row[i] = diagonal[at(order_[i])];
   return by_row;
 }
 
@@ -198,18 +217,19 @@ typename BlockCholesky<N>::Block BlockCholesky<N>::inverse_diagonal(int i) const
   int column = order_[at(i)];
   y[at(column)].setIdentity();
   Block result = Block::Zero();
+  Block null_share = Block::Zero();
   while (true) {
     const Block& here = y[at(column)];
     result.noalias() += here.transpose() * pivot_inverse_[at(column)] * here;
     for (const auto& [deficient, projector] : null_projector_)
-      if (deficient == column) result += undetermined_variance * here.transpose() * projector * here;
+      if (deficient == column) null_share += here.transpose() * projector * here;
     const std::size_t begin = begin_[at(column)];
     const std::size_t end = begin_[at(column) + 1];
     if (begin == end) break;
     for (std::size_t k = begin; k < end; ++k) y[at(row_[k])].noalias() -= lower_[k] * here;
     column = row_[begin];  // the parent in the elimination tree
   }
-  return result;
+  return with_undetermined(result, null_share);
 }
 
 template class BlockCholesky<2>;

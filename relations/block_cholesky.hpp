@@ -14,7 +14,8 @@ namespace isthmus {
 ///
 /// Directions without information are met as null directions of a pivot block. The factorisation goes on with
 /// the pivot's pseudo-inverse, which is exact for a semidefinite matrix; such directions then stay at zero in
-/// `solve` and get the variance `undetermined_variance` in `inverse_diagonal`.
+/// `solve` and get the variance `undetermined_variance` in `inverse_diagonal`. They are carried apart from
+/// the finite variances: a huge number among them would cost the determined rows their last digits.
 template <int N>
 class BlockCholesky {
  public:
@@ -57,6 +58,8 @@ class BlockCholesky {
   void find_pattern(int size, std::span<const std::pair<int, int>> pairs);
   void invert_pivot(int column);
   std::size_t find(int row, int column) const;
+  void selected_inverse(std::vector<Block>& diagonal) const;
+  static Block with_undetermined(const Block& covariance, const Block& null_share);
 
   // In elimination order: column c of L has the rows row_[begin_[c] .. begin_[c + 1]), ascending, below c.
   std::vector<int> order_;  ///< place in the elimination order, by block row of A

@@ -1,14 +1,20 @@
 #include "scanmatch/match_relations.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace isthmus {
 
+double relation_sigma_m(const MatchQuality& quality, const MatchRelationOptions& options) {
+  return options.sigma_per_rms * std::max(quality.rms_m, options.least_rms_m);
+}
+
 std::vector<Relation> match_relations(const LocalMap& local_map, std::span<const ScanPoint> points,
                                       const Match& match, PatchId new_patch, const Origin& origin,
                                       const MatchRelationOptions& options) {
   std::vector<QuadraticFormBuilder> builders(local_map.patches.size());
+  const double sigma_m = relation_sigma_m(match.quality, options);
   for (const Pair& pair : match.pairs) {
     if (pair.weight < 1e-3) continue;
     const LocalPatch& local = local_map.patches[static_cast<std::size_t>(pair.patch)];
@@ -24,8 +30,8 @@ std::vector<Relation> match_relations(const LocalMap& local_map, std::span<const
     if (length < 1e-3) continue;
     const Eigen::Vector2d normal = trusted / length;
     const double residual = line.normal.dot(at - line.position) / length;
-    builders[static_cast<std::size_t>(pair.patch)].point_on_line(
-        point, at - residual * normal, normal, options.sigma_m / (length * std::sqrt(pair.weight)));
+    builders[static_cast<std::size_t>(pair.patch)].point_on_line(point, at - residual * normal, normal,
+                                                                 sigma_m / (length * std::sqrt(pair.weight)));
   }
   std::vector<Relation> relations;
   for (std::size_t k = 0; k < builders.size(); ++k) {

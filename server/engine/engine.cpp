@@ -62,6 +62,7 @@ struct Engine::State {
 
   void answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting);
   void map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome);
+  void record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot);
   void refine_all();
 };
 
@@ -180,7 +181,7 @@ void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_fr
     Session session;
     session.robot = robot.declaration.robot;
     session.number = robot.session;
-    session.from_utime = scan.utime;
+    session.from_utime = robot.unplaced.empty() ? scan.utime : robot.unplaced.front().utime;
     session.first_patch = done.pose.pose.patch;
     sessions.push_back(session);
   }
@@ -190,8 +191,22 @@ void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_fr
   } else {
     ++counters.scans_predicted[done.predicted_reason];
   }
-  trajectory->append({scan.utime, robot.session, done.pose.pose.patch, done.pose.pose.patch_from_object});
+  if (done.unplaced) {
+    robot.unplaced.push_back({scan.utime, odom_from_robot});
+  } else {
+    record(robot, done.pose.pose, odom_from_robot);
+    trajectory->append({scan.utime, robot.session, done.pose.pose.patch, done.pose.pose.patch_from_object});
+  }
   outcome.poses.push_back(std::move(done.pose));
+}
+
+// Scans that waited for the robot to be found again.
+void Engine::State::record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot) {
+  for (const UnplacedScan& scan : robot.unplaced) {
+    const Pose now_from_then = ominus(scan.odom_from_robot, odom_from_robot);
+    trajectory->append({scan.utime, robot.session, pose.patch, pose.patch_from_object * now_from_then});
+  }
+  robot.unplaced.clear();
 }
 
 void Engine::State::refine_all() {
@@ -224,6 +239,9 @@ void Engine::count_dropped(const std::string& robot, const std::string& reason) 
 Outcome Engine::finish() {
   Outcome outcome;
   for (auto& [name, robot] : state_->robots) state_->answer_pending(robot, outcome, true);
+  for (auto& [name, robot] : state_->robots) {
+    if (robot.place) state_->record(robot, robot.place->pose, robot.place->odom_from_robot);
+  }
   state_->refine_all();
   return outcome;
 }

@@ -20,7 +20,7 @@ struct EngineOptions {
   PatchOptions patch;
 
   /// Patches beyond eq. 12 but determined so well are where a local loop may close (rejoin.hpp).
-  ConfidenceThreshold rejoin = {4.5, 0.6};
+  ConfidenceThreshold rejoin = {8, 0.6};
   std::size_t confidence_patches = 400;  ///< confidence looks at so many patches, nearest in the graph
   double local_map_reach_m = 4;          ///< patches with origins farther away are left out
   double local_map_overlap = 0.3;        ///< and those that a scan overlaps less than this

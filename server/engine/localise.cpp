@@ -100,19 +100,23 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
   };
 
   Match best = match_scan(local_map, points, {expectation.local_from_robot, information}, match_options);
-  if (!fits(best)) {
-    const auto try_from = [&](const Pose& start, double better_by) {
-      const Match match = match_scan(local_map, points, {start, 0.04 * information}, match_options);
-      if (fits(match) && (!fits(best) || match.quality.score > best.quality.score + better_by)) best = match;
-    };
-    const Pose& r = robot.place->pose.patch_from_object;
+  // Other beginnings hold the prediction loosely, and must fit better by so much to be preferred.
+  const auto try_from = [&](const Pose& start, double better_by) {
+    const Match match = match_scan(local_map, points, {start, 0.04 * information}, match_options);
+    if (fits(match) && (!fits(best) || match.quality.score > best.quality.score + better_by)) best = match;
+  };
+  const Pose& r = robot.place->pose.patch_from_object;
+  if (!fits(best) || surprise(best.local_from_robot, expectation) > 16) {
+    try_from(expectation.local_from_robot, 0.02);
     try_from(r * robot.place->last_step, 0.05);
     try_from(r, 0.05);
-    if (!expectation.plausible) try_from(r * expectation.claimed_step, 0.05);
-    if (!fits(best)) {
-      const CorrelativeResult found = search_window(local_map, points, window_of(expectation));
-      if (found.score > 0) try_from(found.local_from_robot, 0.05);
-    }
+  }
+  // Odometry that stood still and then jumps may well be right about where it jumps to: where the laser
+  // cannot tell, as in a corridor, it is believed.
+  if (!expectation.plausible) try_from(r * expectation.claimed_step, -0.02);
+  if (!fits(best)) {
+    const CorrelativeResult found = search_window(local_map, points, window_of(expectation));
+    if (found.score > 0) try_from(found.local_from_robot, 0.05);
   }
   placement.match = std::move(best);
   if (!fits(placement.match)) {
@@ -122,7 +126,8 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
   placement.matched = true;
   placement.local_from_robot = placement.match.local_from_robot;
   // The same beams, at the calibrated noise of relations, for what is published.
-  const double calibration = std::pow(options.match.sigma_m / options.relations.sigma_m, 2);
+  const double calibration =
+      std::pow(options.match.sigma_m / relation_sigma_m(placement.match.quality, options.relations), 2);
   placement.spread =
       symmetric((information + options.match_trust * placement.match.beam_information).inverse());
   placement.covariance = symmetric(

@@ -37,6 +37,13 @@ struct Localisation {
   bool suspect = false;           ///< odometry did something implausible since the last match
 };
 
+/// A scan that was neither matched nor plausibly predicted: where the robot was is known once it is found
+/// again, by its odometry backwards from there.
+struct UnplacedScan {
+  std::int64_t utime = 0;
+  Pose odom_from_robot;
+};
+
 struct PendingScan {
   Scan scan;
   std::int64_t receive_utime = 0;
@@ -58,6 +65,7 @@ struct Robot {
   std::int64_t last_scan_utime = 0;
   std::int64_t newest_scan_utime = 0;
   WaitingRejoins rejoins;
+  std::vector<UnplacedScan> unplaced;
   int stale_scans = 0;  ///< in a row
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -12,7 +13,7 @@
 namespace isthmus {
 namespace {
 
-struct Run {
+struct CommandResult {
   int exit_code = -1;
   std::string out;
   std::string err;
@@ -26,7 +27,7 @@ std::string content(const std::string& file) {
 }
 
 /// Runs isthmus-<arguments> in a directory.
-Run isthmus(const TemporaryDirectory& directory, const std::string& arguments) {
+CommandResult isthmus(const TemporaryDirectory& directory, const std::string& arguments) {
   const std::string command = "cd '" + directory / "" + "' && " ISTHMUS_BIN_DIRECTORY "/isthmus-" +
                               arguments + " > stdout.txt 2> stderr.txt < /dev/null";
   const int status = std::system(command.c_str());
@@ -48,7 +49,7 @@ const std::string odometry = "ODOM 0 0 0 0 0 0 1.5 host 1.5\n";
 TEST(Commands, HelpFitsAScreenAndAWrongOptionExitsWithTwo) {
   const TemporaryDirectory directory;
   for (const char* command : {"import", "import carmen", "replay", "evaluate", "simulate"}) {
-    const Run help = isthmus(directory, std::string(command) + " --help");
+    const CommandResult help = isthmus(directory, std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_LE(std::count(help.out.begin(), help.out.end(), '\n'), 24) << command;
     EXPECT_NE(isthmus(directory, std::string(command) + " --nonsense").exit_code, 0) << command;
@@ -59,7 +60,7 @@ TEST(Commands, HelpFitsAScreenAndAWrongOptionExitsWithTwo) {
 TEST(Commands, AnImportThatFailsNamesFileAndLineAndLeavesNothing) {
   const TemporaryDirectory directory;
   directory.write("r.clf", odometry + "ODOM 1 2\n");
-  const Run run = isthmus(directory, "import carmen --robot R1=r.clf -o run.lcm");
+  const CommandResult run = isthmus(directory, "import carmen --robot R1=r.clf -o run.lcm");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.err, "isthmus-import: r.clf:2: wrong count of fields in ODOM: 3 instead of 10\n");
   EXPECT_EQ(files_of(directory), (std::vector<std::string>{"r.clf", "stderr.txt", "stdout.txt"}));
@@ -68,7 +69,7 @@ TEST(Commands, AnImportThatFailsNamesFileAndLineAndLeavesNothing) {
 TEST(Commands, BadLinesCanBeSkippedAndAreCounted) {
   const TemporaryDirectory directory;
   directory.write("r.clf", odometry + "ODOM 1 2\n" + odometry);
-  const Run run = isthmus(directory, "import carmen --skip-bad-lines --robot R1=r.clf -o run.lcm");
+  const CommandResult run = isthmus(directory, "import carmen --skip-bad-lines --robot R1=r.clf -o run.lcm");
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_NE(run.out.find("1 bad lines skipped"), std::string::npos) << run.out;
   EXPECT_TRUE(std::filesystem::exists(directory / "run.lcm"));
@@ -77,7 +78,7 @@ TEST(Commands, BadLinesCanBeSkippedAndAreCounted) {
 TEST(Commands, ReplayOfWhatIsNoLogFailsAndWritesNothing) {
   const TemporaryDirectory directory;
   directory.write("no.lcm", "this is no log\n");
-  const Run run = isthmus(directory, "replay no.lcm --output map");
+  const CommandResult run = isthmus(directory, "replay no.lcm --output map");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.err.find("isthmus-replay: no.lcm"), 0U) << run.err;
   EXPECT_FALSE(std::filesystem::exists(directory / "map/report.json"));
@@ -89,7 +90,7 @@ TEST(Commands, ReplayReportsDamagedBytesWithTheirPlace) {
   ASSERT_EQ(isthmus(directory, "import carmen --robot R1=r.clf -o run.lcm").exit_code, 0);
   std::string log = content(directory / "run.lcm");
   directory.write("run.lcm", log.substr(0, log.size() - 5));
-  const Run run = isthmus(directory, "replay run.lcm --output map");
+  const CommandResult run = isthmus(directory, "replay run.lcm --output map");
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_NE(run.err.find("damaged bytes passed over"), std::string::npos) << run.err;
   EXPECT_NE(run.out.find("map_sha256"), std::string::npos);
@@ -101,7 +102,7 @@ TEST(Commands, ABadConfigurationIsNamedWithItsLine) {
   directory.write("r.clf", odometry);
   directory.write("bad.toml", "\nnonsense = 1\n");
   ASSERT_EQ(isthmus(directory, "import carmen --robot R1=r.clf -o run.lcm").exit_code, 0);
-  const Run run = isthmus(directory, "replay run.lcm --output map --config bad.toml");
+  const CommandResult run = isthmus(directory, "replay run.lcm --output map --config bad.toml");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.err.find("bad.toml:2"), std::string::npos) << run.err;
 }

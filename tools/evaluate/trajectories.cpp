@@ -17,7 +17,7 @@ constexpr std::int64_t nearest_within_us = 100'000;
 constexpr std::int64_t session_within_us = 1'000'000;
 
 double yaw_of_quaternion(double x, double y, double z, double w) {
-  return std::atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+  return std::atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z);
 }
 
 std::optional<StampedPose> parse_tum_row(const std::vector<std::string_view>& words) {

@@ -56,7 +56,7 @@ TEST(PoseGraph, IsReadWithInformationTurnedToTheFirstPatchsAxes) {
   ASSERT_EQ(map.poses.size(), 4u);
   EXPECT_EQ(map.poses[2], (Pose{1, 2, 1.5707963267948966}));
   ASSERT_EQ(map.graph.relations().size(), 2u);
-  const auto& relation = map.graph.relations().begin()->second;
+  const Relation& relation = *map.graph.find(map.graph.between(PatchId{0}, PatchId{1}).front());
   const Eigen::Matrix3d by_pose = information(relation.measurement, Pose{1, 0, 1.5707963267948966});
   // The error's x axis is a's y axis.
   EXPECT_NEAR(by_pose(0, 0), 400, 1e-9);

@@ -81,6 +81,15 @@ TEST(Polysolid, FrameClosedAtASinglePointKeepsItsHole) {
   EXPECT_NEAR(area_m2(unite(frame, solid(rectangle(1, 1, 2, 2)))), area_m2(frame) + 1, 1e-9);
 }
 
+TEST(Polysolid, IslandAtTheRimOfAHoleStaysFree) {
+  const Polysolid frame = solid(rectangle(0, 0, 6, 6), {rectangle(1, 1, 5, 5)});
+  const Polysolid with_island = unite(frame, solid({{1, 1}, {3, 2}, {2, 3}}));
+  EXPECT_NEAR(area_m2(with_island), 21.5, 1e-9);
+  EXPECT_TRUE(contains(with_island, {1.8, 1.8}));
+  EXPECT_FALSE(contains(with_island, {4, 4}));
+  EXPECT_NEAR(area_m2(unite(with_island, solid(rectangle(1, 1, 5, 5)))), 36, 1e-9);
+}
+
 TEST(Polysolid, SquaresThatShareOnlyABoundaryDoNotOverlap) {
   const Polysolid a = solid(rectangle(0, 0, 1, 1));
   EXPECT_FALSE(overlap(a, solid(rectangle(1, 0, 2, 1)))) << "an edge";

@@ -118,6 +118,19 @@ TEST(RelativeCovariance, ThreeRangesToKnownPatchesDetermineTheirPlaceButNotTheYa
   EXPECT_FALSE(local_relative_covariances(map.graph, map.truth, PatchId{0}).contains(PatchId{3}));
 }
 
+//   0 --- 1 --- 2     --- full relations; 3 hangs by ranges to 1 and 2
+TEST(RelativeCovariance, OfDeterminedPatchesKeepsItsDigitsBesideAnUndeterminedOne) {
+  std::mt19937 random(5);
+  SmallMap map = random_map(random, 3, 0, 0);
+  const auto without = local_relative_covariances(map.graph, map.truth, PatchId{0});
+  map.graph.add_patch(PatchId{3});
+  map.truth.push_back(map.pose(2) * Pose{2, 1, 0.4});
+  for (int i = 1; i < 3; ++i) map.graph.add(relation(i, 3, Range{{0.3, 0.1}, {0.2, -0.4}, 2, 0.05}));
+  const auto with = local_relative_covariances(map.graph, map.truth, PatchId{0});
+  EXPECT_FALSE(with.contains(PatchId{3}));
+  for (const auto& [patch, covariance] : without) EXPECT_TRUE(with.at(patch).isApprox(covariance, 1e-12));
+}
+
 TEST(WellDetermined, TestsTheLongerAxisOfTheEllipse) {
   const ConfidenceThreshold threshold{0.5, 0.1};
   const double limit = 0.5 / 1.96;

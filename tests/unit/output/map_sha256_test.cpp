@@ -1,0 +1,82 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/output/room.hpp"
+
+namespace isthmus {
+namespace {
+
+MapCopy small_map() {
+  return testing::map_of(testing::rectangle(0, 0, 4, 4), {{1, 1, 0}, {2, 2, 0.5}, {3, 2, 0}});
+}
+
+ClosureRecord closure(std::int32_t id, const char* state) {
+  ClosureRecord record;
+  record.id = ClosureId{id};
+  record.kind = "closure";
+  record.state = state;
+  return record;
+}
+
+TEST(MapSha256, IsSixtyFourHexDigitsAndTheSameForTheSameMap) {
+  const std::string sha = map_sha256(small_map());
+  EXPECT_EQ(sha.size(), 64u);
+  EXPECT_EQ(sha.find_first_not_of("0123456789abcdef"), std::string::npos);
+  EXPECT_EQ(sha, map_sha256(small_map()));
+}
+
+TEST(MapSha256, TheLastBitOfAPoseCounts) {
+  MapCopy map = small_map();
+  map.poses[1].yaw = std::nextafter(map.poses[1].yaw, 1.0);
+  EXPECT_NE(map_sha256(map), map_sha256(small_map()));
+}
+
+TEST(MapSha256, WhatAPatchIsCounts) {
+  const MapCopy map = small_map();
+  for (const auto change : {+[](Patch& patch) { patch.robot = "R2"; }, +[](Patch& patch) { ++patch.utime; },
+                            +[](Patch& patch) { patch.scan.ranges_m[7] += 0.001F; },
+                            +[](Patch& patch) { patch.laser.robot_from_laser.x = 0.1; }}) {
+    MapCopy changed = map;
+    Patch patch = *map.patches[0];
+    change(patch);
+    changed.patches[0] = std::make_shared<const Patch>(patch);
+    EXPECT_NE(map_sha256(changed), map_sha256(map));
+  }
+}
+
+TEST(MapSha256, WhatARelationMeasuredAndWhereItCameFromCount) {
+  const MapCopy map = small_map();
+  for (const auto change :
+       {+[](Relation& relation) { std::get<RelativePose>(relation.measurement).information(0, 1) = 1e-300; },
+        +[](Relation& relation) { std::get<RelativePose>(relation.measurement).a_from_b.x += 1e-12; },
+        +[](Relation& relation) { relation.origin.closure = ClosureId{0}; },
+        +[](Relation& relation) { relation.robust_scale = 2; }}) {
+    MapCopy changed = map;
+    const RelationId id = map.graph.between(PatchId{0}, PatchId{1}).front();
+    Relation relation = *map.graph.find(id);
+    change(relation);
+    changed.graph.replace(id, relation);
+    EXPECT_NE(map_sha256(changed), map_sha256(map));
+  }
+}
+
+TEST(MapSha256, AcceptedClosuresCountAndRefusedOnesLeaveNoTrace) {
+  const MapCopy map = small_map();
+  MapCopy refused = map;
+  refused.closures = {closure(0, "refused"), closure(1, "withdrawn"), closure(2, "waiting")};
+  EXPECT_EQ(map_sha256(refused), map_sha256(map));
+  MapCopy accepted = map;
+  accepted.closures = {closure(0, "accepted")};
+  EXPECT_NE(map_sha256(accepted), map_sha256(map));
+}
+
+TEST(MapSha256, WhatItCostAndWhatWasDroppedAreNoPartOfTheMap) {
+  MapCopy map = small_map();
+  map.counters.dropped["unknown_robot"] = 5;
+  map.sessions.clear();
+  EXPECT_EQ(map_sha256(map), map_sha256(small_map()));
+}
+
+}  // namespace
+}  // namespace isthmus
