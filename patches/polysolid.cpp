@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace isthmus {
@@ -119,17 +120,26 @@ Ring tidied(const Ring& loop) {
   return is_simple(tidy) ? tidy : loop;
 }
 
-// A hole may touch its ring at a corner, hence the middle of an edge. Islands lie within larger rings.
-void give_to_owner(Ring hole, std::vector<PolygonWithHoles>& polygons, std::size_t first) {
+double net_area_m2(const PolygonWithHoles& polygon) {
+  double area = signed_area_m2(polygon.outer);
+  for (const Ring& hole : polygon.holes) area += signed_area_m2(hole);
+  return area;
+}
+
+// The smallest ring around a hole; islands lie within larger rings. A hole may touch its ring at a corner,
+// hence the middle of an edge. One that fills its ring but for a hair may seem to lie outside every ring, by
+// rounding: it belongs to the largest, whose parts they all are.
+PolygonWithHoles* owner_of(const Ring& hole, std::span<PolygonWithHoles> polygons) {
+  const auto smaller = [](const PolygonWithHoles& a, const PolygonWithHoles& b) {
+    return signed_area_m2(a.outer) < signed_area_m2(b.outer);
+  };
   const Vector2d inside = 0.5 * (hole[0] + hole[1]);
   PolygonWithHoles* owner = nullptr;
-  for (std::size_t i = first; i < polygons.size(); ++i) {
-    if (!encloses(polygons[i].outer, inside)) continue;
-    if (owner == nullptr || signed_area_m2(polygons[i].outer) < signed_area_m2(owner->outer)) {
-      owner = &polygons[i];
-    }
+  for (PolygonWithHoles& polygon : polygons) {
+    if (encloses(polygon.outer, inside) && (owner == nullptr || smaller(polygon, *owner))) owner = &polygon;
   }
-  if (owner != nullptr) owner->holes.push_back(std::move(hole));
+  if (owner != nullptr || polygons.empty()) return owner;
+  return &*std::max_element(polygons.begin(), polygons.end(), smaller);
 }
 
 // The boundary of one exact polygon. CGAL's rings may pass one point twice and are parted there: a ring that
@@ -149,7 +159,13 @@ void append_rounded(const ExactSet::Polygon_with_holes_2& exact, std::vector<Pol
   };
   sort_out(exact.outer_boundary());
   std::for_each(exact.holes_begin(), exact.holes_end(), sort_out);
-  for (Ring& hole : holes) give_to_owner(std::move(hole), polygons, first);
+  const std::span own = std::span(polygons).subspan(first);
+  for (Ring& hole : holes) {
+    if (PolygonWithHoles* owner = owner_of(hole, own)) owner->holes.push_back(std::move(hole));
+  }
+  polygons.erase(std::remove_if(polygons.begin() + static_cast<std::ptrdiff_t>(first), polygons.end(),
+                                [](const auto& polygon) { return net_area_m2(polygon) < min_ring_area_m2; }),
+                 polygons.end());
 }
 
 Polysolid rounded(const ExactSet& set) {
@@ -305,10 +321,7 @@ bool overlap(const Polysolid& a, const Polysolid& b) {
 
 double area_m2(const Polysolid& solid) {
   double area = 0;
-  for (const PolygonWithHoles& polygon : solid.polygons()) {
-    area += signed_area_m2(polygon.outer);
-    for (const Ring& hole : polygon.holes) area += signed_area_m2(hole);
-  }
+  for (const PolygonWithHoles& polygon : solid.polygons()) area += net_area_m2(polygon);
   return area;
 }
 

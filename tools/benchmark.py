@@ -77,16 +77,20 @@ def table(title, header, rows):
 def error_cells(errors):
     if errors is None:
         return ["–"] * 4
+    relations = f"{errors['count']} ({errors['missing']})"
+    if errors["count"] == 0:
+        return [relations, "–", "–", "–"]
     t, r = errors["translation_m"], errors["rotation_deg"]
-    return [f"{errors['count']} ({errors['missing']})", f"{t['mean']:.4f} ± {t['std']:.4f}",
+    return [relations, f"{t['mean']:.4f} ± {t['std']:.4f}",
             f"{t['median']:.4f}", f"{r['mean']:.3f} ± {r['std']:.3f}"]
 
 
 def cost_cells(summary):
-    latency, per_scan = summary["event_latency_ms"], summary["scan_cost_ms"]
+    latency, cpu, per_scan = summary["event_latency_ms"], summary["event_cpu_ms"], summary["scan_cost_ms"]
     growth = per_scan["last_tenth"] / per_scan["second_tenth"] if per_scan["second_tenth"] > 0 else 0
     return [str(summary["scans"]), f"{100 * summary['matched_share']:.2f} %", f"{summary['cpu_s']:.1f}",
             f"{summary['peak_rss_mb']:.0f}", f"{latency['p50']:.2f} / {latency['p99']:.2f} / {latency['max']:.1f}",
+            f"{cpu['p99']:.2f} / {cpu['max']:.1f}",
             f"{growth:.2f}", str(summary["patches"]), str(summary["islands"]), summary["map_sha256"][:12]]
 
 
@@ -138,7 +142,7 @@ def main():
               [[name, *error_cells(errors.get("intra"))] for name, _, errors in singles])
         table("Accuracy, several robots", ["set", "kind", *error_header],
               [[name, kind, *error_cells(errors.get(kind))] for name, _, errors in teams for kind in ("intra", "inter")])
-        table("Cost", ["log", "scans", "matched", "CPU s", "peak MB", "event ms p50 / p99 / max",
+        table("Cost", ["log", "scans", "matched", "CPU s", "peak MB", "event ms p50 / p99 / max", "CPU ms p99 / max",
                        "per scan, last : second tenth", "patches", "islands", "map_sha256"],
               [[name, *cost_cells(summary)] for name, summary, _ in singles + teams])
         table("Pose graphs, one batch", ["graph", "patches", "relations", "F before", "F", "CPU ms"],

@@ -21,6 +21,18 @@ Relation odometry_relation(PatchId previous, PatchId next, const OdometryPath& p
   return relation;
 }
 
+// Patches that a scan should overlap and was not found to.
+std::vector<PatchId> unpaired_patches(const LocalMap& local_map, std::span<const Relation> relations) {
+  std::vector<PatchId> unpaired;
+  for (const LocalPatch& local : local_map.patches) {
+    const PatchId id = local.patch->id;
+    const bool paired =
+        std::any_of(relations.begin(), relations.end(), [&](const Relation& r) { return r.a == id; });
+    if (!paired) unpaired.push_back(id);
+  }
+  return unpaired;
+}
+
 void put_robot_on(Robot& robot, PatchId patch) {
   Localisation& place = *robot.place;
   place.pose = {patch, Pose{}};
@@ -110,7 +122,9 @@ void extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement
   }
   std::vector<Relation> loop;
   if (placement.matched) {
-    loop = robot.rejoins.take(find_rejoin(map, robot.surroundings, local_from_robot, points, id, options));
+    const std::vector<PatchId> unpaired = unpaired_patches(robot.local_map, relations);
+    loop = robot.rejoins.take(
+        find_rejoin(map, robot.surroundings, local_from_robot, points, unpaired, id, options));
   }
   const Pose map_from_robot = map.manifold().pose(robot.surroundings.reference()) * local_from_robot;
   map.add(make_patch(id, robot.declaration.robot, scan, robot.declaration.laser, options.patch),

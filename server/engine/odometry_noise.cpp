@@ -32,7 +32,7 @@ Eigen::Matrix3d OdometryNoise::covariance(const Pose& step) const {
 void OdometryNoise::learn(const Pose& odometry_step, const Pose& matched_step,
                           const Eigen::Matrix2d& direction_trust) {
   constexpr double forgetting = 0.005;
-  constexpr double least = 0.3;
+  constexpr double least = 0.1;
   constexpr double most = 20;
   // A robot at rest tells only how matching trembles.
   if (std::hypot(odometry_step.x, odometry_step.y) < 0.01 && std::abs(odometry_step.yaw) < 0.005) return;
@@ -58,7 +58,7 @@ Eigen::Matrix3d OdometryNoise::path_covariance(const Pose& odometry_path,
   off.z() = wrap_angle(off.z());
   const double squared = off.dot(summed_covariance.inverse() * off);
   const double seen = std::min(squared / 3, 16 * path_variance_scale_);
-  path_variance_scale_ = std::max(1.0, (1 - forgetting) * path_variance_scale_ + forgetting * seen);
+  path_variance_scale_ = std::max(0.05, (1 - forgetting) * path_variance_scale_ + forgetting * seen);
   return summed_covariance * std::max(path_variance_scale_, squared / plausible);
 }
 

@@ -21,13 +21,17 @@ constexpr int enough_agreeing = 3;
 constexpr double enough_way_m = 2;
 constexpr std::size_t most_waiting = 20;
 
+bool is_loose(const Determined& determined, std::span<const PatchId> unpaired) {
+  return !determined.firm || std::find(unpaired.begin(), unpaired.end(), determined.patch) != unpaired.end();
+}
+
 // The nearest loose patch that the robot's scan could overlap, wherever in its covariance it is.
 const Determined* nearest_loose(const Surroundings& surroundings, const Pose& local_from_robot,
-                                const EngineOptions& options) {
+                                std::span<const PatchId> unpaired, const EngineOptions& options) {
   const Determined* nearest = nullptr;
   double nearest_m = 0;
   for (const Determined& determined : surroundings.patches()) {
-    if (determined.firm) continue;
+    if (!is_loose(determined, unpaired)) continue;
     const Pose patch_from_robot = ominus(local_from_robot, determined.local_from_patch);
     const double distance = std::hypot(patch_from_robot.x, patch_from_robot.y);
     const double slack = std::sqrt(determined.covariance.topLeftCorner<2, 2>().trace());
@@ -40,8 +44,9 @@ const Determined* nearest_loose(const Surroundings& surroundings, const Pose& lo
 }
 
 // The anchor's own firm surroundings near the robot, as far as they are loose for the robot.
-LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const Surroundings& around_anchor,
-                   const Pose& anchor_from_robot, double slack_m, const EngineOptions& options) {
+LocalMap rigid_map(const Map& map, const Surroundings& surroundings, std::span<const PatchId> unpaired,
+                   const Surroundings& around_anchor, const Pose& anchor_from_robot, double slack_m,
+                   const EngineOptions& options) {
   LocalMap local;
   local.reference = around_anchor.reference();
   for (const Determined& determined : around_anchor.patches()) {
@@ -49,9 +54,9 @@ LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const Surro
     if (!determined.firm ||
         std::hypot(patch_from_robot.x, patch_from_robot.y) > options.local_map_reach_m + slack_m)
       continue;
-    const bool loose =
-        std::any_of(surroundings.patches().begin(), surroundings.patches().end(),
-                    [&](const Determined& d) { return d.patch == determined.patch && !d.firm; });
+    const bool loose = std::any_of(
+        surroundings.patches().begin(), surroundings.patches().end(),
+        [&](const Determined& d) { return d.patch == determined.patch && is_loose(d, unpaired); });
     if (loose)
       local.patches.push_back({map.manifold().shared_patch(determined.patch), determined.local_from_patch});
   }
@@ -67,10 +72,11 @@ double half_width(double variance, double most) {
 }  // namespace
 
 Rejoin find_rejoin(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
-                   std::span<const ScanPoint> points, PatchId new_patch, const EngineOptions& options) {
+                   std::span<const ScanPoint> points, std::span<const PatchId> unpaired, PatchId new_patch,
+                   const EngineOptions& options) {
   Rejoin found;
   found.patch = new_patch;
-  const Determined* anchor = nearest_loose(surroundings, local_from_robot, options);
+  const Determined* anchor = nearest_loose(surroundings, local_from_robot, unpaired, options);
   if (!anchor) return found;
   Surroundings around_anchor;
   around_anchor.update(map, anchor->patch, options);
@@ -79,14 +85,16 @@ Rejoin find_rejoin(const Map& map, const Surroundings& surroundings, const Pose&
   const Pose anchor_from_robot = ominus(local_from_robot, anchor->local_from_patch);
   const Eigen::Matrix3d jacobian = ominus_jacobians(local_from_robot, anchor->local_from_patch).by_pi;
   Eigen::Matrix3d covariance = jacobian * anchor->covariance * jacobian.transpose();
-  covariance.diagonal() += Eigen::Vector3d(4e-4, 4e-4, 1e-4);
+  // A slip of the past is in no covariance, and here is the last chance to mend it.
+  covariance.diagonal() += Eigen::Vector3d(0.04, 0.04, 1e-3);
   const Eigen::Matrix3d information = covariance.inverse();
   const SearchWindow window{anchor_from_robot, half_width(covariance(0, 0), 6),
                             half_width(covariance(1, 1), 6), half_width(covariance(2, 2), 0.7)};
   const double widest_m = std::max(window.half_x_m, window.half_y_m);
   found.certain = widest_m <= certain_half_width_m;
 
-  const LocalMap local = rigid_map(map, surroundings, around_anchor, anchor_from_robot, widest_m, options);
+  const LocalMap local =
+      rigid_map(map, surroundings, unpaired, around_anchor, anchor_from_robot, widest_m, options);
   if (local.patches.empty()) return found;
   const CorrelativeResult search = search_window(local, points, window);
   if (search.score <= 0 || search.exhausted) return found;

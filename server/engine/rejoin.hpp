@@ -17,11 +17,13 @@ struct Rejoin {
 };
 
 /// Looks for patches that are determined relative to the robot, but not firmly, where a scan placed at
-/// `local_from_robot` lies (eq. 12's own loops). Taken rigidly together around the nearest of them, they are
-/// matched on their own, in a window as wide as the relative covariance says. No relations where nothing
-/// fits, where two answers fit about as well, or where there is nothing to come back to.
+/// `local_from_robot` lies (eq. 12's own loops), or that belong to its local map, should overlap the scan,
+/// and were not found in it (`unpaired`). Taken rigidly together around the nearest of them, they are matched
+/// on their own, in a window as wide as the relative covariance says. No relations where nothing fits, where
+/// two answers fit about as well, or where there is nothing to come back to.
 Rejoin find_rejoin(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
-                   std::span<const ScanPoint> points, PatchId new_patch, const EngineOptions& options);
+                   std::span<const ScanPoint> points, std::span<const PatchId> unpaired, PatchId new_patch,
+                   const EngineOptions& options);
 
 /// Loops found in wide windows wait here until others, found on the way, say the same.
 class WaitingRejoins {

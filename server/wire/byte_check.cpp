@@ -1,5 +1,7 @@
 #include "server/wire/byte_check.hpp"
 
+#include <algorithm>
+
 namespace isthmus {
 namespace {
 
@@ -8,6 +10,11 @@ bool take(std::span<const std::uint8_t>& rest, std::int64_t count) {
   if (count > static_cast<std::int64_t>(rest.size())) return false;
   rest = rest.subspan(static_cast<std::size_t>(count));
   return true;
+}
+
+/// Ends at its first NUL.
+bool is_text(std::span<const std::uint8_t> bytes) {
+  return std::find(bytes.begin(), bytes.end(), 0) == bytes.end() - 1;
 }
 
 bool take_member(std::span<const std::uint8_t>& rest, const Member& member) {
@@ -19,7 +26,8 @@ bool take_member(std::span<const std::uint8_t>& rest, const Member& member) {
   take(rest, 4);
   const std::int64_t bytes = std::int64_t{count} * member.size;
   if (bytes > static_cast<std::int64_t>(rest.size())) return false;
-  if (member.kind == Member::Kind::text && rest[static_cast<std::size_t>(bytes - 1)] != 0) return false;
+  if (member.kind == Member::Kind::text && !is_text(rest.first(static_cast<std::size_t>(bytes))))
+    return false;
   return take(rest, bytes);
 }
 

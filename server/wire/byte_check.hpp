@@ -11,7 +11,7 @@ struct Member {
   enum class Kind {
     fixed,  ///< `size` bytes
     array,  ///< an int32 count, at most `cap`, and that many elements of `size` bytes
-    text,   ///< an int32 length, at most `cap` with its final NUL, and that many bytes
+    text,   ///< an int32 length, at most `cap` with its final NUL, and that many bytes, NUL only at the end
   };
   Kind kind = Kind::fixed;
   std::int32_t size = 0;

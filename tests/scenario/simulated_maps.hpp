@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -38,8 +39,8 @@ struct TrajectoryError {
   double most_m = 0;
 };
 
-/// Judges the trajectories by the relations within each robot's run (kind intra).
-inline TrajectoryError judge_trajectories(const SimulatedMap& simulated) {
+/// Judges the trajectories by the relations within each robot's run (kind intra), of scans from a time on.
+inline TrajectoryError judge_trajectories(const SimulatedMap& simulated, std::int64_t from_utime = 0) {
   const MapCopy& map = simulated.map;
   std::map<std::pair<std::string, std::int64_t>, Pose> poses;
   for (const TrajectoryRow& row : map.trajectory->read(0, map.trajectory_rows)) {
@@ -49,7 +50,7 @@ inline TrajectoryError judge_trajectories(const SimulatedMap& simulated) {
   }
   TrajectoryError error;
   for (const TrueRelation& r : sample_relations(simulated.run.truth, 1)) {
-    if (r.robot1 != r.robot2) continue;
+    if (r.robot1 != r.robot2 || std::min(r.utime1, r.utime2) < from_utime) continue;
     const auto a = poses.find({r.robot1, r.utime1}), b = poses.find({r.robot2, r.utime2});
     if (a == poses.end() || b == poses.end()) {
       ++error.missing;

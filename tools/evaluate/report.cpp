@@ -18,6 +18,7 @@ std::string line(const char* format, Values... values) {
 
 std::string relation_text(const std::string& kind, const RelationErrors& errors) {
   std::string text = line("%s: %zu relations, %zu missing", kind.c_str(), errors.count, errors.missing);
+  if (errors.count == 0) return text;
   const auto row = [&](const char* what, const Statistics& s, const char* unit) {
     text += line("  %-20s mean %9.4f ± %9.4f  median %9.4f  max %9.4f %s", what, s.mean, s.deviation,
                  s.median, s.max, unit);
@@ -40,6 +41,7 @@ Json json(const Statistics& s) {
 }
 
 Json json(const RelationErrors& errors) {
+  if (errors.count == 0) return {{"count", 0}, {"missing", errors.missing}};
   return {{"count", errors.count},
           {"missing", errors.missing},
           {"translation_m", json(errors.translation_m)},

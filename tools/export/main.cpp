@@ -3,6 +3,7 @@
 #include <exception>
 #include <vector>
 
+#include "server/output/atomic_file.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/text/progress.hpp"
 
@@ -30,6 +31,7 @@ ReplayResult replayed(const Arguments& arguments) {
 }
 
 void run(const Arguments& arguments) {
+  make_directory(arguments.output);  // an output that cannot be written is better known before the replay
   const ReplayResult result = replayed(arguments);
   OutputOptions options;
   options.resolution_m = arguments.resolution_m;

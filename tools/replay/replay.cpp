@@ -109,14 +109,16 @@ class Replay {
     since_scan_s_ = 0;
   }
 
-  /// Adds the wall time of `work` to the latencies; returns its CPU time.
+  /// Adds the wall and CPU time of `work` to the latencies; returns the CPU time.
   template <class Work>
   double timed(const Work& work) {
     const double cpu_start_s = cpu_now_s();
     const Clock::time_point start = Clock::now();
     work();
     result_.cost.event_latency.add(seconds_since(start));
-    return cpu_now_s() - cpu_start_s;
+    const double cpu_s = cpu_now_s() - cpu_start_s;
+    result_.event_cpu.add(cpu_s);
+    return cpu_s;
   }
 
   void report_damage(const std::string& where) {

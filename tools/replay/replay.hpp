@@ -21,6 +21,7 @@ struct ReplayOptions {
 struct ReplayResult {
   Engine engine;
   RunCost cost;
+  LatencyHistogram event_cpu;      ///< CPU time per event: what the latency is on an idle machine
   CostProfile scan_cost;           ///< CPU time of the engine from one scan to the next
   std::int64_t messages = 0;       ///< read from the log
   std::int64_t ignored = 0;        ///< on channels that are not input

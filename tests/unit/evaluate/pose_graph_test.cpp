@@ -43,5 +43,12 @@ TEST(EvaluationReport, HoldsEveryFigureInTextAndJson) {
   EXPECT_NE(json.find("\"median\": 0.011"), std::string::npos);
 }
 
+TEST(EvaluationReport, GivesNoFiguresWhereNothingCouldBeCompared) {
+  Evaluation evaluation;
+  evaluation.relations["inter"].missing = 7;
+  EXPECT_EQ(to_text(evaluation), "inter: 0 relations, 7 missing\n");
+  EXPECT_EQ(to_json(evaluation).find("mean"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace isthmus

@@ -129,6 +129,19 @@ TEST(Polysolid, HoleThatSticksOutIsCut) {
   EXPECT_NEAR(area_m2(notched), 3, 1e-9);
 }
 
+TEST(Polysolid, DifferenceOfNearlyTheSameIsNothing) {
+  // All that is left is a rim of the width of rounding, whose ring and hole round to the same points.
+  const Polysolid wedge = solid({{0, 0}, {5.1, -0.7}, {5.3, 0.4}, {4.9, 1.3}});
+  for (int i = 1; i < 40; ++i) {
+    const Pose motion{0.37 * i, -0.91 * i, 0.13 * i};
+    const Polysolid back = transformed(inverse(motion), transformed(motion, wedge));
+    EXPECT_LT(area_m2(subtract(back, wedge)), 1e-5) << i;
+    EXPECT_LT(area_m2(subtract(wedge, back)), 1e-5) << i;
+    EXPECT_NEAR(area_m2(intersect(wedge, back)), area_m2(wedge), 1e-5) << i;
+    EXPECT_NEAR(area_m2(unite(wedge, back)), area_m2(wedge), 1e-5) << i;
+  }
+}
+
 TEST(Polysolid, PolygonsThatOverlapAreUnited) {
   const Polysolid both({{rectangle(0, 0, 2, 2), {}}, {rectangle(1, 0, 3, 2), {}}});
   EXPECT_EQ(both.polygons().size(), 1U);

@@ -236,6 +236,14 @@ TEST(Decode, RefusesStringLengthsThatTheBytesDoNotHold) {
   }
 }
 
+// It would not be the same when written again.
+TEST(Decode, RefusesTextThatGoesOnAfterANul) {
+  std::vector<std::uint8_t> bytes = encode({1, ConfigurationEvent{"abc"}}).bytes;
+  EXPECT_EQ(decode_on("ISTHMUS_CONFIGURATION", bytes).reason, "");
+  bytes[bytes.size() - 3] = 0;
+  EXPECT_EQ(decode_on("ISTHMUS_CONFIGURATION", bytes).reason, "bad_length");
+}
+
 TEST(Decode, RefusesAMessageOfAnotherType) {
   EXPECT_EQ(decode_on("R1_SCAN", bytes_of(plain_pose())).reason, "bad_fingerprint");
   EXPECT_EQ(decode_on("R1_SCAN", {}).reason, "bad_length");
