@@ -17,6 +17,10 @@ struct EngineOptions {
   /// A scan with more than this share of its free space outside the local map becomes a patch.
   double uncovered_share = 0.3;
 
+  /// One near another but turned away from it, by more than patch_spacing_rad, with more than this share
+  /// outside.
+  double turned_uncovered_share = 0.05;
+
   PatchOptions patch;
 
   /// Patches beyond eq. 12 but determined so well are where a local loop may close (rejoin.hpp).
@@ -30,6 +34,7 @@ struct EngineOptions {
   MatchOptions match;
   double match_score = 0.25;    ///< a match below this is not believed
   double restart_score = 0.45;  ///< nor one far from where odometry put the robot, below this
+  double turned_score = 0.85;   ///< nor is one turned away from its neighbours on known ground, below this
   double found_score = 0.6;     ///< nor one after odometry did what no robot does, below this
   double thin_score = 0.5;      ///< a match below this is on new ground: worth a patch
   /// Factor on a match's information against odometry's, from scan to scan: a match with many patches errs

@@ -79,6 +79,7 @@ bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Place
     double distance_m;
   };
   std::vector<Near> near;
+  bool near_by = false;
   bool close = false;
   bool here = false;
   const Pose& local_from_robot = placement.local_from_robot;
@@ -90,15 +91,20 @@ bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Place
     near.push_back({{map.manifold().shared_patch(determined.patch), determined.local_from_patch}, distance});
     here = here || (distance < 0.3 * options.patch_spacing_m &&
                     std::abs(patch_from_robot.yaw) < 0.3 * options.patch_spacing_rad);
+    near_by = near_by || distance < options.patch_spacing_m;
     close = close || (distance < options.patch_spacing_m &&
                       std::abs(patch_from_robot.yaw) < options.patch_spacing_rad);
   }
-  if (!close || (!here && placement.match.quality.score < options.thin_score)) return true;
+  const double score = placement.match.quality.score;
+  if (!near_by || (!here && score < options.thin_score)) return true;
   std::sort(near.begin(), near.end(),
             [](const Near& a, const Near& b) { return a.distance_m < b.distance_m; });
   std::vector<LocalPatch> patches;
   for (const Near& n : near) patches.push_back(n.patch);
-  return uncovered_share(star, patches, local_from_robot) > options.uncovered_share;
+  const double uncovered = uncovered_share(star, patches, local_from_robot);
+  // Seen from here before, but turned away: worth a patch only if those who looked elsewhere saw less of it.
+  if (!close && (score < options.turned_score || uncovered > options.turned_uncovered_share)) return true;
+  return uncovered > options.uncovered_share;
 }
 
 void begin_island(Map& map, Robot& robot, const Scan& scan, const Pose& odom_from_robot,
