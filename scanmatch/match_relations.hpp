@@ -11,7 +11,7 @@ namespace isthmus {
 struct MatchRelationOptions {
   /// Beams of one scan err together (the laser's mount, its timing, what stands in the way), so the noise of
   /// one correspondence is taken as this many times the match's RMS distance, and at least of so many metres.
-  double sigma_per_rms = 6;
+  double sigma_per_rms = 4;
   double least_rms_m = 0.004;
   int min_correspondences = 10;  ///< patches paired with fewer beams get no relation
   double robust_scale = 0;       ///< of the loss on the pair as a whole; 0: none

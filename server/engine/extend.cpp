@@ -139,7 +139,8 @@ void extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement
   const PatchId previous = robot.place->last_patch;
   const Eigen::Matrix3d covariance =
       placement.matched ? robot.noise.path_covariance(path.start_from_end, path.covariance,
-                                                      ominus(map_from_robot, map.manifold().pose(previous)))
+                                                      ominus(map_from_robot, map.manifold().pose(previous)),
+                                                      placement.match.direction_trust.determinant() > 0.8)
                         : path.covariance;
   map.relate(odometry_relation(previous, id, path, covariance));
   for (const Relation& relation : relations) map.relate(relation);

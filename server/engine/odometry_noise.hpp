@@ -14,15 +14,17 @@ class OdometryNoise {
   Eigen::Matrix3d covariance(const Pose& step) const;
 
   /// One matched step against odometry's account of it. `direction_trust` says in which directions of the
-  /// step's own frame matching knows better (1) and in which it merely repeats odometry or guesses (0).
-  /// Disagreements beyond 4 sigma count as 4 sigma.
+  /// step's own frame matching knows better (1) and in which it merely repeats odometry or guesses (0):
+  /// translation is learned only from ways along which matching knows, and along the way only, since wheels
+  /// hardly slip sideways. Disagreements beyond 4 sigma count as 4 sigma.
   void learn(const Pose& odometry_step, const Pose& matched_step, const Eigen::Matrix2d& direction_trust);
 
   /// Errors of successive steps have a common part (a wheel's diameter, a late stamp), so a path of many
-  /// steps errs more than their sum says: a third scale, learned from patch to patch. Returns the covariance
-  /// to believe for this path, after learning from it; where it is off by more than it may be, even more.
+  /// steps errs more than their sum says: a third scale, learned from patch to patch where `well_seen`.
+  /// Returns the covariance to believe for this path, after learning from it; where it is off by more than it
+  /// may be, even more.
   Eigen::Matrix3d path_covariance(const Pose& odometry_path, const Eigen::Matrix3d& summed_covariance,
-                                  const Pose& matched_path);
+                                  const Pose& matched_path, bool well_seen);
 
   double translation_scale() const { return scale_[0]; }
   double rotation_scale() const { return scale_[1]; }
