@@ -25,7 +25,8 @@ struct EngineOptions {
 
   /// Patches beyond eq. 12 but determined so well are where a local loop may close (rejoin.hpp).
   ConfidenceThreshold rejoin = {8, 0.6};
-  std::size_t confidence_patches = 400;  ///< confidence looks at so many patches, nearest in the graph
+  std::size_t confidence_patches = 150;  ///< eq. 12 looks at so many patches, nearest in the graph
+  std::size_t rejoin_patches = 400;      ///< and the search for local loops at so many
   double local_map_reach_m = 4;          ///< patches with origins farther away are left out
   double local_map_overlap = 0.3;        ///< and those that a scan overlaps less than this
   int local_map_oldest = 8;

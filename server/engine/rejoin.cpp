@@ -16,10 +16,31 @@ constexpr double rejoin_score = 0.55;
 constexpr double most_surprise = 16;      // chi² of three: 0.1 %
 constexpr double ambiguous_share = 0.88;  // a second answer at this share of the best: who knows which
 constexpr double certain_half_width_m = 0.6;
+constexpr double widest_window_m = 6;
 constexpr double window_sigmas = 2.5;
 constexpr int enough_agreeing = 3;
 constexpr double enough_way_m = 2;
 constexpr std::size_t most_waiting = 20;
+
+// Whether patches of the island lie near in projection that the surroundings do not know: they are far in the
+// graph, and only a wider look at it can tell how well they are determined.
+bool others_near(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
+                 const EngineOptions& options) {
+  const IslandId island = map.graph().island(surroundings.reference());
+  const Pose map_from_robot = map.manifold().pose(surroundings.reference()) * local_from_robot;
+  const double reach = options.local_map_reach_m + widest_window_m;
+  std::vector<bool> known(map.manifold().size(), false);
+  for (const Determined& determined : surroundings.patches())
+    known[static_cast<std::size_t>(determined.patch.value)] = true;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const PatchId id{static_cast<std::int32_t>(i)};
+    const Pose& pose = map.manifold().pose(id);
+    if (!known[i] && std::hypot(pose.x - map_from_robot.x, pose.y - map_from_robot.y) < reach &&
+        map.graph().island(id) == island)
+      return true;
+  }
+  return false;
+}
 
 bool is_loose(const Determined& determined, std::span<const PatchId> unpaired) {
   return !determined.firm || std::find(unpaired.begin(), unpaired.end(), determined.patch) != unpaired.end();
@@ -71,11 +92,15 @@ double half_width(double variance, double most) {
 
 }  // namespace
 
-Rejoin find_rejoin(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
+Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const Pose& local_from_robot,
                    std::span<const ScanPoint> points, std::span<const PatchId> unpaired, PatchId new_patch,
                    const EngineOptions& options) {
   Rejoin found;
   found.patch = new_patch;
+  Surroundings surroundings = near_surroundings;
+  if (others_near(map, surroundings, local_from_robot, options)) {
+    surroundings.update(map, surroundings.reference(), options, options.rejoin_patches);
+  }
   const Determined* anchor = nearest_loose(surroundings, local_from_robot, unpaired, options);
   if (!anchor) return found;
   Surroundings around_anchor;
@@ -88,8 +113,8 @@ Rejoin find_rejoin(const Map& map, const Surroundings& surroundings, const Pose&
   // A slip of the past is in no covariance, and here is the last chance to mend it.
   covariance.diagonal() += Eigen::Vector3d(0.04, 0.04, 1e-3);
   const Eigen::Matrix3d information = covariance.inverse();
-  const SearchWindow window{anchor_from_robot, half_width(covariance(0, 0), 6),
-                            half_width(covariance(1, 1), 6), half_width(covariance(2, 2), 0.7)};
+  const SearchWindow window{anchor_from_robot, half_width(covariance(0, 0), widest_window_m),
+                            half_width(covariance(1, 1), widest_window_m), half_width(covariance(2, 2), 0.7)};
   const double widest_m = std::max(window.half_x_m, window.half_y_m);
   found.certain = widest_m <= certain_half_width_m;
 

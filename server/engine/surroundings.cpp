@@ -22,15 +22,17 @@ double overlap_share(const Patch& patch, const Pose& patch_from_robot, std::span
   return seen == 0 ? 0 : static_cast<double>(near) / seen;
 }
 
-void Surroundings::update(const Map& map, PatchId reference, const EngineOptions& options) {
-  if (reference == reference_ && map.stamp(looked_at_) == stamp_) return;
+void Surroundings::update(const Map& map, PatchId reference, const EngineOptions& options,
+                          std::size_t most_patches) {
+  if (reference == reference_ && most_patches == most_ && map.stamp(looked_at_) == stamp_) return;
+  most_ = most_patches;
   reference_ = reference;
   patches_.clear();
-  looked_at_ = map.graph().nearest_in_graph(reference, options.confidence_patches);
+  looked_at_ = map.graph().nearest_in_graph(reference, most_patches);
   stamp_ = map.stamp(looked_at_);
   const Pose& map_from_reference = map.manifold().pose(reference);
   const auto covariances =
-      local_relative_covariances(map.graph(), map.manifold().poses(), reference, options.confidence_patches);
+      local_relative_covariances(map.graph(), map.manifold().poses(), reference, most_patches);
   patches_.push_back({reference, Pose{}, Eigen::Matrix3d::Zero(), true});
   for (const auto& [id, covariance] : covariances) {
     if (id == reference || !well_determined(covariance, options.rejoin)) continue;

@@ -23,7 +23,10 @@ struct Determined {
 class Surroundings {
  public:
   /// Looks again if the reference, or the graph near it, has changed since.
-  void update(const Map& map, PatchId reference, const EngineOptions& options);
+  void update(const Map& map, PatchId reference, const EngineOptions& options) {
+    update(map, reference, options, options.confidence_patches);
+  }
+  void update(const Map& map, PatchId reference, const EngineOptions& options, std::size_t most_patches);
 
   PatchId reference() const { return reference_; }
   /// Changes whenever `update` had to look again.
@@ -38,6 +41,7 @@ class Surroundings {
  private:
   PatchId reference_;
   std::int64_t stamp_ = -1;  // of `looked_at_` when they were looked at
+  std::size_t most_ = 0;
   std::vector<PatchId> looked_at_;
   std::vector<Determined> patches_;
 };
