@@ -42,7 +42,11 @@ struct Engine::State {
 
   std::string drop(const std::string& robot, const std::string& reason) {
     ++counters.dropped[reason];
-    if (!robot.empty()) ++counters.dropped_by_robot[robot][reason];
+    // Anybody can make up names: strangers beyond so many are counted together.
+    constexpr std::size_t most_names = 256;
+    const bool countable = robots.contains(robot) || counters.dropped_by_robot.contains(robot) ||
+                           counters.dropped_by_robot.size() < most_names;
+    if (!robot.empty()) ++counters.dropped_by_robot[countable ? robot : "(others)"][reason];
     return reason;
   }
 
