@@ -49,7 +49,8 @@ class Manifold {
   bool overlap(PatchId a, PatchId b) const;
 
   /// Projects a pose of the plane back on the manifold (eq. 14): the candidate with the nearest origin whose
-  /// free space contains the pose's position; the nearest origin of all where none contains it.
+  /// free space contains the pose's position; the nearest origin of all where none contains it. Around its
+  /// origin a patch is free in every direction, whatever its laser covers: a robot stood there.
   std::optional<ManifoldPose> project_back(const Pose& map_from_object,
                                            std::span<const PatchId> candidates) const;
 

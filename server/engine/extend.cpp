@@ -112,6 +112,7 @@ void begin_island(Map& map, Robot& robot, const Scan& scan, const Pose& odom_fro
   const PatchId id = map.manifold().next_id();
   map.add(make_patch(id, robot.declaration.robot, scan, robot.declaration.laser, options.patch), Pose{});
   robot.place = Localisation{};
+  robot.rejoins.clear();
   robot.place->odom_from_robot = odom_from_robot;
   robot.place->utime = scan.utime;
   put_robot_on(robot, id);

@@ -29,34 +29,25 @@ void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot
   robot.local_map_stamp = robot.surroundings.stamp();
 }
 
-// Eq. 14: the pose in the nearest patch of the surroundings that it lies in. The present patch is kept until
+// Eq. 14: puts the robot on the nearest patch of its local map that it lies in. The present patch is kept until
 // another is clearly nearer.
 void project_on_manifold(const Map& map, Robot& robot, const Placement& placement) {
-  constexpr double footprint_m = 0.5;  // a robot stood at each origin: it is free, whatever its laser covers
   constexpr double clearly_nearer_m = 0.2;
-  const Determined* best = nullptr;
-  double best_distance = 0;
-  const Pose& q = placement.local_from_robot;
+  const PatchId present = robot.surroundings.reference();
+  const Pose& local_from_robot = placement.local_from_robot;
+  std::vector<PatchId> firm;
   for (const Determined& determined : robot.surroundings.patches()) {
-    if (!determined.firm) continue;
-    const Pose r = ominus(q, determined.local_from_patch);
-    double distance = std::hypot(r.x, r.y);
-    if (distance > footprint_m && !map.manifold().patch(determined.patch).star.contains({r.x, r.y})) continue;
-    if (determined.patch == robot.surroundings.reference())
-      distance = std::max(0.0, distance - clearly_nearer_m);
-    if (best && distance >= best_distance) continue;
-    best = &determined;
-    best_distance = distance;
+    if (determined.firm) firm.push_back(determined.patch);
   }
+  const ManifoldPose here{present, local_from_robot};
+  ManifoldPose best = map.manifold().project_back(map.manifold().project(here), firm).value_or(here);
+  const auto distance = [](const Pose& r) { return std::hypot(r.x, r.y); };
+  if (distance(best.patch_from_object) > distance(local_from_robot) - clearly_nearer_m) best = here;
+
   Localisation& place = *robot.place;
-  if (!best || best->patch == robot.surroundings.reference()) {
-    place.pose = {robot.surroundings.reference(), q};
-    place.covariance = placement.covariance;
-    place.spread = placement.spread;
-    return;
-  }
-  place.pose = {best->patch, ominus(q, best->local_from_patch)};
-  const Eigen::Matrix3d turn = ominus_jacobians(q, best->local_from_patch).by_q;
+  place.pose = best;
+  const Pose present_from_best = ominus(map.manifold().pose(best.patch), map.manifold().pose(present));
+  const Eigen::Matrix3d turn = ominus_jacobians(local_from_robot, present_from_best).by_q;
   place.covariance = turn * placement.covariance * turn.transpose();
   place.spread = turn * placement.spread * turn.transpose();
 }
