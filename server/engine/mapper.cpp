@@ -29,8 +29,8 @@ void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot
   robot.local_map_stamp = robot.surroundings.stamp();
 }
 
-// Eq. 14: puts the robot on the nearest patch of its local map that it lies in. The present patch is kept until
-// another is clearly nearer.
+// Eq. 14: puts the robot on the nearest patch of its local map that it lies in. The present patch is kept
+// until another is clearly nearer.
 void project_on_manifold(const Map& map, Robot& robot, const Placement& placement) {
   constexpr double clearly_nearer_m = 0.2;
   const PatchId present = robot.surroundings.reference();
