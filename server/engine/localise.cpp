@@ -127,7 +127,7 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
   placement.local_from_robot = placement.match.local_from_robot;
   // The same beams, at the calibrated noise of relations, for what is published.
   const double calibration =
-      std::pow(options.match.sigma_m / relation_sigma_m(placement.match.quality, options.relations), 2);
+      std::pow(match_options.sigma_m / relation_sigma_m(placement.match.quality, options.relations), 2);
   placement.spread =
       symmetric((information + options.match_trust * placement.match.beam_information).inverse());
   placement.covariance = symmetric(
