@@ -41,7 +41,6 @@ std::optional<ManifoldPose> Manifold::project_back(const Pose& map_from_object,
   for (const PatchId id : candidates) {
     const Pose r = ominus(map_from_object, pose(id));
     const double distance = std::hypot(r.x, r.y);
-    constexpr double footprint_m = 0.5;
     const bool contains = distance <= footprint_m || patch(id).star.contains({r.x, r.y});
     if (best && (best_contains > contains || (best_contains == contains && best_distance <= distance)))
       continue;

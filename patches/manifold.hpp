@@ -48,9 +48,12 @@ class Manifold {
   /// Whether the projections of two patches' free spaces overlap.
   bool overlap(PatchId a, PatchId b) const;
 
+  /// Around its origin a patch is free this far in every direction: a robot stood there.
+  static constexpr double footprint_m = 0.5;
+
   /// Projects a pose of the plane back on the manifold (eq. 14): the candidate with the nearest origin whose
-  /// free space contains the pose's position; the nearest origin of all where none contains it. Around its
-  /// origin a patch is free in every direction, whatever its laser covers: a robot stood there.
+  /// free space contains the pose's position; the nearest origin of all where none contains it. A
+  /// patch contains what its laser saw as free, and its footprint.
   std::optional<ManifoldPose> project_back(const Pose& map_from_object,
                                            std::span<const PatchId> candidates) const;
 

@@ -84,7 +84,7 @@ TEST(ManifoldProperty, BackProjectionKeepsThePoseAndNoCandidateIsBetter) {
     expect_same(manifold.project(*back), object);
     const auto holds = [&](PatchId id) {
       const Pose r = ominus(object, manifold.pose(id));
-      return manifold.patch(id).star.contains({r.x, r.y});
+      return std::hypot(r.x, r.y) <= Manifold::footprint_m || manifold.patch(id).star.contains({r.x, r.y});
     };
     const auto distance = [&](PatchId id) {
       return std::hypot(object.x - manifold.pose(id).x, object.y - manifold.pose(id).y);
