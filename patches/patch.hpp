@@ -24,6 +24,7 @@ struct Patch {
   PointIndex index;  ///< nearest of `points`
   Star star;
   Polysolid free_space;
+  std::int32_t tag = -1;  ///< the barcode of a fixed tag: a patch that is but a point; negative: none
 };
 
 using PatchPtr = std::shared_ptr<const Patch>;

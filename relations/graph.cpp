@@ -175,6 +175,24 @@ std::vector<PatchId> RelationGraph::nearest_in_graph(PatchId from, std::size_t m
   return found;
 }
 
+std::vector<PatchId> RelationGraph::within_hops(PatchId from, int limit) const {
+  std::vector<PatchId> found{from};
+  std::vector<char> seen(of_.size(), 0);
+  seen[index(from)] = 1;
+  for (std::size_t level = 0, end = 1; limit > 0 && level < end; level = end, end = found.size(), --limit) {
+    for (std::size_t i = level; i < end; ++i) {
+      for (const RelationId id : of(found[i])) {
+        const PatchId next = other_end(stored(id), found[i]);
+        if (seen[index(next)]) continue;
+        seen[index(next)] = 1;
+        found.push_back(next);
+      }
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 std::optional<int> RelationGraph::hops(PatchId a, PatchId b, int limit) const {
   std::vector<char> seen(of_.size(), 0);
   std::vector<PatchId> level{a};

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
+#include "server/engine/closures.hpp"
+#include "server/engine/footprints.hpp"
 #include "server/engine/mapper.hpp"
+#include "server/engine/settling.hpp"
+#include "server/engine/teammates.hpp"
 
 namespace isthmus {
 namespace {
@@ -24,10 +29,11 @@ struct Engine::State {
   std::map<std::string, Robot> robots;
   std::vector<Session> sessions;
   std::shared_ptr<TrajectoryStore> trajectory = std::make_shared<TrajectoryStore>();
-  std::vector<SightingRecord> sightings;
-  std::map<std::int32_t, TagRecord> tags;
+  Closures closures;
+  Settling settling;
+  std::set<std::int32_t> tags;  // declared barcodes
   Counters counters;
-  bool refine_queued = false;
+  std::set<std::string> starts_related;
 
   explicit State(Configuration given) { configure(std::move(given)); }
 
@@ -39,6 +45,8 @@ struct Engine::State {
       robots[name].declared = robot.declared;
     }
   }
+
+  World world() { return {map, robots, configuration.engine, counters.last_receive_utime, false}; }
 
   std::string drop(const std::string& robot, const std::string& reason) {
     ++counters.dropped[reason];
@@ -66,7 +74,10 @@ struct Engine::State {
 
   void answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting);
   void map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome);
+  void settle(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);
   void record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot);
+  void relate_measured_starts();
+  std::vector<TagRecord> tag_records() const;
   void refine_all();
 };
 
@@ -100,7 +111,7 @@ Outcome Engine::State::take(const RobotEvent& event) {
 }
 
 Outcome Engine::State::take(const TagEvent& event) {
-  tags.try_emplace(event.barcode).first->second.barcode = event.barcode;
+  tags.insert(event.barcode);
   return {};
 }
 
@@ -108,7 +119,11 @@ Outcome Engine::State::take(const OdometryEvent& event) {
   Robot* robot = declared(event.robot);
   if (!robot) return {drop(event.robot, "unknown_robot"), {}};
   robot->odometry.add(event.utime, event.odom_from_robot);
-  return {};
+  Outcome outcome;
+  if (!has_no_laser(*robot)) return outcome;
+  if (auto done = take_odometry(map, *robot, event.odom_from_robot, event.utime, configuration.engine))
+    settle(*robot, std::move(*done), event.odom_from_robot, outcome);
+  return outcome;
 }
 
 Outcome Engine::State::take(const ScanEvent& event) {
@@ -135,26 +150,42 @@ Outcome Engine::State::take(const SightingEvent& event) {
   ++counters.sightings;
   const Robot* observer = declared(event.robot);
   const auto refuse = [&](const std::string& reason) {
-    sightings.push_back({event, "refused", reason, {}});
+    closures.refuse(event, reason);
     return Outcome{drop(event.robot, reason), {}};
   };
   if (!observer) return refuse("unknown_robot");
   if (observer->declaration.barcode == event.barcode) return refuse("sees_itself");
-  const bool worn = std::any_of(robots.begin(), robots.end(), [&](const auto& entry) {
+  const auto worn = std::ranges::find_if(robots, [&](const auto& entry) {
     return entry.second.declared && entry.second.declaration.barcode == event.barcode;
   });
-  if (!worn && !tags.contains(event.barcode) && !configuration.any_tag) return refuse("unknown_barcode");
-  sightings.push_back({event, "set_aside", "sightings_not_used", {}});
+  const bool is_tag = tags.contains(event.barcode) || configuration.any_tag;
+  if (worn == robots.end() && !is_tag) return refuse("unknown_barcode");
+  const std::string target = worn != robots.end() ? worn->first : "TAG " + std::to_string(event.barcode);
+  if (worn != robots.end()) {
+    Robot& seer = robots.at(event.robot);
+    std::optional<Pose> odometry = seer.odometry.at(event.utime);
+    if (!odometry) odometry = seer.odometry.newest();
+    if (odometry) note_teammate(seer, event, target, *odometry);
+  }
+  closures.take(event, target, worn == robots.end(), counters.last_receive_utime);
   return {};
 }
 
 Outcome Engine::State::take(const CommandEvent& event) {
   if (event.verb == "refine") {
-    refine_queued = true;
+    for (const std::vector<PatchId>& island : map.graph().islands()) settling.request(island.front());
     return {};
   }
   if (event.verb == "send_map") return {};
-  return {drop("", "no_such_closure"), {}};
+  std::string reason = "unknown_verb";
+  if (event.verb == "withdraw" || event.verb == "forbid") {
+    reason = closures.forbid(world(), ClosureId{static_cast<std::int32_t>(event.closure)},
+                             event.verb == "withdraw");
+  } else if (event.verb == "allow" && event.robot.empty()) {
+    reason = closures.allow(ClosureId{static_cast<std::int32_t>(event.closure)});
+  }
+  if (!reason.empty()) return {drop("", reason), {}};
+  return {};
 }
 
 void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting) {
@@ -179,29 +210,64 @@ void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_
 }
 
 void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) {
-  ScanOutcome done = take_scan(map, robot, scan, odom_from_robot, configuration.engine);
-  if (done.new_session) {
-    robot.session = static_cast<std::int32_t>(sessions.size());
-    Session session;
-    session.robot = robot.declaration.robot;
-    session.number = robot.session;
-    session.from_utime = robot.unplaced.empty() ? scan.utime : robot.unplaced.front().utime;
-    session.first_patch = done.pose.pose.patch;
-    sessions.push_back(session);
-  }
-  sessions[static_cast<std::size_t>(robot.session)].to_utime = scan.utime;
+  const std::vector<Body> bodies = teammates_around(map, robots, robot, odom_from_robot, scan.utime);
+  ScanOutcome done = take_scan(map, robot, without_bodies(scan, robot.declaration.laser, bodies),
+                               odom_from_robot, configuration.engine);
   if (done.predicted_reason.empty()) {
     ++counters.scans_matched;
   } else {
     ++counters.scans_predicted[done.predicted_reason];
   }
+  if (done.loop_closed) settling.request(done.pose.island);
+  settle(robot, std::move(done), odom_from_robot, outcome);
+}
+
+// Keeps the record of where a robot is now.
+void Engine::State::settle(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome) {
+  const std::int64_t utime = done.pose.utime;
+  if (done.new_session) {
+    robot.session = static_cast<std::int32_t>(sessions.size());
+    Session session;
+    session.robot = robot.declaration.robot;
+    session.number = robot.session;
+    session.from_utime = robot.unplaced.empty() ? utime : robot.unplaced.front().utime;
+    session.first_patch = done.pose.pose.patch;
+    sessions.push_back(session);
+    if (!robot.first_patch.valid()) {
+      robot.first_patch = session.first_patch;
+      relate_measured_starts();
+    }
+  }
+  sessions[static_cast<std::size_t>(robot.session)].to_utime = utime;
   if (done.unplaced) {
-    robot.unplaced.push_back({scan.utime, odom_from_robot});
+    robot.unplaced.push_back({utime, odom_from_robot});
   } else {
     record(robot, done.pose.pose, odom_from_robot);
-    trajectory->append({scan.utime, robot.session, done.pose.pose.patch, done.pose.pose.patch_from_object});
+    robot.history.add({utime, robot.session, done.pose.pose, done.pose.covariance, odom_from_robot});
+    trajectory->append({utime, robot.session, done.pose.pose.patch, done.pose.pose.patch_from_object});
   }
   outcome.poses.push_back(std::move(done.pose));
+}
+
+// Once both robots of a measured start are on the map, it is a relation between their first patches.
+void Engine::State::relate_measured_starts() {
+  for (const auto& [name, configured] : configuration.robots) {
+    if (!configured.start || starts_related.contains(name)) continue;
+    const MeasuredStart& start = *configured.start;
+    const auto robot = robots.find(name);
+    const auto with = robots.find(start.with);
+    if (with == robots.end() || !robot->second.first_patch.valid() || !with->second.first_patch.valid())
+      continue;
+    starts_related.insert(name);
+    Relation relation;
+    relation.a = with->second.first_patch;
+    relation.b = robot->second.first_patch;
+    relation.kind = RelationKind::relative_pose;
+    const Eigen::Vector3d weights = start.sigma.cwiseProduct(start.sigma).cwiseInverse();
+    relation.measurement = RelativePose{start.with_from_robot, weights.asDiagonal()};
+    relation.origin = {OriginKind::start, {}};
+    closures.propose_start(world(), relation, name, start.with);
+  }
 }
 
 // Scans that waited for the robot to be found again.
@@ -213,11 +279,26 @@ void Engine::State::record(Robot& robot, const ManifoldPose& pose, const Pose& o
   robot.unplaced.clear();
 }
 
+std::vector<TagRecord> Engine::State::tag_records() const {
+  std::map<std::int32_t, TagRecord> records;
+  for (const std::int32_t barcode : tags) records[barcode].barcode = barcode;
+  for (const auto& [barcode, patch] : closures.tags()) {
+    TagRecord& record = records[barcode];
+    record.barcode = barcode;
+    record.patch = patch;
+    record.island = map.graph().island(patch);
+    record.position = {map.manifold().pose(patch).x, map.manifold().pose(patch).y};
+    record.placed = true;
+  }
+  std::vector<TagRecord> all;
+  for (const auto& [barcode, record] : records) all.push_back(record);
+  return all;
+}
+
 void Engine::State::refine_all() {
   for (const std::vector<PatchId>& island : map.graph().islands()) {
     map.refit_island(island.front());
   }
-  refine_queued = false;
 }
 
 Engine::Engine(Configuration configuration) : state_(std::make_unique<State>(std::move(configuration))) {}
@@ -232,7 +313,12 @@ Outcome Engine::handle(const Event& event) {
   counters.last_receive_utime = std::max(counters.last_receive_utime, event.receive_utime);
   Outcome outcome = std::visit([&](const auto& body) { return state.take(body); }, event.body);
   for (auto& [name, robot] : state.robots) state.answer_pending(robot, outcome, false);
-  if (state.refine_queued) state.refine_all();
+  state.closures.advance(state.world());
+  for (const PatchId patch : state.closures.take_changed()) {
+    state.settling.map_changed();
+    state.settling.request(patch);
+  }
+  state.settling.advance(state.map, counters.last_receive_utime);
   return outcome;
 }
 
@@ -246,11 +332,13 @@ Outcome Engine::finish() {
   for (auto& [name, robot] : state_->robots) {
     if (robot.place) state_->record(robot, robot.place->pose, robot.place->odom_from_robot);
   }
+  state_->closures.finish(state_->world());
   state_->refine_all();
   return outcome;
 }
 
 bool Engine::has_queued_work() const {
+  if (state_->closures.has_work() || state_->settling.busy()) return true;
   return std::any_of(state_->robots.begin(), state_->robots.end(),
                      [](const auto& entry) { return !entry.second.pending.empty(); });
 }
@@ -267,8 +355,9 @@ MapCopy Engine::copy() const {
   copy.sessions = state.sessions;
   copy.trajectory = state.trajectory;
   copy.trajectory_rows = state.trajectory->size();
-  copy.sightings = state.sightings;
-  for (const auto& [barcode, tag] : state.tags) copy.tags.push_back(tag);
+  copy.sightings = state.closures.sightings();
+  copy.closures = state.closures.closures();
+  copy.tags = state.tag_records();
   copy.counters = state.counters;
   return copy;
 }

@@ -43,7 +43,7 @@ struct EngineOptions {
   double match_trust = 5;
   MatchRelationOptions relations;
   std::size_t window_patches = 40;  ///< fitted when a patch is added
-  std::size_t loop_patches = 400;   ///< fitted when a local loop closes
+  std::size_t loop_patches = 150;   ///< fitted at once when a local loop closes; the island follows
 };
 
 }  // namespace isthmus

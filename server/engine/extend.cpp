@@ -33,6 +33,16 @@ std::vector<PatchId> unpaired_patches(const LocalMap& local_map, std::span<const
   return unpaired;
 }
 
+}  // namespace
+
+Relation odometry_relation(Robot& robot, PatchId next) {
+  const OdometryPath& path = robot.place->since_last_patch;
+  // Where nothing matches, its own account is all there is.
+  return odometry_relation(
+      robot.place->last_patch, next, path,
+      robot.noise.path_covariance(path.start_from_end, path.covariance, path.start_from_end, false));
+}
+
 void put_robot_on(Robot& robot, PatchId patch) {
   Localisation& place = *robot.place;
   place.pose = {patch, Pose{}};
@@ -40,8 +50,6 @@ void put_robot_on(Robot& robot, PatchId patch) {
   place.last_patch = patch;
   place.since_last_patch = {};
 }
-
-}  // namespace
 
 double uncovered_share(const Star& star, std::span<const LocalPatch> patches_near,
                        const Pose& local_from_robot) {
@@ -118,7 +126,7 @@ void begin_island(Map& map, Robot& robot, const Scan& scan, const Pose& odom_fro
   put_robot_on(robot, id);
 }
 
-void extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement,
+bool extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement,
             std::span<const ScanPoint> points, const EngineOptions& options) {
   const PatchId id = map.manifold().next_id();
   const Pose& local_from_robot = placement.local_from_robot;
@@ -148,6 +156,7 @@ void extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement
   for (const Relation& relation : loop) map.relate(relation);
   put_robot_on(robot, id);
   map.refit_around(id, loop.empty() ? options.window_patches : options.loop_patches);
+  return !loop.empty();
 }
 
 }  // namespace isthmus

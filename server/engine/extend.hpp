@@ -15,9 +15,16 @@ double uncovered_share(const Star& star, std::span<const LocalPatch> patches_nea
 
 /// Makes a placed scan a patch with its relations: those of its match, odometry's to the robot's previous
 /// patch, and those of local loops that close here. Refits around it, and puts the robot at its origin
-/// (eq. 15). `place` must have been settled at the scan.
-void extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement,
+/// (eq. 15). `place` must have been settled at the scan. Returns whether a local loop was closed.
+bool extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement,
             std::span<const ScanPoint> points, const EngineOptions& options);
+
+/// Odometry's account of the way from a robot's newest own patch to another, with what is to be believed of
+/// it.
+Relation odometry_relation(Robot& robot, PatchId next);
+
+/// Puts a robot at the origin of a patch of its own (eq. 15).
+void put_robot_on(Robot& robot, PatchId patch);
 
 /// The first patch of a new island, at the origin of its own frame.
 void begin_island(Map& map, Robot& robot, const Scan& scan, const Pose& odom_from_robot,

@@ -18,6 +18,14 @@ class Map {
 
   void add(PatchPtr patch, const Pose& map_from_patch);
   RelationId relate(const Relation& relation);
+  /// Takes relations away. Islands part where nothing else joins them; poses stay.
+  void remove(std::span<const RelationId> relations);
+
+  /// Moves an island rigidly in its plane, or into another's.
+  void move_island(IslandId island, const Pose& new_from_old);
+  /// Takes over the poses that a fit of a copy of this map found, for those of its patches that were among
+  /// `of` then. Patches made since keep their place relative to one of those that they are related to.
+  void adopt(std::span<const PatchId> of, std::span<const Pose> poses);
 
   /// Refits the patches nearest in the graph to one, at most so many, their surroundings held. The island's
   /// oldest patch carries its frame and is held too.

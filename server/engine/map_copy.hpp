@@ -26,7 +26,7 @@ struct Session {
 /// A sighting and what became of it.
 struct SightingRecord {
   SightingEvent sighting;
-  std::string verdict;  ///< "accepted", "refused", "waiting", "set_aside"
+  std::string verdict;  ///< "accepted", "refused", "waiting"
   std::string reason;
   ClosureId closure;
 };
@@ -34,15 +34,17 @@ struct SightingRecord {
 struct TagRecord {
   std::int32_t barcode = -1;
   IslandId island;
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< in the island's frame
+  Eigen::Matrix2d covariance =
+      Eigen::Matrix2d::Zero();  ///< relative to the island's first patch; set by exports
   bool placed = false;
+  PatchId patch;  ///< its patch on the map, a point; none while it is not placed
 };
 
 /// A closure or merge, as report.json lists it.
 struct ClosureRecord {
   ClosureId id;
-  std::string kind;   ///< "closure", "merge", "local_loop"
+  std::string kind;   ///< "closure", "merge"
   std::string state;  ///< "accepted", "refused", "waiting", "withdrawn"
   std::int64_t utime = 0;
   std::vector<std::string> robots;

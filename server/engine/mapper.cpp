@@ -106,7 +106,7 @@ ScanOutcome take_scan(Map& map, Robot& robot, const Scan& scan, const Pose& odom
   const std::vector<ScanPoint> points = to_points(scan, laser, options.patch.normals);
   if (!robot.place) {
     begin_island(map, robot, scan, odom_from_robot, options);
-    return {answer(map, robot, true), {}, true, false};
+    return {answer(map, robot, true), {}, true, false, false};
   }
   const Expectation expectation = expect(robot, odom_from_robot, scan.utime);
   choose_local_map(map, robot, expectation.local_from_robot, points, options);
@@ -114,15 +114,15 @@ ScanOutcome take_scan(Map& map, Robot& robot, const Scan& scan, const Pose& odom
   if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
       robot.place->lost_scans + 1 >= most_lost_scans) {
     begin_island(map, robot, scan, odom_from_robot, options);
-    return {answer(map, robot, true), {}, true, false};
+    return {answer(map, robot, true), {}, true, false, false};
   }
   settle(map, robot, expectation, placement, odom_from_robot, scan.utime);
   const Star star(scan, laser, options.patch.free_space.max_range_m,
                   options.patch.free_space.no_return_range_m);
   const bool new_patch = placement.matched ? worth_a_patch(map, robot.surroundings, placement, star, options)
                                            : worth_a_patch_unmatched(robot, placement, points, options);
-  if (new_patch) extend(map, robot, scan, placement, points, options);
-  return {answer(map, robot, placement.matched), placement.reason, false, robot.place->suspect};
+  const bool loop = new_patch && extend(map, robot, scan, placement, points, options);
+  return {answer(map, robot, placement.matched), placement.reason, false, robot.place->suspect, loop};
 }
 
 }  // namespace isthmus

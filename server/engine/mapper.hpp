@@ -11,6 +11,7 @@ struct ScanOutcome {
   std::string predicted_reason;  ///< why it was not matched; empty where it was
   bool new_session = false;      ///< the robot began a new island with this scan
   bool unplaced = false;         ///< nothing tells yet where it was
+  bool loop_closed = false;      ///< the island wants a fit as a whole
 };
 
 /// Incremental localisation and mapping (seed 001, IV-A) of one scan of one robot, whose odometry at the

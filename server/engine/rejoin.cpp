@@ -13,8 +13,10 @@ namespace isthmus {
 namespace {
 
 constexpr double rejoin_score = 0.55;
-constexpr double most_surprise = 16;      // chi² of three: 0.1 %
-constexpr double ambiguous_share = 0.88;  // a second answer at this share of the best: who knows which
+constexpr double partly_known_score = 0.6;  // of the beams that found something to pair with,
+constexpr double least_paired = 0.35;       // at least this share
+constexpr double most_surprise = 16;        // chi² of three: 0.1 %
+constexpr double ambiguous_share = 0.88;    // a second answer at this share of the best: who knows which
 constexpr double certain_half_width_m = 0.6;
 constexpr double widest_window_m = 6;
 constexpr double window_sigmas = 2.5;
@@ -46,14 +48,14 @@ bool is_loose(const Determined& determined, std::span<const PatchId> unpaired) {
   return !determined.firm || std::find(unpaired.begin(), unpaired.end(), determined.patch) != unpaired.end();
 }
 
-// The nearest loose patch that the robot's scan could overlap, wherever in its covariance it is.
-const Determined* nearest_loose(const Surroundings& surroundings, const Pose& local_from_robot,
-                                std::span<const PatchId> unpaired, const EngineOptions& options) {
+// The nearest of the patches asked for that the scan could overlap, wherever in its covariance it is.
+const Determined* nearest_among(const Surroundings& surroundings, const LoopQuery& query,
+                                const EngineOptions& options) {
   const Determined* nearest = nullptr;
   double nearest_m = 0;
   for (const Determined& determined : surroundings.patches()) {
-    if (!is_loose(determined, unpaired)) continue;
-    const Pose patch_from_robot = ominus(local_from_robot, determined.local_from_patch);
+    if (!query.among(determined)) continue;
+    const Pose patch_from_robot = ominus(query.local_from_robot, determined.local_from_patch);
     const double distance = std::hypot(patch_from_robot.x, patch_from_robot.y);
     const double slack = std::sqrt(determined.covariance.topLeftCorner<2, 2>().trace());
     if (distance > options.local_map_reach_m + slack) continue;
@@ -64,8 +66,8 @@ const Determined* nearest_loose(const Surroundings& surroundings, const Pose& lo
   return nearest;
 }
 
-// The anchor's own firm surroundings near the robot, as far as they are loose for the robot.
-LocalMap rigid_map(const Map& map, const Surroundings& surroundings, std::span<const PatchId> unpaired,
+// The anchor's own firm surroundings near the robot, as far as they are asked for.
+LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
                    const Surroundings& around_anchor, const Pose& anchor_from_robot, double slack_m,
                    const EngineOptions& options) {
   LocalMap local;
@@ -75,15 +77,23 @@ LocalMap rigid_map(const Map& map, const Surroundings& surroundings, std::span<c
     if (!determined.firm ||
         std::hypot(patch_from_robot.x, patch_from_robot.y) > options.local_map_reach_m + slack_m)
       continue;
-    const bool loose = std::any_of(
-        surroundings.patches().begin(), surroundings.patches().end(),
-        [&](const Determined& d) { return d.patch == determined.patch && is_loose(d, unpaired); });
-    if (loose)
+    const bool wanted =
+        std::any_of(surroundings.patches().begin(), surroundings.patches().end(),
+                    [&](const Determined& d) { return d.patch == determined.patch && query.among(d); });
+    if (wanted)
       local.patches.push_back({map.manifold().shared_patch(determined.patch), determined.local_from_patch});
   }
   constexpr std::size_t most = 20;
   if (local.patches.size() > most) local.patches.resize(most);
   return local;
+}
+
+// Whether a match is good enough: over all beams, or over those that found something to pair with.
+bool fits(const Match& match, const LoopQuery& query) {
+  if (!match.ok) return false;
+  if (!query.partly_known) return match.quality.score >= rejoin_score;
+  const double paired = static_cast<double>(match.quality.paired_beams) / std::max(1, match.quality.beams);
+  return paired >= least_paired && match.quality.score >= partly_known_score * paired;
 }
 
 double half_width(double variance, double most) {
@@ -92,23 +102,18 @@ double half_width(double variance, double most) {
 
 }  // namespace
 
-Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const Pose& local_from_robot,
-                   std::span<const ScanPoint> points, std::span<const PatchId> unpaired, PatchId new_patch,
-                   const EngineOptions& options) {
+Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
+                 const EngineOptions& options) {
   Rejoin found;
-  found.patch = new_patch;
-  Surroundings surroundings = near_surroundings;
-  if (others_near(map, surroundings, local_from_robot, options)) {
-    surroundings.update(map, surroundings.reference(), options, options.rejoin_patches);
-  }
-  const Determined* anchor = nearest_loose(surroundings, local_from_robot, unpaired, options);
+  found.patch = query.patch;
+  const Determined* anchor = nearest_among(surroundings, query, options);
   if (!anchor) return found;
   Surroundings around_anchor;
   around_anchor.update(map, anchor->patch, options);
 
   // The robot seen from the anchor: the covariance of the inverse pose.
-  const Pose anchor_from_robot = ominus(local_from_robot, anchor->local_from_patch);
-  const Eigen::Matrix3d jacobian = ominus_jacobians(local_from_robot, anchor->local_from_patch).by_pi;
+  const Pose anchor_from_robot = ominus(query.local_from_robot, anchor->local_from_patch);
+  const Eigen::Matrix3d jacobian = ominus_jacobians(query.local_from_robot, anchor->local_from_patch).by_pi;
   Eigen::Matrix3d covariance = jacobian * anchor->covariance * jacobian.transpose();
   // A slip of the past is in no covariance, and here is the last chance to mend it.
   covariance.diagonal() += Eigen::Vector3d(0.04, 0.04, 1e-3);
@@ -119,14 +124,15 @@ Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const 
   found.certain = widest_m <= certain_half_width_m;
 
   const LocalMap local =
-      rigid_map(map, surroundings, unpaired, around_anchor, anchor_from_robot, widest_m, options);
+      rigid_map(map, surroundings, query, around_anchor, anchor_from_robot, widest_m, options);
   if (local.patches.empty()) return found;
-  const CorrelativeResult search = search_window(local, points, window);
+  found.compared = true;
+  const CorrelativeResult search = search_window(local, query.points, window);
   if (search.score <= 0 || search.exhausted) return found;
   if (!found.certain && search.second_score > ambiguous_share * search.score) return found;
-  const Match match = match_scan(local, points, {search.local_from_robot, 0.01 * information}, options.match);
-  if (!match.ok || match.quality.score < rejoin_score || (!found.certain && match.quality.degenerate))
-    return found;
+  const Match match =
+      match_scan(local, query.points, {search.local_from_robot, 0.01 * information}, options.match);
+  if (!fits(match, query) || (!found.certain && match.quality.degenerate)) return found;
   Eigen::Vector3d innovation = to_vector(match.local_from_robot) - to_vector(anchor_from_robot);
   innovation.z() = wrap_angle(innovation.z());
   if (innovation.dot(information * innovation) > most_surprise) return found;
@@ -135,9 +141,24 @@ Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const 
   const Pose before = map_from_anchor * anchor_from_robot;
   found.map_from_map = map_from_anchor * match.local_from_robot * inverse(before);
   found.position = {before.x, before.y};
-  found.relations =
-      match_relations(local, points, match, new_patch, {OriginKind::match, {}}, options.relations);
+  found.relations = match_relations(local, query.points, match, query.patch, query.origin, options.relations);
   return found;
+}
+
+Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const Pose& local_from_robot,
+                   std::span<const ScanPoint> points, std::span<const PatchId> unpaired, PatchId new_patch,
+                   const EngineOptions& options) {
+  Surroundings surroundings = near_surroundings;
+  if (others_near(map, surroundings, local_from_robot, options)) {
+    surroundings.update(map, surroundings.reference(), options, options.rejoin_patches);
+  }
+  LoopQuery query;
+  query.local_from_robot = local_from_robot;
+  query.points = points;
+  query.among = [&](const Determined& determined) { return is_loose(determined, unpaired); };
+  query.patch = new_patch;
+  query.origin = {OriginKind::match, {}};
+  return find_loop(map, surroundings, query, options);
 }
 
 std::vector<Relation> WaitingRejoins::take(Rejoin found) {

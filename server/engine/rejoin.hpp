@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <vector>
 
 #include "server/engine/surroundings.hpp"
@@ -13,14 +14,30 @@ struct Rejoin {
   std::vector<Relation> relations;  ///< between it and the patches it came back to
   Pose map_from_map;                ///< how the loop moves the new patch in the island's plane
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of the new patch before it
-  bool certain = false;  ///< the window was narrow: nothing else could have been meant
+  bool certain = false;   ///< the window was narrow: nothing else could have been meant
+  bool compared = false;  ///< there was something to compare the scan with
 };
+
+/// What is being looked for: a scan, placed in the frame of the reference of its surroundings, among some of
+/// the patches determined relative to it.
+struct LoopQuery {
+  Pose local_from_robot;
+  std::span<const ScanPoint> points;
+  std::function<bool(const Determined&)> among;  ///< the patches to match it with, all others left out
+  PatchId patch;                                 ///< whose scan it is
+  Origin origin;                                 ///< of the relations
+  bool partly_known = false;  ///< what the scan sees need not all be there: judged by the part that is
+};
+
+/// Takes the patches asked for, rigidly together around the nearest of them, and matches the scan with them
+/// on their own, in a window as wide as the relative covariance says. No relations where nothing fits, where
+/// two answers fit about as well, or where there is nothing to match with (`compared` tells these apart).
+Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
+                 const EngineOptions& options);
 
 /// Looks for patches that are determined relative to the robot, but not firmly, where a scan placed at
 /// `local_from_robot` lies (eq. 12's own loops), or that belong to its local map, should overlap the scan,
-/// and were not found in it (`unpaired`). Taken rigidly together around the nearest of them, they are matched
-/// on their own, in a window as wide as the relative covariance says. No relations where nothing fits, where
-/// two answers fit about as well, or where there is nothing to come back to.
+/// and were not found in it (`unpaired`).
 Rejoin find_rejoin(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
                    std::span<const ScanPoint> points, std::span<const PatchId> unpaired, PatchId new_patch,
                    const EngineOptions& options);

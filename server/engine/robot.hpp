@@ -1,12 +1,15 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/engine/event.hpp"
 #include "server/engine/odometry_noise.hpp"
 #include "server/engine/odometry_track.hpp"
+#include "server/engine/pose_history.hpp"
 #include "server/engine/rejoin.hpp"
 #include "server/engine/surroundings.hpp"
 
@@ -44,6 +47,13 @@ struct UnplacedScan {
   Pose odom_from_robot;
 };
 
+/// Another robot where this one last saw it.
+struct SeenTeammate {
+  std::int64_t utime = 0;
+  Eigen::Vector2d odom_position = Eigen::Vector2d::Zero();  ///< in this robot's odometry frame
+  double sigma_m = 0;
+};
+
 struct PendingScan {
   Scan scan;
   std::int64_t receive_utime = 0;
@@ -66,7 +76,11 @@ struct Robot {
   std::int64_t newest_scan_utime = 0;
   WaitingRejoins rejoins;
   std::vector<UnplacedScan> unplaced;
-  int stale_scans = 0;  ///< in a row
+  PoseHistory history;
+  std::vector<Pose> way;                     ///< of one without a laser: odometry since its last patch
+  std::map<std::string, SeenTeammate> seen;  ///< by name
+  PatchId first_patch;                       ///< of its first session
+  int stale_scans = 0;                       ///< in a row
 };
 
 }  // namespace isthmus

@@ -12,6 +12,7 @@ struct RunCost {
   double wall_s = 0;
   double cpu_s = 0;
   double peak_rss_mb = 0;
+  double finish_s = 0;  ///< after the last event: waiting work and the last fit
   LatencyHistogram event_latency;
 };
 /// CPU time and peak memory of this process so far.

@@ -96,6 +96,7 @@ std::string report_json(const MapCopy& map, const RankedIslands& islands, const 
                        {"realtime_factor", cost.wall_s > 0 ? log_duration_s / cost.wall_s : 0.0},
                        {"event_latency_ms", latency_ms(cost.event_latency)},
                        {"peak_rss_mb", cost.peak_rss_mb},
+                       {"finish_s", cost.finish_s},
                        {"map_sha256", map_sha256(map)}};
   // Names and reasons may hold bytes that are no UTF-8; those are replaced, for a report must not fail on
   // them.

@@ -55,7 +55,9 @@ class Replay {
     }
     report_damage(" at its end");
     begin();
-    timed([&] { result_.engine.finish(); });
+    const Clock::time_point finish = Clock::now();
+    result_.engine.finish();
+    result_.cost.finish_s = seconds_since(finish);
     result_.cost.wall_s = seconds_since(start);
     result_.cost.cpu_s = cpu_now_s() - cpu_start_s;
     result_.cost.peak_rss_mb = process_peak_rss_mb();

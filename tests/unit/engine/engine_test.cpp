@@ -135,7 +135,7 @@ TEST(Engine, ARestartedRobotBeginsANewSessionOnANewIsland) {
   EXPECT_EQ(map.graph.islands().size(), 2U);
 }
 
-TEST(Engine, SightingsAreValidatedAndSetAside) {
+TEST(Engine, SightingsAreValidated) {
   Engine engine;
   engine.handle(robot("R1", 1));
   engine.handle(robot("R2", 2));
@@ -151,7 +151,7 @@ TEST(Engine, SightingsAreValidatedAndSetAside) {
   EXPECT_EQ(see("R7", 1), "unknown_robot");
   const MapCopy map = engine.copy();
   ASSERT_EQ(map.sightings.size(), 5U);
-  EXPECT_EQ(map.sightings[0].verdict, "set_aside");
+  EXPECT_EQ(map.sightings[0].verdict, "waiting");
   EXPECT_EQ(map.sightings[2].verdict, "refused");
   EXPECT_EQ(map.sightings[2].reason, "sees_itself");
 }

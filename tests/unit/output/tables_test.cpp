@@ -174,9 +174,9 @@ TEST(Tables, SightingsRepeatTheInputAndSayWhatBecameOfIt) {
 
 TEST(Tables, TagsHaveACovarianceOncePlaced) {
   MapCopy map = two_islands();
-  TagRecord placed{7, PatchId{1}, {1.5, -2}, Eigen::Matrix2d::Identity() * 0.25, true};
+  TagRecord placed{7, PatchId{1}, {1.5, -2}, Eigen::Matrix2d::Identity() * 0.25, true, {}};
   placed.covariance(0, 1) = placed.covariance(1, 0) = 0.125;
-  map.tags = {placed, TagRecord{8, {}, {}, {}, false}};
+  map.tags = {placed, TagRecord{8, {}, {}, {}, false, {}}};
   const TemporaryDirectory directory;
   write_tags(map, rank_islands(map.graph), directory.file("tags.csv"));
   EXPECT_EQ(lines(directory.file("tags.csv")),

@@ -1,0 +1,353 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "server/engine/closures.hpp"
+#include "server/engine/withdrawal.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr std::int64_t meeting_us = 60'000'000;   // sightings of a loop so far apart are different meetings
+constexpr std::int64_t rival_us = 10'000'000;     // those that disagree count so near in time
+constexpr std::int64_t lone_pair_us = 3'000'000;  // a pair waits so long for a third
+constexpr int enough_supporters = 3;
+constexpr double one_way_baseline_m = 1;
+constexpr std::size_t most_in_group = 40;
+constexpr std::int64_t step_price_us = 5'000;  // nominal, of one step of a trial
+constexpr double work_share = 0.5;             // of the time that passes
+constexpr std::int64_t most_credit_us = 10'000;
+constexpr double alike_m = 1;
+constexpr double alike_rad = 0.35;
+
+std::string pair_key(const Evidence& evidence) {
+  const auto [first, second] = std::minmax(evidence.sighting.robot, evidence.target);
+  return first + "|" + second;
+}
+
+bool observer_is_first(const Map& map, const Evidence& evidence, bool merge, IslandId older) {
+  if (merge) return map.graph().island(evidence.observer.pose.patch) == older;
+  return evidence.sighting.robot < evidence.target;
+}
+
+std::vector<ChartSighting> charts(const Map& map, const std::vector<Evidence>& pool,
+                                  const std::vector<std::size_t>& members, bool merge, IslandId older) {
+  std::vector<ChartSighting> sightings;
+  for (const std::size_t i : members) {
+    sightings.push_back(chart_sighting(map, pool[i]));
+    sightings.back().observer_in_first = observer_is_first(map, pool[i], merge, older);
+  }
+  return sightings;
+}
+
+// Whether enough sightings agree, and more than disagree at the time.
+bool ready(const Alignment& alignment, std::span<const ChartSighting> sightings, std::int64_t now_utime,
+           bool no_more_waiting) {
+  std::int64_t from = sightings[alignment.supporters.front()].utime;
+  std::int64_t to = from;
+  for (const std::size_t i : alignment.supporters) {
+    from = std::min(from, sightings[i].utime);
+    to = std::max(to, sightings[i].utime);
+  }
+  int rivals = 0;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const bool supports = std::ranges::find(alignment.supporters, i) != alignment.supporters.end();
+    if (!supports && sightings[i].utime >= from - rival_us && sightings[i].utime <= to + rival_us) ++rivals;
+  }
+  const auto supporters = static_cast<int>(alignment.supporters.size());
+  if (supporters <= rivals) return false;
+  if (!alignment.two_way)
+    return supporters >= enough_supporters && alignment.baseline_m >= one_way_baseline_m;
+  return supporters >= enough_supporters || no_more_waiting || now_utime > to + lone_pair_us;
+}
+
+std::vector<std::string> robots_of(const std::vector<Evidence>& evidence) {
+  std::set<std::string> names;
+  for (const Evidence& e : evidence) {
+    names.insert(e.sighting.robot);
+    names.insert(e.target);
+  }
+  return {names.begin(), names.end()};
+}
+
+}  // namespace
+
+std::vector<Closures::Group> Closures::groups(World world) const {
+  const RelationGraph& graph = world.map.graph();
+  std::map<std::string, Group> found;
+  std::map<std::string, std::pair<std::string, std::int64_t>> meetings;  // by pair: its group, its last stamp
+  for (std::size_t i = 0; i < pool_.size(); ++i) {
+    const Evidence& evidence = pool_[i];
+    if (!evidence.target_place) continue;
+    const IslandId a = graph.island(evidence.observer.pose.patch);
+    const IslandId b = graph.island(evidence.target_place->pose.patch);
+    Group group{a != b, "", std::min(a, b), std::max(a, b), {}};
+    if (group.merge) {
+      group.key = "merge " + std::to_string(group.older.value) + " " + std::to_string(group.younger.value);
+    } else {
+      auto& [key, last] = meetings[pair_key(evidence)];
+      if (key.empty() || std::abs(evidence.sighting.utime - last) > meeting_us)
+        key = pair_key(evidence) + " " + std::to_string(evidence.record);
+      last = evidence.sighting.utime;
+      group.key = key;
+    }
+    found.try_emplace(group.key, group).first->second.members.push_back(i);
+  }
+  std::vector<Group> all;
+  for (auto& [key, group] : found) all.push_back(std::move(group));
+  return all;
+}
+
+// What has waited in vain for too long, or is too much, is refused.
+void Closures::thin(const std::vector<Group>& groups, World world) {
+  std::set<std::size_t> gone;
+  for (const Group& group : groups) {
+    const std::size_t size = group.members.size();
+    for (std::size_t k = 0; k < size; ++k) {
+      const std::size_t i = group.members[k];
+      const bool old = !group.merge && world.now_utime - pool_[i].sighting.utime > 2 * meeting_us;
+      if (old || k + most_in_group < size) gone.insert(i);
+    }
+  }
+  if (gone.empty()) return;
+  std::vector<Evidence> kept;
+  for (std::size_t i = 0; i < pool_.size(); ++i) {
+    if (gone.contains(i)) {
+      verdict(pool_[i], "refused", pool_[i].doubt);
+    } else {
+      kept.push_back(std::move(pool_[i]));
+    }
+  }
+  pool_ = std::move(kept);
+}
+
+void Closures::propose(World world) {
+  if (trial_) return;
+  for (const Group& group : groups(world))
+    if (propose(world, group)) return;
+}
+
+bool Closures::propose(World world, const Group& group) {
+  const auto tried = tried_.find(group.key);
+  const std::size_t least = tried == tried_.end() ? 2 : static_cast<std::size_t>(tried->second * 3 / 2 + 1);
+  if (group.members.size() < least) return false;
+  const std::vector<ChartSighting> sightings =
+      charts(world.map, pool_, group.members, group.merge, group.older);
+  const std::optional<Alignment> alignment = best_alignment(sightings);
+  if (!alignment || alignment->supporters.size() < least) return false;
+  if (!ready(*alignment, sightings, world.now_utime, world.no_more_waiting)) return false;
+  begin_trial(world, group, *alignment);
+  return trial_ != nullptr;
+}
+
+Closures::Likeness Closures::likeness(World world, const Evidence& evidence, const Pose& first_from_second,
+                                      bool observer_first) const {
+  const PatchId observer = evidence.observer.pose.patch;
+  const PatchId target = evidence.target_place->pose.patch;
+  Likeness likeness{observer_first ? observer : target, observer_first ? target : observer, {}};
+  const Manifold& manifold = world.map.manifold();
+  likeness.first_from_second =
+      ominus(first_from_second * manifold.pose(likeness.second), manifold.pose(likeness.first));
+  return likeness;
+}
+
+bool Closures::is_forbidden(World world, const Likeness& likeness) const {
+  const Manifold& manifold = world.map.manifold();
+  const RelationGraph& graph = world.map.graph();
+  for (const auto& [id, closure] : closures_) {
+    if (!closure.forbidden) continue;
+    Likeness its = closure.likeness;
+    if (graph.island(its.first) != graph.island(likeness.first)) {
+      std::swap(its.first, its.second);
+      its.first_from_second = inverse(its.first_from_second);
+    }
+    if (graph.island(its.first) != graph.island(likeness.first) ||
+        graph.island(its.second) != graph.island(likeness.second))
+      continue;
+    const Pose same = ominus(manifold.pose(its.first), manifold.pose(likeness.first)) *
+                      its.first_from_second *
+                      ominus(manifold.pose(likeness.second), manifold.pose(its.second));
+    if (std::hypot(same.x - likeness.first_from_second.x, same.y - likeness.first_from_second.y) < alike_m &&
+        std::abs(wrap_angle(same.yaw - likeness.first_from_second.yaw)) < alike_rad)
+      return true;
+  }
+  return false;
+}
+
+void Closures::begin_trial(World world, const Group& group, const Alignment& alignment) {
+  const ClosureId id{next_id_++};
+  Closure closure;
+  std::set<std::size_t> taken;
+  Proposal proposal;
+  proposal.id = id;
+  proposal.merge = group.merge;
+  proposal.older = group.older;
+  proposal.younger = group.younger;
+  proposal.older_from_younger = alignment.first_from_second;
+  proposal.two_way = alignment.two_way;
+  proposal.supporters = static_cast<int>(alignment.supporters.size());
+  for (const std::size_t s : alignment.supporters) {
+    const std::size_t i = group.members[s];
+    if (auto relation = sighting_relation(world.map, pool_[i], id)) proposal.relations.push_back(*relation);
+    closure.evidence.push_back(pool_[i]);
+    taken.insert(i);
+  }
+  const Evidence& first = closure.evidence.front();
+  closure.likeness = likeness(world, first, alignment.first_from_second,
+                              observer_is_first(world.map, first, group.merge, group.older));
+  closure.record.id = id;
+  closure.record.kind = group.merge ? "merge" : "closure";
+  closure.record.state = "waiting";
+  closure.record.robots = robots_of(closure.evidence);
+  closure.record.utime = first.sighting.utime;
+  closure.record.start_utime = closure.record.end_utime = world.now_utime;
+  closure.forbidden = forbidden_.contains(id);
+  const bool refused = closure.forbidden || is_forbidden(world, closure.likeness);
+  if (refused || proposal.relations.empty()) {
+    closure.record.state = "refused";
+    closure.record.reason = refused ? "forbidden" : "no_relation";
+  }
+  for (const Evidence& evidence : closure.evidence) {
+    if (closure.record.state == "refused") {
+      verdict(evidence, "refused", closure.record.reason, id);
+    } else {
+      verdict(evidence, "waiting", "on_trial", id);
+    }
+  }
+  std::vector<Evidence> rest;
+  for (std::size_t i = 0; i < pool_.size(); ++i)
+    if (!taken.contains(i)) rest.push_back(std::move(pool_[i]));
+  pool_ = std::move(rest);
+  if (closure.record.state == "waiting")
+    trial_ = std::make_unique<Trial>(world.map, std::move(proposal), world.options, world.now_utime);
+  tried_[group.key] = proposal.supporters;
+  closures_.emplace(id, std::move(closure));
+}
+
+void Closures::propose_start(World world, const Relation& relation, const std::string& robot,
+                             const std::string& with) {
+  // The operators measured it: it needs no trial of its truth, only the propagation.
+  if (trial_) {
+    trial_->finish(world.now_utime);
+    end_trial(world);
+  }
+  const IslandId of_a = world.map.graph().island(relation.a);
+  const IslandId of_b = world.map.graph().island(relation.b);
+  Proposal proposal;
+  proposal.id = ClosureId{next_id_++};
+  proposal.merge = of_a != of_b;
+  proposal.older = std::min(of_a, of_b);
+  proposal.younger = std::max(of_a, of_b);
+  const Manifold& manifold = world.map.manifold();
+  const Pose a_from_b = std::get<RelativePose>(relation.measurement).a_from_b;
+  const Pose of_a_from_of_b = manifold.pose(relation.a) * a_from_b * inverse(manifold.pose(relation.b));
+  proposal.older_from_younger = of_a < of_b ? of_a_from_of_b : inverse(of_a_from_of_b);
+  proposal.relations = {relation};
+  proposal.relations.front().origin.closure = proposal.id;
+  proposal.measured = true;
+  Closure closure;
+  closure.record.id = proposal.id;
+  closure.record.kind = proposal.merge ? "merge" : "closure";
+  closure.record.state = "waiting";
+  closure.record.reason = "measured_start";
+  closure.record.robots = {robot, with};
+  closure.record.utime = closure.record.start_utime = world.now_utime;
+  closure.likeness = {relation.a, relation.b, a_from_b};
+  closures_.emplace(proposal.id, std::move(closure));
+  trial_ = std::make_unique<Trial>(world.map, std::move(proposal), world.options, world.now_utime);
+}
+
+// Credit for steps grows with the time that passes, so that no event waits long for a closure.
+void Closures::work(World world) {
+  const std::int64_t passed = std::clamp<std::int64_t>(world.now_utime - last_utime_, 0, 1'000'000);
+  credit_us_ = std::min(most_credit_us,
+                        credit_us_ + static_cast<std::int64_t>(work_share * static_cast<double>(passed)));
+  if (!trial_) return;
+  trial_->advance(world.now_utime);
+  while (!trial_->done() && credit_us_ >= step_price_us) {
+    if (!trial_->step(world.now_utime)) break;
+    credit_us_ -= step_price_us;
+  }
+  if (trial_->done()) end_trial(world);
+}
+
+void Closures::end_trial(World world) {
+  const std::unique_ptr<Trial> trial = std::move(trial_);
+  Closure& closure = closures_.at(trial->proposal().id);
+  ClosureRecord& record = closure.record;
+  record.patches_touched = trial->patches_touched();
+  record.work_steps = trial->work_steps();
+  record.end_utime = world.now_utime;
+  if (trial->accepted()) {
+    trial->commit(world.map);
+    changed_.push_back(trial->proposal().older);
+    record.state = "accepted";
+    const std::string reason = trial->proposal().merge ? "merged_islands" : "closed_loop";
+    for (const Evidence& evidence : closure.evidence) verdict(evidence, "accepted", reason, record.id);
+    tried_.clear();
+  } else {
+    record.state = "refused";
+    record.reason = trial->refusal();
+    for (Evidence evidence : closure.evidence) {
+      evidence.doubt = trial->refusal();
+      verdict(evidence, "waiting", evidence.doubt, record.id);
+      pool_.push_back(std::move(evidence));
+    }
+    std::ranges::stable_sort(pool_, {}, &Evidence::record);
+  }
+  consider_pool_again(world);
+}
+
+std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
+  const auto found = closures_.find(id);
+  if (found == closures_.end()) {
+    if (must_be_accepted) return "no_such_closure";
+    forbidden_.insert(id);
+    return "";
+  }
+  Closure& closure = found->second;
+  if (must_be_accepted && closure.record.state != "accepted") return "not_accepted";
+  closure.forbidden = true;
+  if (trial_ && trial_->proposal().id == id) trial_.reset();
+  if (closure.record.state == "accepted") {
+    if (trial_) {  // it was begun on a map that will no longer be
+      Closure& other = closures_.at(trial_->proposal().id);
+      other.record.state = "refused";
+      other.record.reason = "map_changed";
+      std::ranges::copy(other.evidence, std::back_inserter(pool_));
+      trial_.reset();
+    }
+    withdraw(world.map, id, world.robots);
+    changed_ = {closure.likeness.first, closure.likeness.second};
+    closure.record.state = "withdrawn";
+  } else {
+    closure.record.state = "refused";
+  }
+  closure.record.reason = "forbidden";
+  for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", "forbidden", id);
+  std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "refused"; });
+  tried_.clear();
+  consider_pool_again(world);
+  return "";
+}
+
+std::string Closures::allow(ClosureId id) {
+  const auto found = closures_.find(id);
+  if (found == closures_.end()) return forbidden_.erase(id) > 0 ? "" : "no_such_closure";
+  Closure& closure = found->second;
+  if (!closure.forbidden) return "not_forbidden";
+  closure.forbidden = false;
+  forbidden_.erase(id);
+  closure.record.reason = "allowed_again";
+  for (Evidence& evidence : closure.evidence) {
+    verdict(evidence, "waiting", "allowed_again");
+    pool_.push_back(std::move(evidence));
+  }
+  closure.evidence.clear();
+  std::ranges::stable_sort(pool_, {}, &Evidence::record);
+  tried_.clear();
+  pool_changed_ = true;
+  return "";
+}
+
+}  // namespace isthmus

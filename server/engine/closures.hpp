@@ -1,0 +1,123 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/engine/evidence.hpp"
+#include "server/engine/map_copy.hpp"
+#include "server/engine/trial.hpp"
+
+namespace isthmus {
+
+/// What closures work on, lent for one call.
+struct World {
+  Map& map;
+  std::map<std::string, Robot>& robots;
+  const EngineOptions& options;
+  std::int64_t now_utime = 0;  ///< receive time of the event
+  bool no_more_waiting = false;
+};
+
+/// From sightings to closures (seed 001, IV-B and IV-C): places each sighting on the manifold, judges it by
+/// the map, gathers what the map cannot judge until several agree, tries them out beside the map, and keeps
+/// the record. What is undecided waits, at no harm.
+class Closures {
+ public:
+  /// A sighting that makes sense on its own. `tag`: the barcode is a fixed tag's.
+  void take(const SightingEvent& sighting, const std::string& target, bool tag, std::int64_t now_utime);
+  /// One that does not; kept for the record.
+  void refuse(const SightingEvent& sighting, const std::string& reason);
+  /// A robot starts at a measured place relative to another (configuration, `start`).
+  void propose_start(World world, const Relation& relation, const std::string& robot,
+                     const std::string& with);
+
+  /// What an event brings on: places and judges sightings, and works at the trial within its credit.
+  void advance(World world);
+  /// The same to the end, as if nothing more will come.
+  void finish(World world);
+  bool has_work() const { return !unplaced_.empty() || trial_ != nullptr; }
+
+  /// Operators: no closure of this id, or like it, from now on; an accepted one is taken back. Returns why
+  /// not, or nothing.
+  std::string forbid(World world, ClosureId id, bool must_be_accepted);
+  /// Takes that back: the sightings are looked at again.
+  std::string allow(ClosureId id);
+
+  const std::vector<SightingRecord>& sightings() const { return records_; }
+  std::vector<ClosureRecord> closures() const;
+  const std::map<std::int32_t, PatchId>& tags() const { return tag_patches_; }
+  /// Counts of the sightings by verdict.
+  int waiting() const { return static_cast<int>(unplaced_.size() + pool_.size()); }
+  /// A patch of each island that merges, closures and withdrawals have changed since this was last asked.
+  std::vector<PatchId> take_changed() { return std::exchange(changed_, {}); }
+
+ private:
+  struct Unplaced {
+    Evidence evidence;
+    std::int64_t receive_utime = 0;
+  };
+  /// What a closure says, by which another is known to say the same: the pose of a patch of one chart as
+  /// seen from one of the other.
+  struct Likeness {
+    PatchId first;
+    PatchId second;
+    Pose first_from_second;
+  };
+  struct Closure {
+    ClosureRecord record;
+    std::vector<Evidence> evidence;
+    Likeness likeness;
+    bool forbidden = false;
+  };
+  /// Sightings between the same two charts.
+  struct Group {
+    bool merge = false;
+    std::string key;
+    IslandId older;
+    IslandId younger;
+    std::vector<std::size_t> members;  ///< in the pool, by time
+  };
+
+  void verdict(const Evidence& evidence, const std::string& verdict, const std::string& reason,
+               ClosureId closure = {});
+  void place_sightings(World world);
+  std::string place(World world, Evidence& evidence, bool waited) const;
+  void consider(World world, Evidence evidence);
+  bool judge_by_map(World world, Evidence& evidence);
+  void add_to_map(World world, const Evidence& evidence);
+  void place_tags(World world);
+  void place_tag(World world, std::int32_t barcode, const std::vector<std::size_t>& members);
+  void consider_pool_again(World world);
+
+  std::vector<Group> groups(World world) const;
+  void thin(const std::vector<Group>& groups, World world);
+  void propose(World world);
+  bool propose(World world, const Group& group);
+  void begin_trial(World world, const Group& group, const Alignment& alignment);
+  Likeness likeness(World world, const Evidence& evidence, const Pose& first_from_second,
+                    bool observer_first) const;
+  bool is_forbidden(World world, const Likeness& likeness) const;
+  void work(World world);
+  void end_trial(World world);
+
+  std::vector<SightingRecord> records_;
+  std::deque<Unplaced> unplaced_;
+  std::vector<Evidence> pool_;
+  bool pool_changed_ = false;
+  std::map<std::string, int> tried_;  ///< by group: the support of the trial that was refused
+  std::map<std::int32_t, PatchId> tag_patches_;
+  std::map<ClosureId, Closure> closures_;
+  std::set<ClosureId> forbidden_;  ///< before they were ever proposed
+  std::unique_ptr<Trial> trial_;
+  std::int32_t next_id_ = 0;
+  std::int64_t credit_us_ = 0;
+  std::int64_t last_utime_ = 0;
+  std::vector<PatchId> changed_;
+};
+
+}  // namespace isthmus

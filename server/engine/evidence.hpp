@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "server/engine/alignment.hpp"
+#include "server/engine/event.hpp"
+#include "server/engine/map.hpp"
+#include "server/engine/robot.hpp"
+
+namespace isthmus {
+
+/// A fixed tag on the map: a patch without extent, whose yaw means nothing.
+PatchPtr make_tag_patch(PatchId id, std::int32_t barcode, std::int64_t utime);
+
+/// A sighting with the places on the manifold that it ties together.
+struct Evidence {
+  std::size_t record = 0;  ///< its place among all sightings
+  SightingEvent sighting;
+  PastPlace observer;
+  std::string target;  ///< a robot's name, or "TAG n"
+  bool is_tag = false;
+  /// Of a tag: where its patch is, once it has one.
+  std::optional<PastPlace> target_place;
+  std::string doubt = "unsupported";  ///< why it would be refused if nothing more came
+};
+
+/// The sighting between the charts of its two ends as the map projects them now. `observer_in_first` is left
+/// to the caller.
+ChartSighting chart_sighting(const Map& map, const Evidence& evidence);
+
+/// The same between a chart and a point in it: where the map has the tag, or would have it.
+ChartSighting chart_sighting_of_point(const Map& map, const Evidence& evidence, const Eigen::Vector2d& target,
+                                      double target_variance);
+
+/// Where in the observer's chart the sighting puts its target; nothing where range or bearing is missing.
+std::optional<Eigen::Vector2d> measured_point(const Map& map, const Evidence& evidence);
+
+/// The sighting as a relation between two patches: range with bearing as a point of b at a point of a, its
+/// covariance taken at the measured range and then fixed; range alone and bearing alone as themselves. The
+/// covariances of both places in their patches are carried. Nothing where both ends are on one patch.
+std::optional<Relation> sighting_relation(const Map& map, const Evidence& evidence, ClosureId closure);
+
+}  // namespace isthmus

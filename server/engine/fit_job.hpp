@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <future>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "server/engine/map.hpp"
+
+namespace isthmus {
+
+/// A fit of a whole island on a copy of the map, in a thread of its own: begun at one event, and applied at a
+/// later one that a rule decides (after as many events as there are patches, or 20 ms a patch, so that it is
+/// hardly ever late). Who asks earlier waits.
+class FitJob {
+ public:
+  struct Result {
+    std::vector<PatchId> patches;  ///< of the island
+    std::vector<Pose> poses;       ///< by patch id, of all patches that the map had
+    bool ok = false;
+    /// Of the second patch relative to the first, before the change (see `confidence_between`).
+    std::optional<Eigen::Matrix3d> covariance;
+  };
+  /// Also computes how well one patch was determined relative to another, in another graph at the same poses.
+  struct ConfidenceQuestion {
+    RelationGraph graph;
+    PatchId a;
+    PatchId b;
+  };
+
+  FitJob(const Map& map, IslandId island, std::int64_t now_utime,
+         std::optional<ConfidenceQuestion> question = {});
+
+  /// Tells the job that an event was handled. Returns whether its result is due.
+  bool advance(std::int64_t now_utime);
+  IslandId island() const { return island_; }
+  /// Waits for the result where it is late.
+  Result take() { return result_.get(); }
+
+ private:
+  IslandId island_;
+  std::int64_t events_left_;
+  std::int64_t due_utime_;
+  std::future<Result> result_;
+};
+
+}  // namespace isthmus

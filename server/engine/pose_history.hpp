@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "patches/manifold.hpp"
+#include "server/engine/odometry_noise.hpp"
+#include "server/engine/odometry_track.hpp"
+
+namespace isthmus {
+
+/// Where a robot was at some time, on the manifold.
+struct PastPlace {
+  std::int64_t utime = 0;
+  std::int32_t session = 0;
+  ManifoldPose pose;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of patch_from_robot
+  Pose odom_from_robot;
+};
+
+/// Where one robot was, for sightings, which carry a stamp of their own and may come late. Poses are on the
+/// manifold, so that fits carry them along. A robot at rest adds next to nothing; the oldest go first.
+class PoseHistory {
+ public:
+  void add(const PastPlace& place);
+  bool empty() const { return places_.empty(); }
+  std::int64_t oldest_utime() const { return places_.front().utime; }
+
+  /// The place at a stamp: the last one known before it, moved on by odometry. Nothing where the robot was
+  /// not on the map then, or where odometry does not reach.
+  std::optional<PastPlace> at(std::int64_t utime, const OdometryTrack& odometry,
+                              const OdometryNoise& noise) const;
+
+ private:
+  static constexpr std::size_t most_places = 4000;
+  std::deque<PastPlace> places_;  // by utime
+};
+
+}  // namespace isthmus

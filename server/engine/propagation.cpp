@@ -1,0 +1,142 @@
+#include "server/engine/propagation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/engine/rejoin.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr int same_side_hops = 4;  // so near in the graph, two patches were known to be near before
+constexpr int most_visits = 4;     // of one patch to the queue
+constexpr double slack_m = 2;      // a candidate may lie so much farther than a local map reaches
+constexpr int refit_patches = 40;
+
+bool is_match(const Relation& relation) {
+  return relation.kind == RelationKind::point_to_line || relation.kind == RelationKind::point_to_point ||
+         relation.kind == RelationKind::line_to_line;
+}
+
+bool matched_before(const RelationGraph& graph, PatchId a, PatchId b) {
+  const std::vector<RelationId> between = graph.between(a, b);
+  return std::ranges::any_of(between, [&](RelationId id) { return is_match(*graph.find(id)); });
+}
+
+// How many of a's hits b sees at all, and how many of them where it looked far through.
+struct Seen {
+  int in_view = 0;
+  int deep = 0;
+};
+
+Seen seen_through(const Patch& a, const Patch& b, const Pose& b_from_a) {
+  constexpr double deep_m = 0.5;
+  constexpr std::size_t looked_at = 60;
+  Seen seen;
+  const std::size_t stride = std::max<std::size_t>(1, a.points.size() / looked_at);
+  for (std::size_t i = 0; i < a.points.size(); i += stride) {
+    const double depth = b.star.depth_m(b_from_a * a.points[i].position);
+    if (depth < -deep_m) continue;  // hidden from b, or outside its view
+    ++seen.in_view;
+    if (depth > deep_m) ++seen.deep;
+  }
+  return seen;
+}
+
+}  // namespace
+
+void Propagation::enqueue(PatchId patch) {
+  Visits& its = visits(patch);
+  if (its.queued || its.count >= most_visits) return;
+  its.queued = true;
+  queue_.push_back(patch);
+}
+
+Propagation::Visits& Propagation::visits(PatchId patch) {
+  const auto at = static_cast<std::size_t>(patch.value);
+  if (at >= visits_.size()) visits_.resize(at + 1);
+  return visits_[at];
+}
+
+bool Propagation::across(PatchId a, PatchId b) const { return !before_.hops(a, b, same_side_hops); }
+
+std::vector<PatchId> Propagation::candidates(const Map& map, PatchId patch,
+                                             const EngineOptions& options) const {
+  const Manifold& manifold = map.manifold();
+  const IslandId island = map.graph().island(patch);
+  const Pose& pose = manifold.pose(patch);
+  const double reach = options.local_map_reach_m + slack_m;
+  std::vector<PatchId> near;
+  std::vector<PatchId> same_side;
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(before_.patch_count()); ++i) {
+    const PatchId other{i};
+    const Pose& its = manifold.pose(other);
+    if (std::abs(its.x - pose.x) > reach || std::abs(its.y - pose.y) > reach) continue;
+    if (other == patch || map.graph().island(other) != island) continue;
+    if (manifold.patch(other).points.empty()) continue;
+    if (same_side.empty()) same_side = before_.within_hops(patch, same_side_hops);
+    if (std::ranges::binary_search(same_side, other)) continue;
+    if (matched_before(map.graph(), patch, other)) continue;
+    near.push_back(other);
+  }
+  return near;
+}
+
+bool Propagation::step(Map& map, const EngineOptions& options) {
+  const PatchId id = queue_.front();
+  queue_.pop_front();
+  ++steps_;
+  ++visits(id).count;
+  visits(id).queued = false;
+  const Patch& patch = map.manifold().patch(id);
+  if (static_cast<int>(patch.points.size()) < options.match.min_pairs) return false;
+  const std::vector<PatchId> near = candidates(map, id, options);
+  if (near.empty()) return false;
+
+  Surroundings surroundings;
+  surroundings.update(map, id, options);
+  const auto wanted = [&](const Determined& determined) {
+    if (!std::ranges::binary_search(near, determined.patch)) return false;
+    // Where a candidate is well determined, it must also show what the scan sees.
+    const Pose other_from_patch = inverse(determined.local_from_patch);
+    return !determined.firm || overlap_share(map.manifold().patch(determined.patch), other_from_patch,
+                                             patch.points) >= options.local_map_overlap;
+  };
+  LoopQuery query;
+  query.points = patch.points;
+  query.among = wanted;
+  query.patch = id;
+  query.origin = origin_;
+  query.partly_known = true;
+  const Rejoin found = find_loop(map, surroundings, query, options);
+  if (found.relations.empty()) {
+    if (found.compared && found.certain && !visits(id).matched && !visits(id).unmatched) {
+      visits(id).unmatched = true;
+      unmatched_.push_back(id);
+    }
+    return false;
+  }
+  if (!visits(id).matched) matched_.push_back(id);
+  visits(id).matched = true;
+  if (visits(id).unmatched) std::erase(unmatched_, id);
+  visits(id).unmatched = false;
+  for (const Relation& relation : found.relations) map.relate(relation);
+  map.refit_around(id, refit_patches);
+  for (const PatchId next : map.graph().neighbours(id)) enqueue(next);
+  return true;
+}
+
+void Propagation::retry() {
+  for (const PatchId id : std::vector<PatchId>(unmatched_)) enqueue(id);
+}
+
+std::optional<double> contradiction(const Patch& a, const Patch& b, const Pose& a_from_b) {
+  constexpr int enough = 15;
+  const Seen of_a = seen_through(a, b, inverse(a_from_b));
+  const Seen of_b = seen_through(b, a, a_from_b);
+  const int in_view = of_a.in_view + of_b.in_view;
+  if (in_view < enough) return std::nullopt;
+  return static_cast<double>(of_a.deep + of_b.deep) / in_view;
+}
+
+}  // namespace isthmus

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "server/engine/engine_options.hpp"
+#include "server/engine/map.hpp"
+
+namespace isthmus {
+
+/// Propagates a change of topology through a map (seed 001, IV-B, steps 2 to 5): a queue of patches, each of
+/// which is matched with what now lies near it, and whose neighbours follow where that found new relations.
+///
+/// *New* is a relation across the seam: between patches that, before the change, were far from one another in
+/// the graph or not connected, and that have no relation yet. A patch comes to the queue a few times at most,
+/// so the queue ends.
+class Propagation {
+ public:
+  /// `before` is the graph without the change.
+  Propagation(RelationGraph before, Origin origin) : before_(std::move(before)), origin_(origin) {}
+
+  void enqueue(PatchId patch);
+  bool done() const { return queue_.empty(); }
+
+  /// Takes the first patch off the queue. Returns whether new relations were added.
+  bool step(Map& map, const EngineOptions& options);
+  /// Puts back on the queue what was compared and did not fit, once more: poses are better now.
+  void retry();
+
+  /// Whether two patches lie on different sides of the seam.
+  bool across(PatchId a, PatchId b) const;
+
+  int steps() const { return steps_; }
+  const std::vector<PatchId>& matched() const { return matched_; }  ///< in order, each once
+  const std::vector<PatchId>& unmatched() const {
+    return unmatched_;
+  }  ///< compared where they must fit, and did not
+
+ private:
+  struct Visits {
+    int count = 0;
+    bool queued = false;
+    bool matched = false;
+    bool unmatched = false;
+  };
+  Visits& visits(PatchId patch);
+  std::vector<PatchId> candidates(const Map& map, PatchId patch, const EngineOptions& options) const;
+
+  RelationGraph before_;
+  Origin origin_;
+  std::deque<PatchId> queue_;
+  std::vector<Visits> visits_;  // by patch id
+  std::vector<PatchId> matched_;
+  std::vector<PatchId> unmatched_;
+  int steps_ = 0;
+};
+
+/// The share of a patch's hits that lie deep in another's free space, seen in both directions: walls where
+/// the other looked through. Nothing where the two hardly look at the same place.
+std::optional<double> contradiction(const Patch& a, const Patch& b, const Pose& a_from_b);
+
+}  // namespace isthmus

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/engine/fit_job.hpp"
+#include "server/engine/propagation.hpp"
+
+namespace isthmus {
+
+/// A closure that several sightings propose: how the patches of one chart lie to those of another.
+struct Proposal {
+  ClosureId id;
+  bool merge = false;               ///< of two islands; else a loop on one
+  IslandId older;                   ///< whose frame stays
+  IslandId younger;                 ///< of a merge
+  Pose older_from_younger;          ///< of a merge: the rough alignment
+  std::vector<Relation> relations;  ///< of the sightings, with this closure as their origin
+  int supporters = 0;
+  bool two_way = false;
+  bool measured = false;  ///< placed by the operators themselves: no test can refuse it
+};
+
+/// A proposal tried out beside the map: provisional relations and poses over the shared patches (seed 001,
+/// IV-B and IV-C, on a copy). Advances in bounded steps, one at a time; fits of whole islands are jobs in
+/// another thread. The map hears of it only when it is accepted.
+class Trial {
+ public:
+  Trial(const Map& map, Proposal proposal, const EngineOptions& options, std::int64_t now_utime);
+
+  /// Tells a running job that an event was handled.
+  void advance(std::int64_t now_utime);
+  /// One bounded piece of work. Returns false where a job has to end first.
+  bool step(std::int64_t now_utime);
+  /// Runs to the end, waiting for jobs.
+  void finish(std::int64_t now_utime);
+
+  bool done() const { return stage_ == Stage::done; }
+  bool accepted() const { return done() && refusal_.empty(); }
+  /// Why it was refused; empty where it was accepted.
+  const std::string& refusal() const { return refusal_; }
+  const Proposal& proposal() const { return proposal_; }
+  int patches_touched() const { return static_cast<int>(propagation_.matched().size()); }
+  int work_steps() const { return propagation_.steps() + fits_; }
+
+  /// Takes what was accepted over into the map, which may have grown since.
+  void commit(Map& map) const;
+
+ private:
+  enum class Stage { start, propagate, last_propagate, judge, done };
+
+  void begin_fit(std::int64_t now_utime, bool with_gate);
+  void end_fit();
+  void propagate(std::int64_t now_utime);
+  void judge();
+  /// Mean share of hits of one side deep in the other's free space.
+  double mean_contradiction() const;
+  /// Mean χ² per residual of the sightings that proposed it, after the fit.
+  double sighting_cost() const;
+
+  EngineOptions options_;
+  Proposal proposal_;
+  Map map_;
+  std::size_t patches_at_start_;
+  std::size_t first_relation_;
+  std::optional<Pose> gate_before_;  ///< of b in a of the first relation, as the map had it
+  Propagation propagation_;
+  std::unique_ptr<FitJob> job_;
+  Stage stage_ = Stage::start;
+  int fits_ = 0;
+  std::size_t matched_at_fit_ = 0;
+  std::string refusal_;
+};
+
+}  // namespace isthmus
