@@ -142,6 +142,14 @@ MeasuredStart read_start(const toml::table& table, const std::string& robot) {
   return start;
 }
 
+/// 0 says that the robot has no laser; range_min_m then says nothing.
+bool read_range_max(TableReader& reader, double& range_max_m) {
+  const toml::node* node = reader.find("range_max_m");
+  if (!node || node->value<double>() != 0.0) return reader.number("range_max_m", range_max_m, 0.01, 1e5);
+  range_max_m = 0;
+  return true;
+}
+
 RobotConfiguration read_robot(const toml::table& table, const std::string& name) {
   TableReader reader(table, " of robot " + name);
   RobotConfiguration configuration;
@@ -149,9 +157,9 @@ RobotConfiguration read_robot(const toml::table& table, const std::string& name)
   robot.robot = name;
   bool described = reader.integer("barcode", robot.barcode, -1, std::numeric_limits<std::int32_t>::max());
   described |= reader.number("range_min_m", robot.laser.range_min_m, 0, 1e5);
-  described |= reader.number("range_max_m", robot.laser.range_max_m, 0.01, 1e5);
+  described |= read_range_max(reader, robot.laser.range_max_m);
   described |= reader.number("footprint_radius_m", robot.footprint_radius_m, 0, 100);
-  if (robot.laser.range_min_m >= robot.laser.range_max_m)
+  if (robot.laser.range_max_m > 0 && robot.laser.range_min_m >= robot.laser.range_max_m)
     fail(table, "range_min_m must be below range_max_m");
   if (const toml::table* laser = reader.table("laser")) {
     read_laser(*laser, robot.laser);

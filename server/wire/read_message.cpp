@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -33,6 +34,12 @@ bool all_finite(std::initializer_list<double> values) {
 
 bool within(double value, double limit) { return std::abs(value) <= limit; }
 
+/// range_max_m = 0 says that the robot has no laser; range_min_m then says nothing.
+bool are_plausible_limits(double range_min_m, double range_max_m) {
+  if (range_min_m < 0 || range_max_m > largest_range_m) return false;
+  return range_max_m == 0 || range_min_m < range_max_m;
+}
+
 /// What is wrong with a scan's ranges; empty where some beam hit something or came back empty. Single beams
 /// may hold anything (REP-117): they are judged one by one, by the robot's limits.
 std::string_view check_ranges(const std::vector<float>& ranges) {
@@ -51,6 +58,15 @@ std::string_view check_measured(double value, double sigma, double least, double
   return value < least || value > most ? "absurd_value" : "";
 }
 
+/// What an order is about: a closure, a robot, or neither.
+std::string_view check_operand(const std::string& verb, std::int64_t closure, const std::string& robot) {
+  const bool names_closure = closure >= 0 && closure <= std::numeric_limits<std::int32_t>::max();
+  if (verb == "withdraw" || verb == "forbid") return names_closure ? "" : "absurd_value";
+  if (verb == "allow") return names_closure || !robot.empty() ? "" : "absurd_value";
+  if (verb == "drop") return robot.empty() ? "bad_name" : "";
+  return "";
+}
+
 }  // namespace
 
 bool is_plausible_utime(std::int64_t utime) { return utime >= 0 && utime <= largest_utime; }
@@ -63,10 +79,9 @@ Reading read_message(const robot_t& message, const std::string& robot) {
   }
   const bool plausible = is_plausible_utime(message.utime) && within(message.laser_x_m, largest_mount_m) &&
                          within(message.laser_y_m, largest_mount_m) &&
-                         within(message.laser_yaw_rad, largest_angle_rad) && message.range_min_m >= 0 &&
-                         message.range_min_m < message.range_max_m &&
-                         message.range_max_m <= largest_range_m && message.footprint_radius_m >= 0 &&
-                         message.footprint_radius_m <= largest_footprint_m;
+                         within(message.laser_yaw_rad, largest_angle_rad) &&
+                         are_plausible_limits(message.range_min_m, message.range_max_m) &&
+                         message.footprint_radius_m >= 0 && message.footprint_radius_m <= largest_footprint_m;
   if (!plausible) return refuse("absurd_value");
   RobotEvent event;
   event.robot = robot;
@@ -143,6 +158,8 @@ Reading read_message(const command_t& message, const std::string&) {
   const std::string robot = upper_case(message.robot);
   if (!robot.empty() && !is_robot_name(robot)) return refuse("bad_name");
   if (!is_plausible_utime(message.utime)) return refuse("absurd_value");
+  const std::string_view reason = check_operand(message.verb, message.closure, robot);
+  if (!reason.empty()) return refuse(reason);
   return {CommandEvent{message.utime, message.verb, message.closure, robot}, ""};
 }
 

@@ -27,7 +27,8 @@ struct Reading {
 /// Whether a stamp can be one: not negative, and exact as a double, so that no arithmetic on it overflows.
 bool is_plausible_utime(std::int64_t utime);
 
-/// Value checks and conversion of each input. `robot` is the channel's, upper case.
+/// Value checks and conversion of each input. `robot` is the channel's, upper case. A robot's range_max_m is
+/// above its range_min_m, or exactly 0: it has no laser.
 Reading read_message(const robot_t& message, const std::string& robot);
 Reading read_message(const bot_core::pose_t& message, const std::string& robot);
 Reading read_message(const bot_core::planar_lidar_t& message, const std::string& robot);

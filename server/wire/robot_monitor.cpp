@@ -24,6 +24,27 @@ std::vector<count_t> to_counts(const std::map<std::string, std::int64_t>& by_rea
   return counts;
 }
 
+std::int32_t count_closures(const MapCopy& map, std::string_view state) {
+  return static_cast<std::int32_t>(
+      std::count_if(map.closures.begin(), map.closures.end(),
+                    [&](const ClosureRecord& closure) { return closure.state == state; }));
+}
+
+std::int64_t count_sightings(const MapCopy& map, std::string_view verdict) {
+  return std::count_if(map.sightings.begin(), map.sightings.end(),
+                       [&](const SightingRecord& record) { return record.verdict == verdict; });
+}
+
+void count_meetings(const MapCopy& map, status_t& status) {
+  status.closures = count_closures(map, "accepted");
+  status.closures_refused = count_closures(map, "refused");
+  status.closures_waiting = count_closures(map, "waiting");
+  status.closures_withdrawn = count_closures(map, "withdrawn");
+  status.sightings_accepted = count_sightings(map, "accepted");
+  status.sightings_refused = count_sightings(map, "refused");
+  status.sightings_waiting = count_sightings(map, "waiting");
+}
+
 void set_pose(double (&components)[3], const Pose& pose) {
   components[0] = pose.x;
   components[1] = pose.y;
@@ -57,9 +78,7 @@ status_t RobotMonitor::status(const MapCopy& map, const ServerCounters& server, 
   status.patches = static_cast<std::int32_t>(map.patches.size());
   status.relations = static_cast<std::int32_t>(map.graph.relations().size());
   status.islands = static_cast<std::int32_t>(map.graph.islands().size());
-  status.closures = static_cast<std::int32_t>(
-      std::count_if(map.closures.begin(), map.closures.end(),
-                    [](const auto& closure) { return closure.state == "accepted"; }));
+  count_meetings(map, status);
   status.queued = server.queued;
   status.journal_bytes = server.journal_bytes;
   status.journal_failures = server.journal_failures;

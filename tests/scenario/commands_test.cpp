@@ -48,7 +48,8 @@ const std::string odometry = "ODOM 0 0 0 0 0 0 1.5 host 1.5\n";
 
 TEST(Commands, HelpFitsAScreenAndAWrongOptionExitsWithTwo) {
   const TemporaryDirectory directory;
-  for (const char* command : {"import", "import carmen", "replay", "evaluate", "simulate"}) {
+  for (const char* command :
+       {"import", "import carmen", "import mrclam", "replay", "evaluate", "simulate", "command"}) {
     const CommandResult help = isthmus(directory, std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_LE(std::count(help.out.begin(), help.out.end(), '\n'), 24) << command;
@@ -73,6 +74,35 @@ TEST(Commands, BadLinesCanBeSkippedAndAreCounted) {
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_NE(run.out.find("1 bad lines skipped"), std::string::npos) << run.out;
   EXPECT_TRUE(std::filesystem::exists(directory / "run.lcm"));
+}
+
+TEST(Commands, AnImportOfAMrclamSetThatFailsNamesFileAndLine) {
+  const TemporaryDirectory directory;
+  directory.write("set/Barcodes.dat", "1 5\n");
+  directory.write("set/Robot1_Odometry.dat", "1 0 0\n");
+  directory.write("set/Robot1_Measurement.dat", "# none\n1 5 far 0\n");
+  const CommandResult run = isthmus(directory, "import mrclam set -o run.lcm");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.err, "isthmus-import: set/Robot1_Measurement.dat:2: 'far' is not a believable number\n");
+  EXPECT_FALSE(std::filesystem::exists(directory / "run.lcm"));
+}
+
+TEST(Commands, OrdersThatCannotBeAreRefusedAndOthersAreSaid) {
+  const TemporaryDirectory directory;
+  const std::string command = "command --lcm-url memq:// --wait 0.01 ";
+  for (const char* order : {"forbid -3", "withdraw -1", "allow -1", "forbid x", "forbid", "drop", "drop a/b",
+                            "allow ''", "explode", ""}) {
+    const CommandResult run = isthmus(directory, command + order);
+    EXPECT_NE(run.exit_code, 0) << order;
+    EXPECT_NE(run.err, "") << order;
+    EXPECT_EQ(run.out, "") << order;
+  }
+  const CommandResult drop = isthmus(directory, command + "drop r2");
+  EXPECT_EQ(drop.exit_code, 0);
+  EXPECT_EQ(drop.out, "sent: drop robot R2\n");
+  EXPECT_NE(drop.err.find("is a server running"), std::string::npos) << drop.err;
+  EXPECT_EQ(isthmus(directory, command + "allow 3").out, "sent: allow closure 3\n");
+  EXPECT_EQ(isthmus(directory, "command --lcm-url file:///x refine").exit_code, 1);
 }
 
 TEST(Commands, ReplayOfWhatIsNoLogFailsAndWritesNothing) {

@@ -8,24 +8,55 @@ namespace {
 
 using PairsByRobot = std::map<std::string, std::vector<PosePair>>;
 
-AbsoluteErrors errors_of(const std::vector<PosePair>& pairs, const Pose& truth_from_map) {
+PoseErrors errors_of(const std::vector<PosePair>& pairs, const Pose& truth_from_map) {
   std::vector<double> translation_m;
   std::vector<double> rotation_deg;
-  double squares = 0;
   for (const PosePair& pair : pairs) {
     const Pose estimate = truth_from_map * pair.map_from_robot;
-    const double distance =
-        std::hypot(estimate.x - pair.truth_from_robot.x, estimate.y - pair.truth_from_robot.y);
-    translation_m.push_back(distance);
-    squares += distance * distance;
+    translation_m.push_back(
+        std::hypot(estimate.x - pair.truth_from_robot.x, estimate.y - pair.truth_from_robot.y));
     rotation_deg.push_back(std::abs(wrap_angle(estimate.yaw - pair.truth_from_robot.yaw)) * 180 /
                            std::numbers::pi);
   }
-  AbsoluteErrors errors;
-  errors.count = pairs.size();
-  errors.rms_m = std::sqrt(squares / static_cast<double>(pairs.size()));
-  errors.translation_m = statistics(std::move(translation_m));
-  errors.rotation_deg = statistics(std::move(rotation_deg));
+  return {pairs.size(), statistics(std::move(translation_m)), statistics(std::move(rotation_deg))};
+}
+
+/// By island; what has no pose is counted into `missing`.
+std::map<int, PairsByRobot> pair_up(const std::map<std::string, Trajectory>& truth,
+                                    const TeamTrajectories& team,
+                                    std::map<std::string, std::size_t>& missing) {
+  std::map<int, PairsByRobot> by_island;
+  for (const auto& [robot, trajectory] : truth) {
+    missing[robot] = 0;
+    for (const StampedPose& row : trajectory.rows()) {
+      const auto estimate = team.pose(robot, row.utime);
+      if (!estimate) {
+        ++missing[robot];
+      } else if (trajectory.nearest(estimate->utime, std::abs(estimate->utime - row.utime))->utime ==
+                 row.utime) {
+        by_island[estimate->island][robot].push_back({row.map_from_robot, estimate->map_from_robot});
+      }
+    }
+  }
+  return by_island;
+}
+
+IslandErrors errors_of_island(int island, const PairsByRobot& by_robot, const TagsToCompare& tags) {
+  std::vector<PosePair> all;
+  for (const auto& [robot, pairs] : by_robot) all.insert(all.end(), pairs.begin(), pairs.end());
+  IslandErrors errors;
+  errors.island = island;
+  errors.truth_from_map = align(all);
+  errors.team = errors_of(all, errors.truth_from_map);
+  for (const auto& [robot, pairs] : by_robot) errors.robots[robot] = errors_of(pairs, errors.truth_from_map);
+  std::vector<double> distances_m;
+  for (const auto& [barcode, position] : tags.truth) {
+    const auto placed = tags.map.find(barcode);
+    if (placed == tags.map.end() || placed->second.island != island) continue;
+    distances_m.push_back((errors.truth_from_map * placed->second.position - position).norm());
+  }
+  errors.tags = distances_m.size();
+  errors.tag_translation_m = statistics(std::move(distances_m));
   return errors;
 }
 
@@ -54,28 +85,15 @@ Pose align(std::span<const PosePair> pairs) {
   return {shift.x(), shift.y(), yaw};
 }
 
-std::vector<AbsoluteErrors> evaluate_absolute(const std::map<std::string, Trajectory>& truth,
-                                              const TeamTrajectories& team) {
-  std::map<int, PairsByRobot> by_island;
-  for (const auto& [robot, trajectory] : truth) {
-    for (const StampedPose& row : trajectory.rows()) {
-      const auto estimate = team.pose(robot, row.utime);
-      if (estimate)
-        by_island[estimate->island][robot].push_back({row.map_from_robot, estimate->map_from_robot});
-    }
+AbsoluteErrors evaluate_absolute(const std::map<std::string, Trajectory>& truth, const TeamTrajectories& team,
+                                 const TagsToCompare& tags) {
+  AbsoluteErrors errors;
+  errors.missing_tags = tags.truth.size();
+  for (const auto& [island, by_robot] : pair_up(truth, team, errors.missing)) {
+    errors.islands.push_back(errors_of_island(island, by_robot, tags));
+    errors.missing_tags -= errors.islands.back().tags;
   }
-  std::vector<AbsoluteErrors> all;
-  for (const auto& [island, by_robot] : by_island) {
-    std::vector<PosePair> pairs;
-    for (const auto& [robot, own] : by_robot) pairs.insert(pairs.end(), own.begin(), own.end());
-    const Pose truth_from_map = align(pairs);
-    for (const auto& [robot, own] : by_robot) {
-      all.push_back(errors_of(own, truth_from_map));
-      all.back().robot = robot;
-      all.back().island = island;
-    }
-  }
-  return all;
+  return errors;
 }
 
 }  // namespace isthmus

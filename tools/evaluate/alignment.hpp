@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/evaluate/relation_error.hpp"
+#include "tools/evaluate/tags.hpp"
 #include "tools/evaluate/trajectories.hpp"
 
 namespace isthmus {
@@ -20,19 +21,39 @@ struct PosePair {
 /// the plane and without scale).
 Pose align(std::span<const PosePair> pairs);
 
-/// Absolute error of one robot on one island, after the island as a whole has been moved onto the truth.
-struct AbsoluteErrors {
-  std::string robot;
-  int island = 0;
+/// How far poses are from the truth, after the island as a whole has been moved onto it.
+struct PoseErrors {
   std::size_t count = 0;
-  double rms_m = 0;
   Statistics translation_m;
   Statistics rotation_deg;
 };
 
-/// Compares the estimate with the truth at each of the truth's stamps that has a pose within 0.1 s: all
-/// robots of an island are aligned together, by one motion. In order of island, then robot.
-std::vector<AbsoluteErrors> evaluate_absolute(const std::map<std::string, Trajectory>& truth,
-                                              const TeamTrajectories& team);
+/// One island's poses and fixed tags after one rigid motion for all robots together, found from the robots'
+/// positions alone.
+struct IslandErrors {
+  int island = 0;
+  Pose truth_from_map;
+  std::map<std::string, PoseErrors> robots;
+  PoseErrors team;  ///< of all robots' poses together
+  Statistics tag_translation_m;
+  std::size_t tags = 0;  ///< compared
+};
+
+/// What a team's map is worth against the truth.
+struct AbsoluteErrors {
+  std::vector<IslandErrors> islands;
+  std::map<std::string, std::size_t> missing;  ///< by robot: stamps of the truth without a pose
+  std::size_t missing_tags = 0;                ///< true tags that no compared island has
+};
+
+struct TagsToCompare {
+  std::map<std::int32_t, Eigen::Vector2d> truth;
+  std::map<std::int32_t, PlacedTag> map;
+};
+
+/// Compares poses and truth at nearest stamps within 0.1 s. Where several stamps of the truth are nearest to
+/// the same pose, the nearest of them counts: the truth may come at a higher rate.
+AbsoluteErrors evaluate_absolute(const std::map<std::string, Trajectory>& truth, const TeamTrajectories& team,
+                                 const TagsToCompare& tags = {});
 
 }  // namespace isthmus

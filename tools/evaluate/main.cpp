@@ -36,6 +36,17 @@ std::vector<TrueRelation> read_relations(const Arguments& arguments, const TeamT
   return read_benchmark_relations(arguments.relations, robot_of_benchmark(arguments, team));
 }
 
+/// Fixed tags are compared where the truth has any.
+TagsToCompare read_tags(const Arguments& arguments) {
+  TagsToCompare tags;
+  const std::string truth = arguments.truth + "/tags.csv";
+  const std::string placed = arguments.output + "/tags.csv";
+  if (!std::filesystem::exists(truth)) return tags;
+  tags.truth = read_true_tags(truth);
+  if (std::filesystem::exists(placed)) tags.map = read_placed_tags(placed);
+  return tags;
+}
+
 Evaluation evaluate(const Arguments& arguments) {
   Evaluation evaluation;
   if (!arguments.g2o.empty()) evaluation.pose_graph = fit_pose_graph(arguments.g2o);
@@ -49,7 +60,7 @@ Evaluation evaluate(const Arguments& arguments) {
     if (arguments.relations.empty() && std::filesystem::exists(relations)) {
       evaluation.relations = evaluate_relations(read_team_relations(relations), team);
     }
-    evaluation.absolute = evaluate_absolute(read_trajectories(arguments.truth), team);
+    evaluation.absolute = evaluate_absolute(read_trajectories(arguments.truth), team, read_tags(arguments));
   }
   return evaluation;
 }
@@ -62,7 +73,8 @@ int main(int argc, char** argv) {
   auto* relations =
       app.add_option("--relations", arguments.relations,
                      "true relations: *.relations of the SLAM benchmark, or relations.csv of a team");
-  auto* truth = app.add_option("--truth", arguments.truth, "a directory with ROBOT.tum and relations.csv");
+  auto* truth =
+      app.add_option("--truth", arguments.truth, "a directory with ROBOT.tum, relations.csv and tags.csv");
   auto* output = app.add_option("--output", arguments.output, "what isthmus-replay or isthmus-server wrote");
   app.add_option("--robot", arguments.robot, "whose relations these are, where the map has several robots");
   auto* g2o = app.add_option("--g2o", arguments.g2o, "a pose graph to fit in one batch, plain or gz");

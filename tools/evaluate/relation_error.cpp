@@ -80,7 +80,12 @@ Statistics statistics(std::vector<double> values) {
   Statistics result;
   if (values.empty()) return result;
   const auto n = static_cast<double>(values.size());
-  for (const double value : values) result.mean += value / n;
+  double squares_of_values = 0;
+  for (const double value : values) {
+    result.mean += value / n;
+    squares_of_values += value * value;
+  }
+  result.rms = std::sqrt(squares_of_values / n);
   double squares = 0;
   for (const double value : values) squares += (value - result.mean) * (value - result.mean);
   if (values.size() > 1) result.deviation = std::sqrt(squares / (n - 1));

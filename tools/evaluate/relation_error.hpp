@@ -31,6 +31,7 @@ struct Statistics {
   double deviation = 0;
   double median = 0;
   double max = 0;
+  double rms = 0;
 };
 Statistics statistics(std::vector<double> values);
 

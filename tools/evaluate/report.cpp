@@ -30,6 +30,35 @@ std::string relation_text(const std::string& kind, const RelationErrors& errors)
   return text;
 }
 
+std::string statistics_text(const std::string& name, const char* what, const Statistics& s, std::size_t count,
+                            const char* unit) {
+  return line("  %-12s %-8s mean %8.4f ± %8.4f  median %8.4f  rmse %8.4f  max %8.4f %s (%zu)", name.c_str(),
+              what, s.mean, s.deviation, s.median, s.rms, s.max, unit, count);
+}
+
+std::string pose_text(const std::string& name, const PoseErrors& errors) {
+  return statistics_text(name, "position", errors.translation_m, errors.count, "m") +
+         statistics_text("", "heading", errors.rotation_deg, errors.count, "deg");
+}
+
+std::string absolute_text(const AbsoluteErrors& errors) {
+  std::string text;
+  for (const IslandErrors& island : errors.islands) {
+    const Pose& motion = island.truth_from_map;
+    text += line("island %d, aligned as a whole by (%.3f m, %.3f m, %.4f rad)", island.island, motion.x,
+                 motion.y, motion.yaw);
+    for (const auto& [robot, own] : island.robots) text += pose_text(robot, own);
+    if (island.robots.size() > 1) text += pose_text("all robots", island.team);
+    if (island.tags > 0)
+      text += statistics_text("tags", "position", island.tag_translation_m, island.tags, "m");
+  }
+  for (const auto& [robot, count] : errors.missing) {
+    if (count > 0) text += line("%s: %zu stamps of the truth without a pose", robot.c_str(), count);
+  }
+  if (errors.missing_tags > 0) text += line("%zu true tags without a place", errors.missing_tags);
+  return text;
+}
+
 std::string pose_graph_text(const PoseGraphFit& fit) {
   return line("%zu patches, %zu relations, %zu islands", fit.patches, fit.relations, fit.islands) +
          line("F %.6g before, %.8g after %d iterations, %.1f ms CPU%s", fit.f_before, fit.f_after,
@@ -37,7 +66,7 @@ std::string pose_graph_text(const PoseGraphFit& fit) {
 }
 
 Json json(const Statistics& s) {
-  return {{"mean", s.mean}, {"std", s.deviation}, {"median", s.median}, {"max", s.max}};
+  return {{"mean", s.mean}, {"std", s.deviation}, {"median", s.median}, {"max", s.max}, {"rms", s.rms}};
 }
 
 Json json(const RelationErrors& errors) {
@@ -50,13 +79,34 @@ Json json(const RelationErrors& errors) {
           {"squared_rotation_deg2", json(errors.squared_rotation_deg2)}};
 }
 
-Json json(const AbsoluteErrors& errors) {
-  return {{"robot", errors.robot},
-          {"island", errors.island},
-          {"count", errors.count},
-          {"rms_m", errors.rms_m},
+Json pose_json(const PoseErrors& errors) {
+  return {{"count", errors.count},
+          {"rms_m", errors.translation_m.rms},
           {"translation_m", json(errors.translation_m)},
           {"rotation_deg", json(errors.rotation_deg)}};
+}
+
+/// A flat list of robots, and one of islands.
+void add_absolute(const AbsoluteErrors& errors, Json& all) {
+  Json robots = Json::array();
+  Json islands = Json::array();
+  for (const IslandErrors& island : errors.islands) {
+    for (const auto& [robot, own] : island.robots) {
+      Json entry = {{"robot", robot}, {"island", island.island}};
+      entry.update(pose_json(own));
+      robots.push_back(std::move(entry));
+    }
+    const Pose& motion = island.truth_from_map;
+    Json entry = {{"island", island.island}, {"truth_from_map", {motion.x, motion.y, motion.yaw}}};
+    entry.update(pose_json(island.team));
+    entry["tags"] = island.tags;
+    if (island.tags > 0) entry["tag_translation_m"] = json(island.tag_translation_m);
+    islands.push_back(std::move(entry));
+  }
+  all["absolute"] = std::move(robots);
+  all["absolute_islands"] = std::move(islands);
+  all["missing"] = errors.missing;
+  all["missing_tags"] = errors.missing_tags;
 }
 
 Json json(const PoseGraphFit& fit) {
@@ -71,12 +121,7 @@ Json json(const PoseGraphFit& fit) {
 std::string to_text(const Evaluation& evaluation) {
   std::string text;
   for (const auto& [kind, errors] : evaluation.relations) text += relation_text(kind, errors);
-  for (const AbsoluteErrors& e : evaluation.absolute) {
-    text += line(
-        "%s on island %d, aligned: %zu poses, rms %.4f m, median %.4f m, max %.4f m, rotation mean %.3f deg",
-        e.robot.c_str(), e.island, e.count, e.rms_m, e.translation_m.median, e.translation_m.max,
-        e.rotation_deg.mean);
-  }
+  if (evaluation.absolute) text += absolute_text(*evaluation.absolute);
   if (evaluation.pose_graph) text += pose_graph_text(*evaluation.pose_graph);
   return text;
 }
@@ -84,9 +129,8 @@ std::string to_text(const Evaluation& evaluation) {
 std::string to_json(const Evaluation& evaluation) {
   Json relations = Json::object();
   for (const auto& [kind, errors] : evaluation.relations) relations[kind] = json(errors);
-  Json absolute = Json::array();
-  for (const AbsoluteErrors& errors : evaluation.absolute) absolute.push_back(json(errors));
-  Json all = {{"relations", relations}, {"absolute", absolute}};
+  Json all = {{"relations", relations}, {"absolute", Json::array()}};
+  if (evaluation.absolute) add_absolute(*evaluation.absolute, all);
   if (evaluation.pose_graph) all["pose_graph"] = json(*evaluation.pose_graph);
   return all.dump(2) + "\n";
 }

@@ -13,7 +13,7 @@ namespace isthmus {
 /// What isthmus-evaluate found.
 struct Evaluation {
   std::map<std::string, RelationErrors> relations;  ///< by kind
-  std::vector<AbsoluteErrors> absolute;
+  std::optional<AbsoluteErrors> absolute;
   std::optional<PoseGraphFit> pose_graph;
 };
 

@@ -105,7 +105,7 @@ std::optional<PlacedPose> TeamTrajectories::pose(const std::string& robot, std::
   if (trajectory == trajectories_.end()) return std::nullopt;
   const auto row = trajectory->second.nearest(utime, nearest_within_us);
   if (!row) return std::nullopt;
-  if (!has_sessions_) return PlacedPose{0, row->map_from_robot};
+  if (!has_sessions_) return PlacedPose{0, row->utime, row->map_from_robot};
   const auto sessions = sessions_.find(robot);
   if (sessions == sessions_.end()) return std::nullopt;
   const Session* best = nullptr;
@@ -117,7 +117,7 @@ std::optional<PlacedPose> TeamTrajectories::pose(const std::string& robot, std::
     best = &session;
     least_us = outside_us;
   }
-  if (best != nullptr) return PlacedPose{best->island, row->map_from_robot};
+  if (best != nullptr) return PlacedPose{best->island, row->utime, row->map_from_robot};
   return std::nullopt;
 }
 

@@ -40,6 +40,7 @@ std::map<std::string, Trajectory> read_trajectories(const std::string& directory
 /// Where a robot was, and on which island's plane.
 struct PlacedPose {
   int island = 0;
+  std::int64_t utime = 0;
   Pose map_from_robot;
 };
 

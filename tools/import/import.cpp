@@ -1,7 +1,6 @@
 #include "tools/import/import.hpp"
 
 #include <algorithm>
-#include <deque>
 #include <limits>
 #include <map>
 #include <memory>
@@ -9,40 +8,14 @@
 #include <utility>
 
 #include "tools/import/carmen_log.hpp"
+#include "tools/import/event_source.hpp"
 #include "tools/import/robot_table.hpp"
 #include "tools/import/sighting_table.hpp"
 
 namespace isthmus {
 namespace {
 
-/// Events of one source in its own order. The events of one line stay together, and their receive time is the
-/// highest stamp that the source has shown so far.
-class Source {
- public:
-  virtual ~Source() = default;
-
-  /// Receive time of the next line; nothing at the end.
-  std::optional<std::int64_t> peek() {
-    if (pending_.empty() && read(pending_)) {
-      for (Event& event : pending_) event.receive_utime = latest_;
-    }
-    if (pending_.empty()) return std::nullopt;
-    return latest_;
-  }
-  std::vector<Event> take() { return std::exchange(pending_, {}); }
-  virtual double progress() const = 0;
-
- protected:
-  /// Appends the next line's events, after `note`-ing its stamp; false at the end.
-  virtual bool read(std::vector<Event>& events) = 0;
-  void note(std::int64_t utime) { latest_ = std::max(latest_, utime); }
-
- private:
-  std::int64_t latest_ = std::numeric_limits<std::int64_t>::min();
-  std::vector<Event> pending_;
-};
-
-class LogSource final : public Source {
+class LogSource final : public EventSource {
  public:
   LogSource(std::string robot, const std::string& file, bool skip_bad_lines)
       : robot_(std::move(robot)), reader_(file, skip_bad_lines) {}
@@ -60,23 +33,6 @@ class LogSource final : public Source {
 
   std::string robot_;
   CarmenReader reader_;
-};
-
-class SightingSource final : public Source {
- public:
-  void add(SightingEvent sighting) { sightings_.push_back(std::move(sighting)); }
-  double progress() const override { return 1; }
-
- private:
-  bool read(std::vector<Event>& events) override {
-    if (sightings_.empty()) return false;
-    note(sightings_.front().utime);
-    events.push_back({0, std::move(sightings_.front())});
-    sightings_.pop_front();
-    return true;
-  }
-
-  std::deque<SightingEvent> sightings_;
 };
 
 std::vector<RobotLog> checked_logs(const CarmenImport& what) {
@@ -117,40 +73,17 @@ RobotEvent describe(const std::string& robot, const CarmenImport& what, const Ro
 
 /// Sightings by observer, each a source of its own; an observer without a log is an error, since nothing
 /// would ever tell where it was.
-std::map<std::string, SightingSource> sighting_sources(const std::vector<SightingEvent>& sightings,
-                                                       const std::vector<RobotLog>& logs,
-                                                       const std::string& file) {
-  std::map<std::string, SightingSource> sources;
+std::map<std::string, ListSource> sighting_sources(const std::vector<SightingEvent>& sightings,
+                                                   const std::vector<RobotLog>& logs,
+                                                   const std::string& file) {
+  std::map<std::string, ListSource> sources;
   for (const SightingEvent& sighting : sightings) {
     const bool known = std::any_of(logs.begin(), logs.end(),
                                    [&](const RobotLog& log) { return log.robot == sighting.robot; });
     if (!known) throw FileError(file, 0, "observer " + sighting.robot + " has no log: give --robot for it");
-    sources[sighting.robot].add(sighting);
+    sources[sighting.robot].add(sighting.utime, sighting);
   }
   return sources;
-}
-
-/// All sources merged by receive time; at the same time the earlier source goes first.
-void merge(const std::vector<Source*>& sources, std::size_t logs,
-           const std::function<void(const Event&)>& sink, const std::function<void(double)>& progress) {
-  std::size_t lines = 0;
-  while (true) {
-    Source* next = nullptr;
-    std::int64_t next_utime = 0;
-    for (Source* source : sources) {
-      const auto utime = source->peek();
-      if (!utime || (next != nullptr && *utime >= next_utime)) continue;
-      next = source;
-      next_utime = *utime;
-    }
-    if (next == nullptr) return;
-    for (const Event& event : next->take()) sink(event);
-    if (progress && ++lines % 1000 == 0) {
-      double share = 0;
-      for (std::size_t i = 0; i < logs; ++i) share += sources[i]->progress() / static_cast<double>(logs);
-      progress(share);
-    }
-  }
 }
 
 }  // namespace
@@ -187,13 +120,13 @@ ImportReport import_carmen(const CarmenImport& what, const std::function<void(co
     sink({start, robot});
   }
   std::vector<std::unique_ptr<LogSource>> log_sources;
-  std::vector<Source*> sources;
+  std::vector<EventSource*> sources;
   for (const RobotLog& log : logs) {
     log_sources.push_back(std::make_unique<LogSource>(log.robot, log.file, what.skip_bad_lines));
     sources.push_back(log_sources.back().get());
   }
   for (auto& [robot, source] : observers) sources.push_back(&source);
-  merge(sources, logs.size(), sink, progress);
+  merge_sources(sources, sink, progress);
   return report;
 }
 

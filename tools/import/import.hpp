@@ -30,6 +30,7 @@ struct ImportReport {
   long odometry = 0;  ///< ODOM lines and the odometry of laser lines
   long scans = 0;
   long sightings = 0;
+  long tags = 0;
   long bad_lines = 0;
   std::vector<RobotEvent> robots;
 };

@@ -1,9 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <functional>
+#include <memory>
 
 #include "server/wire/event_log.hpp"
 #include "tools/import/import.hpp"
+#include "tools/import/mrclam.hpp"
 #include "tools/text/progress.hpp"
 
 namespace {
@@ -20,22 +23,30 @@ RobotLog parse_robot(const std::string& text) {
 }
 
 void print(const ImportReport& report, const std::string& output) {
-  for (const RobotEvent& robot : report.robots) {
-    const Pose& mount = robot.laser.robot_from_laser;
-    std::printf("%s: barcode %d, laser at (%g, %g) m, %g rad, no return from %g m\n", robot.robot.c_str(),
-                robot.barcode, mount.x, mount.y, mount.yaw, robot.laser.range_max_m);
+  for (const auto& [robot, utime, barcode, laser, footprint_radius_m, restarted] : report.robots) {
+    const Pose& mount = laser.robot_from_laser;
+    if (laser.range_max_m == 0) {
+      std::printf("%s: barcode %d, no laser\n", robot.c_str(), barcode);
+    } else {
+      std::printf("%s: barcode %d, laser at (%g, %g) m, %g rad, no return from %g m\n", robot.c_str(),
+                  barcode, mount.x, mount.y, mount.yaw, laser.range_max_m);
+    }
   }
   if (report.bad_lines > 0) std::printf("%ld bad lines skipped\n", report.bad_lines);
+  if (report.tags > 0) std::printf("%ld fixed tags\n", report.tags);
   std::printf("%ld scans, %ld odometry, %ld sightings -> %s\n", report.scans, report.odometry,
               report.sightings, output.c_str());
 }
 
-void run_carmen(const CarmenImport& what, const std::string& output) {
+template <class Import>
+void import_into(const std::string& output, const Import& what,
+                 ImportReport (*import)(const Import&, const std::function<void(const Event&)>&,
+                                        const std::function<void(double)>&)) {
   EventLogWriter writer(output);
   ImportReport report;
   {
     Progress progress("import");
-    report = import_carmen(
+    report = import(
         what, [&](const Event& event) { writer.write(encode(event)); },
         [&](double share) { progress.update(share); });
   }
@@ -43,16 +54,16 @@ void run_carmen(const CarmenImport& what, const std::string& output) {
   print(report, output);
 }
 
-}  // namespace
+/// What one way of importing needs: its options, and what it does once they are read.
+struct Command {
+  CLI::App* app = nullptr;
+  std::function<void()> run;
+};
 
-int main(int argc, char** argv) {
-  CLI::App app("Turns recorded robot logs into an LCM event log.", "isthmus-import");
-  app.require_subcommand(1);
+Command carmen_command(CLI::App& app, CarmenImport& what, std::string& output) {
   CLI::App* carmen = app.add_subcommand("carmen", "CARMEN logs (ODOM, FLASER, ROBOTLASER1), plain or gz");
-  CarmenImport what;
-  std::vector<std::string> robots;
-  std::string output;
-  carmen->add_option("--robot", robots, "a robot and its log, NAME=FILE; repeat for a team")->required();
+  auto robots = std::make_shared<std::vector<std::string>>();
+  carmen->add_option("--robot", *robots, "a robot and its log, NAME=FILE; repeat for a team")->required();
   carmen->add_option("--robots", what.robots_csv, "robots.csv: barcodes and laser mounts");
   carmen->add_option("--sightings", what.sightings_csv, "sightings.csv: who saw which barcode");
   carmen->add_option("--laser-x", what.laser_x_m, "laser position on the robot, m, forward");
@@ -62,14 +73,56 @@ int main(int argc, char** argv) {
   carmen->add_flag("--skip-bad-lines", what.skip_bad_lines,
                    "pass over lines that cannot be read, and count them");
   carmen->add_option("-o,--output", output, "the LCM event log to write")->required();
+  carmen->parse_complete_callback([robots, &what] {
+    for (const std::string& robot : *robots) what.logs.push_back(parse_robot(robot));
+  });
+  return {carmen, [&] { import_into(output, what, &import_carmen); }};
+}
+
+Command mrclam_command(CLI::App& app, MrclamImport& what, std::string& output, std::string& truth) {
+  CLI::App* mrclam = app.add_subcommand("mrclam", "a UTIAS MRCLAM set: robots and landmarks with barcodes");
+  const auto number = [&](const char* name, double& value, const char* help, const CLI::Validator& check) {
+    mrclam->add_option(name, value, help)->check(check)->capture_default_str();
+  };
+  const CLI::Range sigma(1e-6, 1e3);
+  const CLI::Range seconds(0.0, 60.0);
+  mrclam->add_option("directory", what.directory, "the set's files, plain or gz")->required();
+  mrclam->add_option("-o,--output", output, "the LCM event log to write")->required();
+  mrclam->add_option("--truth", truth, "write the true ROBOT.tum and tags.csv into this directory");
+  number("--range-std", what.range_std_m, "sigma of a range of 0 m, m", sigma);
+  number("--range-std-share", what.range_std_share, "what is added to it, of the range",
+         CLI::Range(0.0, 1.0));
+  number("--bearing-std", what.bearing_std_rad, "sigma of a bearing, rad", sigma);
+  number("--odometry-lag", what.odometry_lag_s, "a robot moves so much after its odometry's stamp, s",
+         seconds);
+  number("--sighting-lag", what.sighting_lag_s, "a sighting is so much older than its stamp, s", seconds);
+  number("--longest-hold", what.longest_hold_s, "a velocity holds no longer than this, s", seconds);
+  return {mrclam, [&] {
+            import_into(output, what, &import_mrclam);
+            if (!truth.empty()) write_mrclam_truth(what.directory, truth);
+          }};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Turns recorded robot logs into an LCM event log.", "isthmus-import");
+  app.require_subcommand(1);
+  CarmenImport carmen;
+  MrclamImport mrclam;
+  std::string output;
+  std::string truth;
+  const Command commands[] = {carmen_command(app, carmen, output),
+                              mrclam_command(app, mrclam, output, truth)};
   try {
     app.parse(argc, argv);
-    for (const std::string& robot : robots) what.logs.push_back(parse_robot(robot));
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {
-    run_carmen(what, output);
+    for (const Command& command : commands) {
+      if (command.app->parsed()) command.run();
+    }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "isthmus-import: %s\n", error.what());
     return 1;

@@ -50,14 +50,16 @@ std::string confidence(const Arguments& arguments, const RelationGraph& graph, s
 std::string inspect(const Arguments& arguments) {
   const std::string report = arguments.path + "/report.json";
   if (std::filesystem::exists(report)) {
-    if (arguments.confidence.empty()) return overview(read_text(report), report);
+    if (arguments.confidence.empty())
+      return overview(read_text(report), read_meeting_counts(arguments.path), report);
     const PoseGraph map = read_pose_graph(arguments.path + "/graph.g2o");
     return confidence(arguments, map.graph, map.poses);
   }
   const ReplayResult result = replayed(arguments);
   const MapCopy map = result.engine.copy();
   if (!arguments.confidence.empty()) return confidence(arguments, map.graph, map.poses);
-  return overview(report_json(map, rank_islands(map.graph), result.cost), arguments.path);
+  return overview(report_json(map, rank_islands(map.graph), result.cost), count_meetings(map),
+                  arguments.path);
 }
 
 }  // namespace

@@ -51,7 +51,19 @@ std::string counts(const Json& by_reason) {
   return text.empty() ? "none" : text;
 }
 
-std::string counters(const Json& report) {
+/// "12: accepted 8, refused 3 (no_overlap 3), waiting 1"
+std::string sightings(const Json& report, const MeetingCounts& meetings) {
+  std::string text = report.at("sightings").dump();
+  const char* separator = ": ";
+  for (const auto& [verdict, count] : meetings.sightings_by_verdict) {
+    text += separator + verdict + " " + std::to_string(count);
+    if (verdict == "refused") text += " (" + counts(Json(meetings.refused_by_reason)) + ")";
+    separator = ", ";
+  }
+  return text;
+}
+
+std::string counters(const Json& report, const MeetingCounts& meetings) {
   const auto scans = report.at("scans").get<double>();
   const double share = scans > 0 ? report.at("scans_matched").get<double>() / scans : 0;
   const Json& latency = report.at("event_latency_ms");
@@ -61,7 +73,7 @@ std::string counters(const Json& report) {
                 {"scans", report.at("scans").dump() + ", " + decimal(100 * share, 2) + " % matched"},
                 {"predicted", counts(report.at("scans_predicted"))},
                 {"dropped", counts(report.at("dropped"))},
-                {"sightings", report.at("sightings").dump()},
+                {"sightings", sightings(report, meetings)},
                 {"patches", report.at("patches").dump()},
                 {"relations", report.at("relations").dump()},
                 {"cost", decimal(report.at("cpu_s").get<double>(), 1) + " s CPU, " +
@@ -92,25 +104,29 @@ std::string sessions(const Json& report) {
   return table(rows);
 }
 
-std::string closures(const Json& report) {
+std::string closures(const Json& report, const MeetingCounts& meetings) {
   if (report.at("closures").empty()) return "  none\n";
-  std::vector<Row> rows = {{"closure", "kind", "state", "at s", "robots", "patches", "reason"}};
+  std::vector<Row> rows = {
+      {"closure", "kind", "state", "at s", "robots", "patches", "sightings", "relations", "reason"}};
   for (const Json& closure : report.at("closures")) {
+    const auto known = meetings.by_closure.find(closure.at("id").get<std::int64_t>());
+    const ClosureParts parts = known == meetings.by_closure.end() ? ClosureParts{} : known->second;
     rows.push_back({closure.at("id").dump(), closure.at("kind").get<std::string>(),
                     closure.at("state").get<std::string>(),
                     decimal(1e-6 * closure.at("utime").get<double>(), 3), joined(closure.at("robots")),
-                    closure.at("patches_touched").dump(), closure.at("reason").get<std::string>()});
+                    closure.at("patches_touched").dump(), std::to_string(parts.sightings),
+                    std::to_string(parts.relations), closure.at("reason").get<std::string>()});
   }
   return table(rows);
 }
 
 }  // namespace
 
-std::string overview(const std::string& report_json, const std::string& file) {
+std::string overview(const std::string& report_json, const MeetingCounts& meetings, const std::string& file) {
   try {
     const Json report = Json::parse(report_json);
-    return counters(report) + "\nislands\n" + islands(report) + "\nsessions\n" + sessions(report) +
-           "\nclosures\n" + closures(report);
+    return counters(report, meetings) + "\nislands\n" + islands(report) + "\nsessions\n" + sessions(report) +
+           "\nclosures\n" + closures(report, meetings);
   } catch (const Json::exception& error) {
     throw std::runtime_error(file + ": not a report of Isthmus: " + error.what());
   }

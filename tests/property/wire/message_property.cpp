@@ -65,9 +65,14 @@ SightingEvent sighting_event() {
 }
 
 CommandEvent command_event() {
-  return {utime(),
-          *rc::gen::element<std::string>("withdraw", "forbid", "allow", "drop", "refine", "send_map"),
-          *arbitrary<std::int64_t>(), *arbitrary<bool>() ? robot_name() : ""};
+  const bool of_closure = *arbitrary<bool>();
+  if (of_closure) {
+    return {utime(), *rc::gen::element<std::string>("withdraw", "forbid", "allow"),
+            *rc::gen::inRange<std::int64_t>(0, std::numeric_limits<std::int32_t>::max()),
+            *arbitrary<bool>() ? robot_name() : ""};
+  }
+  return {utime(), *rc::gen::element<std::string>("allow", "drop", "refine", "send_map"),
+          *arbitrary<std::int64_t>(), robot_name()};
 }
 
 Event random_event() {

@@ -33,14 +33,31 @@ TEST(PoseGraphFit, ABadFileIsNamedWithItsLine) {
 TEST(EvaluationReport, HoldsEveryFigureInTextAndJson) {
   Evaluation evaluation;
   evaluation.relations["intra"] = {10, 2, {0.0125, 0.008, 0.011, 0.09}, {0.25, 0.2, 0.19, 1}, {}, {}};
-  evaluation.absolute.push_back({"R1", 0, 5, 0.125, {}, {}});
+  AbsoluteErrors& absolute = evaluation.absolute.emplace();
+  IslandErrors& island = absolute.islands.emplace_back();
+  island.island = 3;
+  island.robots["R1"] = {5, {0.1, 0.02, 0.09, 0.2, 0.125}, {1.5, 0.25, 1.25, 2.5, 1.75}};
+  island.robots["R2"] = island.robots["R1"];
+  island.team = island.robots["R1"];
+  island.tags = 4;
+  island.tag_translation_m = {0.3, 0.04, 0.29, 0.4, 0.3125};
+  absolute.missing = {{"R1", 6}};
+  absolute.missing_tags = 2;
   const std::string text = to_text(evaluation);
   EXPECT_NE(text.find("intra: 10 relations, 2 missing"), std::string::npos);
   EXPECT_NE(text.find("0.0125"), std::string::npos);
-  EXPECT_NE(text.find("R1 on island 0, aligned: 5 poses, rms 0.1250 m"), std::string::npos);
+  for (const char* figure :
+       {"island 3, aligned", "  R1 ", "  all robots ", "position mean   0.1000 ±   0.0200",
+        "rmse   0.1250  max   0.2000 m (5)", "heading  mean   1.5000 ±   0.2500",
+        "rmse   1.7500  max   2.5000 deg (5)", "rmse   0.3125  max   0.4000 m (4)",
+        "R1: 6 stamps of the truth without a pose", "2 true tags without a place"}) {
+    EXPECT_NE(text.find(figure), std::string::npos) << figure << "\n" << text;
+  }
   const std::string json = to_json(evaluation);
   EXPECT_NE(json.find("\"missing\": 2"), std::string::npos);
   EXPECT_NE(json.find("\"median\": 0.011"), std::string::npos);
+  EXPECT_NE(json.find("\"rms_m\": 0.125"), std::string::npos);
+  EXPECT_NE(json.find("\"missing_tags\": 2"), std::string::npos);
 }
 
 TEST(EvaluationReport, GivesNoFiguresWhereNothingCouldBeCompared) {

@@ -6,7 +6,10 @@
 #include <fstream>
 
 #include "relations/confidence.hpp"
+#include "server/output/tables.hpp"
+#include "tests/support/temporary_directory.hpp"
 #include "tools/inspect/confidence_text.hpp"
+#include "tools/inspect/meeting_counts.hpp"
 #include "tools/inspect/overview.hpp"
 #include "tools/inspect/pose_graph.hpp"
 
@@ -28,16 +31,6 @@ class TextFile {
  private:
   std::string path_;
 };
-
-template <class Action>
-std::string error_of(Action action) {
-  try {
-    action();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return {};
-}
 
 //  0 --- 1 --- 2     3
 constexpr const char* graph =
@@ -101,24 +94,31 @@ TEST(Confidence, WhatCannotBeAnsweredIsSaid) {
 }
 
 constexpr const char* report = R"({
-  "events": 120, "scans": 40, "scans_matched": 38, "scans_predicted": {"no_overlap": 2}, "sightings": 1,
+  "events": 120, "scans": 40, "scans_matched": 38, "scans_predicted": {"no_overlap": 2}, "sightings": 7,
   "dropped": {"unknown_robot": 3}, "patches": 7, "relations": 9, "islands": 2,
   "island_list": [{"id": 2, "patches": 5, "robots": ["R1", "R2"]}, {"id": 0, "patches": 2, "robots": ["R1"]}],
   "sessions": [{"number": 0, "robot": "R1", "island": 1, "from_utime": 1000000, "to_utime": 2500000},
                {"number": 1, "robot": "R2", "island": -1, "from_utime": 0, "to_utime": 0}],
   "closures": [{"id": 4, "kind": "merge", "state": "accepted", "utime": 2000000, "robots": ["R1", "R2"],
-                "reason": "", "patches_touched": 6, "work_steps": 3, "event_time_s": 0.5}],
+                "reason": "", "patches_touched": 6, "work_steps": 3, "event_time_s": 0.5},
+               {"id": 5, "kind": "merge", "state": "withdrawn", "utime": 3000000, "robots": ["R1", "R3"],
+                "reason": "by an operator", "patches_touched": 2, "work_steps": 1, "event_time_s": 0}],
   "log_duration_s": 60, "wall_s": 1, "cpu_s": 0.9, "realtime_factor": 60,
   "event_latency_ms": {"p50": 0.1, "p99": 2, "max": 3.25}, "peak_rss_mb": 31, "map_sha256": "abc"})";
 
 TEST(Overview, ShowsCountersIslandsSessionsAndClosuresWithIds) {
-  EXPECT_EQ(overview(report, "report.json"),
+  MeetingCounts meetings;
+  meetings.sightings_by_verdict = {{"accepted", 2}, {"refused", 4}, {"waiting", 1}};
+  meetings.refused_by_reason = {{"gate", 3}, {"unknown_barcode", 1}};
+  meetings.by_closure[4] = {2, 5};
+  meetings.by_closure[6] = {1, 0};
+  EXPECT_EQ(overview(report, meetings, "report.json"),
             "  map        abc\n"
             "  events     120 in 60.0 s\n"
             "  scans      40, 95.00 % matched\n"
             "  predicted  no_overlap 2\n"
             "  dropped    unknown_robot 3\n"
-            "  sightings  1\n"
+            "  sightings  7: accepted 2, refused 4 (gate 3, unknown_barcode 1), waiting 1\n"
             "  patches    7\n"
             "  relations  9\n"
             "  cost       0.9 s CPU, 31 MB\n"
@@ -132,13 +132,85 @@ TEST(Overview, ShowsCountersIslandsSessionsAndClosuresWithIds) {
             "  0        R1     1       1.000   2.500\n"
             "  1        R2     -       0.000   0.000\n"
             "\nclosures\n"
-            "  closure  kind   state     at s   robots  patches  reason\n"
-            "  4        merge  accepted  2.000  R1 R2   6\n");
+            "  closure  kind   state      at s   robots  patches  sightings  relations  reason\n"
+            "  4        merge  accepted   2.000  R1 R2   6        2          5\n"
+            "  5        merge  withdrawn  3.000  R1 R3   2        0          0          by an operator\n");
+}
+
+TEST(Overview, ShowsWhatARunWithoutSightingsHas) {
+  const std::string text = overview(report, {}, "report.json");
+  EXPECT_NE(text.find("  sightings  7\n"), std::string::npos) << text;
+}
+
+TEST(MeetingCounts, AreTheSameFromAMapAndFromItsTables) {
+  MapCopy map;
+  for (int i = 0; i < 3; ++i) map.graph.add_patch(PatchId{i});
+  const auto relate = [&](int a, int b, int closure) {
+    Relation relation;
+    relation.a = PatchId{a};
+    relation.b = PatchId{b};
+    relation.kind = RelationKind::relative_pose;
+    relation.measurement = RelativePose{{1, 0, 0}, Eigen::Matrix3d::Identity()};
+    relation.origin = {closure < 0 ? OriginKind::odometry : OriginKind::sighting, ClosureId{closure}};
+    map.graph.add(relation);
+  };
+  relate(0, 1, -1);
+  relate(0, 2, 3);
+  relate(1, 2, 3);
+  map.sightings = {{{}, "accepted", "", ClosureId{3}},
+                   {{}, "refused", "gate", ClosureId{4}},
+                   {{}, "refused", "unknown_barcode", {}},
+                   {{}, "waiting", "no_partner", {}}};
+  const TemporaryDirectory directory;
+  write_sightings(map, directory / "sightings.csv");
+  write_relations(map, directory / "relations.csv");
+  for (const MeetingCounts& counts : {count_meetings(map), read_meeting_counts(directory / "")}) {
+    EXPECT_EQ(counts.sightings_by_verdict,
+              (std::map<std::string, int>{{"accepted", 1}, {"refused", 2}, {"waiting", 1}}));
+    EXPECT_EQ(counts.refused_by_reason, (std::map<std::string, int>{{"gate", 1}, {"unknown_barcode", 1}}));
+    ASSERT_EQ(counts.by_closure.size(), 2U);
+    EXPECT_EQ(counts.by_closure.at(3).sightings, 1);
+    EXPECT_EQ(counts.by_closure.at(3).relations, 2);
+    EXPECT_EQ(counts.by_closure.at(4).sightings, 1);
+    EXPECT_EQ(counts.by_closure.at(4).relations, 0);
+  }
+}
+
+TEST(MeetingCounts, AreNoneWithoutTables) {
+  const TemporaryDirectory directory;
+  EXPECT_TRUE(read_meeting_counts(directory / "").sightings_by_verdict.empty());
+}
+
+/// Two sightings, each of rank two, join patches 1 and 2 of what were two islands.
+TEST(Confidence, OfAMergedIslandComesFromRangesAndBearings) {
+  RelationGraph graph_of_two;
+  const std::vector<Pose> poses = {{0, 0, 0}, {2, 0, 0}, {2, 2, 1}, {4, 2, 1}};
+  for (int i = 0; i < 4; ++i) graph_of_two.add_patch(PatchId{i});
+  const auto relate = [&](int a, int b, const Eigen::Matrix3d& information) {
+    Relation relation;
+    relation.a = PatchId{a};
+    relation.b = PatchId{b};
+    relation.kind = RelationKind::relative_pose;
+    relation.measurement = RelativePose{
+        ominus(poses[static_cast<std::size_t>(b)], poses[static_cast<std::size_t>(a)]), information};
+    graph_of_two.add(relation);
+  };
+  const Eigen::Matrix3d position_only = Eigen::Vector3d(400, 400, 0).asDiagonal();
+  relate(0, 1, 1e4 * Eigen::Matrix3d::Identity());
+  relate(2, 3, 1e4 * Eigen::Matrix3d::Identity());
+  relate(1, 2, position_only);
+  EXPECT_NE(
+      error_of([&] { confidence_text(graph_of_two, poses, PatchId{0}, PatchId{2}); }).find("undetermined"),
+      std::string::npos)
+      << "one sighting leaves the heading open";
+  relate(0, 3, position_only);
+  const std::string text = confidence_text(graph_of_two, poses, PatchId{1}, PatchId{2});
+  EXPECT_NE(text.find("pose   x 0.0000 m, y 2.0000 m, yaw 57.296 deg"), std::string::npos) << text;
 }
 
 TEST(Overview, WhatIsNoReportIsAnErrorThatNamesTheFile) {
   for (const char* text : {"", "[]", "{\"events\": 1}", "{\"events\":"}) {
-    const std::string error = error_of([&] { overview(text, "out/report.json"); });
+    const std::string error = error_of([&] { overview(text, {}, "out/report.json"); });
     EXPECT_TRUE(error.starts_with("out/report.json: not a report of Isthmus: ")) << error;
   }
 }

@@ -121,6 +121,19 @@ channels = { odometry = "WHEELS" }
   EXPECT_FALSE(configuration.robots.at("R2").declared) << "only its channels are known";
 }
 
+TEST(Configuration, AMaximumRangeOfZeroIsNoLaserWhateverTheMinimum) {
+  for (const char* zero : {"0", "0.0"}) {
+    const auto robots = parsed("[robots.R1]\nrange_min_m = 5\nrange_max_m = " + std::string(zero)).robots;
+    EXPECT_TRUE(robots.at("R1").declared);
+    EXPECT_EQ(robots.at("R1").robot.laser.range_max_m, 0);
+  }
+  EXPECT_EQ(error_in("[robots.R1]\nrange_max_m = 0.001"),
+            "c.toml:2: range_max_m = 0.001 is not within 0.01 to 100000");
+  EXPECT_EQ(error_in("[robots.R1]\nrange_max_m = -1"),
+            "c.toml:2: range_max_m = -1 is not within 0.01 to 100000");
+  EXPECT_EQ(error_in("[robots.R1]\nrange_max_m = false"), "c.toml:2: range_max_m must be a number");
+}
+
 TEST(Configuration, NamesFileLineAndReason) {
   EXPECT_EQ(error_in("\n[robots.R1]\nbarcod = 5").substr(0, 43),
             "c.toml:3: unknown key 'barcod' of robot R1 ");

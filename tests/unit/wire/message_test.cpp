@@ -168,7 +168,19 @@ TEST(Decode, RefusesRobotsThatCannotBe) {
   EXPECT_EQ(reason([](auto& robot) { robot.laser.robot_from_laser.x = 1e3; }), "absurd_value");
   EXPECT_EQ(reason([](auto& robot) { robot.laser.range_max_m = robot.laser.range_min_m; }), "absurd_value");
   EXPECT_EQ(reason([](auto& robot) { robot.laser.range_min_m = -1; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& robot) { robot.laser.range_max_m = -1; }), "absurd_value");
   EXPECT_EQ(reason([](auto& robot) { robot.footprint_radius_m = -1; }), "absurd_value");
+}
+
+TEST(Decode, TakesAMaximumRangeOfZeroForNoLaserWhateverTheMinimum) {
+  for (const double range_min_m : {0.0, 0.05, 20.0}) {
+    RobotEvent robot = plain_robot();
+    robot.laser.range_min_m = range_min_m;
+    robot.laser.range_max_m = 0;
+    const Decoded decoded = round_trip({1, robot});
+    ASSERT_TRUE(decoded.event) << decoded.reason;
+    EXPECT_EQ(std::get<RobotEvent>(decoded.event->body).laser.range_max_m, 0);
+  }
 }
 
 TEST(Decode, RefusesARobotUnderAnotherName) {
@@ -207,6 +219,20 @@ TEST(Decode, RefusesUnknownCommands) {
   EXPECT_EQ(round_trip({1, CommandEvent{5, "drop", -1, "r1"}}).reason, "");
   EXPECT_EQ(round_trip({1, CommandEvent{5, "explode", -1, ""}}).reason, "unknown_command");
   EXPECT_EQ(round_trip({1, CommandEvent{5, "drop", -1, "../x"}}).reason, "bad_name");
+}
+
+TEST(Decode, RefusesCommandsThatNameNothing) {
+  const auto reason = [](const char* verb, std::int64_t closure, const char* robot) {
+    return round_trip({1, CommandEvent{5, verb, closure, robot}}).reason;
+  };
+  for (const char* verb : {"withdraw", "forbid", "allow"}) {
+    EXPECT_EQ(reason(verb, 0, ""), "") << verb;
+    EXPECT_EQ(reason(verb, -1, ""), "absurd_value") << verb;
+    EXPECT_EQ(reason(verb, std::int64_t{1} << 31, ""), "absurd_value") << verb;
+  }
+  EXPECT_EQ(reason("allow", -1, "R1"), "") << "takes back a drop";
+  EXPECT_EQ(reason("drop", -1, ""), "bad_name");
+  EXPECT_EQ(reason("refine", -1, ""), "");
 }
 
 TEST(Decode, RefusesReceiveTimesThatCannotBe) {

@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+
+#include <lcm/lcm-cpp.hpp>
+
+#include "isthmus/status_t.hpp"
+#include "server/wire/encoded.hpp"
+#include "server/wire/message.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tools/command/order.hpp"
+#include "tools/command/send.hpp"
+
+namespace isthmus {
+namespace {
+
+using std::chrono::milliseconds;
+
+TEST(Order, AClosuresIdIsAnIntegerThatIsNotNegative) {
+  EXPECT_EQ(parse_closure_id("0"), 0);
+  EXPECT_EQ(parse_closure_id("2147483647"), 2147483647);
+  EXPECT_EQ(error_of([] { parse_closure_id("-1"); }), "a closure's id is not negative: -1");
+  EXPECT_EQ(error_of([] { parse_closure_id("2147483648"); }), "too large for a closure's id: 2147483648");
+  for (const char* text : {"", "x", "1.5", "3 ", "99999999999999999999"}) {
+    EXPECT_EQ(error_of([&] { parse_closure_id(text); }),
+              "not a closure's id: '" + std::string(text) + "' (isthmus-inspect lists them)");
+  }
+}
+
+TEST(Order, ARobotsNameIsUpperCaseAndCanBeOne) {
+  EXPECT_EQ(parse_robot_name("r1"), "R1");
+  for (const char* text : {"", "../x", "isthmus", "a b"}) {
+    EXPECT_EQ(error_of([&] { parse_robot_name(text); }).find("not a robot's name: '"), 0U) << text;
+  }
+}
+
+TEST(Order, AllowTakesAClosureOrARobotBack) {
+  EXPECT_EQ(allow_order("12").closure, 12);
+  EXPECT_EQ(allow_order("12").robot, "");
+  EXPECT_EQ(allow_order("r2").closure, -1);
+  EXPECT_EQ(allow_order("r2").robot, "R2");
+  EXPECT_NE(error_of([] { allow_order("-12"); }), "");
+}
+
+TEST(Order, SaysWhatItIs) {
+  EXPECT_EQ(to_text({0, "forbid", 3, ""}), "forbid closure 3");
+  EXPECT_EQ(to_text({0, "drop", -1, "R1"}), "drop robot R1");
+  EXPECT_EQ(to_text({0, "send_map", -1, ""}), "send_map");
+}
+
+/// What is published on ISTHMUS_COMMAND, decoded as the server does.
+struct Server {
+  std::vector<CommandEvent> orders;
+
+  void handle(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+    const auto* data = static_cast<const std::uint8_t*>(buffer->data);
+    const Decoded decoded = decode(Configuration{}, channel, {data, buffer->data_size}, 1);
+    ASSERT_TRUE(decoded.event) << decoded.reason;
+    orders.push_back(std::get<CommandEvent>(decoded.event->body));
+  }
+};
+
+TEST(SendOrder, ReachesTheServerAndHearsItsStatus) {
+  lcm::LCM lcm("memq://");
+  Server server;
+  lcm.subscribe("ISTHMUS_COMMAND", &Server::handle, &server);
+  struct Answer {
+    lcm::LCM& lcm;
+    void handle(const lcm::ReceiveBuffer*, const std::string&) {
+      const auto bytes = encoded(status_t{});
+      lcm.publish("ISTHMUS_STATUS", bytes.data(), static_cast<unsigned>(bytes.size()));
+    }
+  } answer{lcm};
+  lcm.subscribe("ISTHMUS_COMMAND", &Answer::handle, &answer);
+  EXPECT_TRUE(send_order(lcm, {7, "forbid", 3, ""}, milliseconds(2000)));
+  ASSERT_EQ(server.orders.size(), 1U);
+  EXPECT_EQ(server.orders[0].utime, 7);
+  EXPECT_EQ(server.orders[0].verb, "forbid");
+  EXPECT_EQ(server.orders[0].closure, 3);
+}
+
+TEST(SendOrder, SaysWhereNoServerIsHeard) {
+  lcm::LCM lcm("memq://");
+  EXPECT_FALSE(send_order(lcm, {7, "refine", -1, ""}, milliseconds(20)));
+  const std::vector<std::uint8_t> other(30, 0);  // not a status_t
+  lcm.publish("ISTHMUS_STATUS", other.data(), 30);
+  EXPECT_FALSE(send_order(lcm, {7, "refine", -1, ""}, milliseconds(20)));
+}
+
+}  // namespace
+}  // namespace isthmus

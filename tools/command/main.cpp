@@ -1,0 +1,102 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <lcm/lcm-cpp.hpp>
+#include <stdexcept>
+
+#include "server/wire/lcm_link.hpp"
+#include "tools/command/order.hpp"
+#include "tools/command/send.hpp"
+
+namespace {
+
+using namespace isthmus;
+
+struct Arguments {
+  std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
+  double wait_s = 2;
+  std::string verb;
+  std::string what;  ///< a closure's id, or a robot
+};
+
+void add_verbs(CLI::App& app, Arguments& arguments) {
+  const auto add = [&](const char* verb, const char* operand, const char* help) {
+    CLI::App* command = app.add_subcommand(verb, help);
+    if (operand != nullptr) command->add_option(operand, arguments.what)->required();
+    command->callback([&arguments, verb] { arguments.verb = verb; });
+  };
+  add("withdraw", "ID", "ID: undo an accepted closure");
+  add("forbid", "ID", "ID: never accept this closure");
+  add("allow", "ID_or_ROBOT", "ID or ROBOT: take back withdraw, forbid or drop");
+  add("drop", "ROBOT", "ROBOT: leave a robot's data out of the map");
+  add("refine", nullptr, "fit the whole map once more");
+  add("send_map", nullptr, "publish the whole map");
+}
+
+CommandEvent order_of(const Arguments& arguments) {
+  if (arguments.verb == "allow") return allow_order(arguments.what);
+  CommandEvent order;
+  order.verb = arguments.verb;
+  if (order.verb == "withdraw" || order.verb == "forbid") order.closure = parse_closure_id(arguments.what);
+  if (order.verb == "drop") order.robot = parse_robot_name(arguments.what);
+  return order;
+}
+
+std::int64_t wall_clock_utime() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
+void send(const Arguments& arguments) {
+  CommandEvent order = order_of(arguments);
+  order.utime = wall_clock_utime();
+  if (!log_file_of(arguments.lcm_url).empty()) {
+    throw std::runtime_error(arguments.lcm_url + ": a log takes no commands");
+  }
+  lcm::LCM lcm(arguments.lcm_url);
+  if (!lcm.good()) throw std::runtime_error("cannot open LCM network " + arguments.lcm_url);
+  const std::chrono::milliseconds wait(static_cast<int>(1e3 * arguments.wait_s));
+  const bool heard = send_order(lcm, order, wait);
+  std::printf("sent: %s\n", to_text(order).c_str());
+  if (!heard && wait.count() > 0) {
+    std::fprintf(stderr,
+                 "isthmus-command: warning: no ISTHMUS_STATUS within %g s: is a server running on %s?\n",
+                 arguments.wait_s, arguments.lcm_url.c_str());
+  }
+}
+
+/// "-3" is a wrong id and no option.
+bool is_negative_number(const std::string& argument) {
+  return argument.size() > 1 && argument[0] == '-' &&
+         std::all_of(argument.begin() + 1, argument.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Sends an operator's order to isthmus-server.", "isthmus-command");
+  Arguments arguments;
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_option("--lcm-url", arguments.lcm_url, "LCM network")->capture_default_str();
+  app.add_option("--wait", arguments.wait_s, "seconds to wait for a sign of a server; 0: none")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  add_verbs(app, arguments);
+  try {
+    const auto negative = std::find_if(argv + 1, argv + argc, is_negative_number);
+    if (negative != argv + argc)
+      throw CLI::ValidationError("ids are not negative: " + std::string(*negative));
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    send(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "isthmus-command: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

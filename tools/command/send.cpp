@@ -1,0 +1,45 @@
+#include "tools/command/send.hpp"
+
+#include <lcm/lcm-cpp.hpp>
+#include <span>
+#include <stdexcept>
+
+#include "isthmus/status_t.hpp"
+#include "server/wire/byte_check.hpp"
+#include "server/wire/message.hpp"
+
+namespace isthmus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct StatusListener {
+  bool heard = false;
+
+  /// Looks at the type only: a message's counts are not to be trusted by a generated decoder.
+  void handle(const lcm::ReceiveBuffer* buffer, const std::string&) noexcept {
+    const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    heard = heard || (bytes.size() >= 8 && read_int64(bytes) == status_t::getHash());
+  }
+};
+
+}  // namespace
+
+bool send_order(lcm::LCM& lcm, const CommandEvent& order, std::chrono::milliseconds wait) {
+  StatusListener listener;
+  lcm::Subscription* subscription = lcm.subscribe("ISTHMUS_STATUS", &StatusListener::handle, &listener);
+  const Message message = encode(Event{order.utime, order});
+  const auto size = static_cast<unsigned>(message.bytes.size());
+  if (lcm.publish(message.channel, message.bytes.data(), size) != 0) {
+    throw std::runtime_error("the network refused the message");
+  }
+  const Clock::time_point end = Clock::now() + wait;
+  while (!listener.heard) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
+    if (left <= 0 || lcm.handleTimeout(static_cast<int>(left)) <= 0) break;
+  }
+  lcm.unsubscribe(subscription);
+  return listener.heard;
+}
+
+}  // namespace isthmus
