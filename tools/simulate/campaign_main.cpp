@@ -1,10 +1,12 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <iostream>
 
 #include "tools/simulate/confidence_campaign.hpp"
 #include "tools/simulate/scenario_file.hpp"
+#include "tools/simulate/sightings_campaign.hpp"
 
 namespace {
 
@@ -13,7 +15,21 @@ struct Arguments {
   std::uint64_t seeds = 100;
   std::uint64_t first_seed = 1;
   std::vector<std::string> overrides;
+  double false_share = 0.3;
+  std::string output;
 };
+
+constexpr const char* seed_mark = "{seed}";
+
+// The overrides with the run's seed in the place of "{seed}", as in floor.seed={seed}.
+isthmus::Scenario load(const std::string& name, const Arguments& arguments, std::uint64_t seed) {
+  std::vector<std::string> overrides = arguments.overrides;
+  for (std::string& one : overrides) {
+    const std::size_t at = one.find(seed_mark);
+    if (at != std::string::npos) one.replace(at, std::string(seed_mark).size(), std::to_string(seed));
+  }
+  return isthmus::load_scenario(name, overrides);
+}
 
 void print(const std::string& what, const isthmus::ConfidenceTally& tally) {
   const isthmus::Confidence c = tally.result();
@@ -30,10 +46,9 @@ void add(isthmus::MapConfidence& sum, const isthmus::MapConfidence& one) {
 }
 
 isthmus::MapConfidence run_scenario(const std::string& name, const Arguments& arguments) {
-  const isthmus::Scenario scenario = isthmus::load_scenario(name, arguments.overrides);
   isthmus::MapConfidence sum;
   for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
-    const isthmus::SimulatedRun run = isthmus::simulate(scenario, seed);
+    const isthmus::SimulatedRun run = isthmus::simulate(load(name, arguments, seed), seed);
     add(sum, isthmus::judge_confidence(isthmus::map_events(run.events), run.truth, isthmus::EngineOptions{}));
   }
   return sum;
@@ -55,12 +70,100 @@ void campaign(const Arguments& arguments) {
   if (all.undetermined > 0) std::printf("%zu patches without covariances\n", all.undetermined);
 }
 
+void print(const std::string& what, const isthmus::SightingTrial& t) {
+  std::printf("%-10s %7zu %6zu %7zu %8zu %6zu %6.1f %9.4f %9.4f %9.4f %9.4f %7.3f\n", what.c_str(), t.islands,
+              t.clean_islands, t.score.false_ones, t.score.false_accepted, t.score.true_ones,
+              100 * t.score.true_share(), t.intra.mean_m, t.intra.mean_clean_m, t.inter.mean_m,
+              t.inter.mean_clean_m, t.error_ratio());
+  std::fflush(stdout);
+}
+
+// Sums of everything but the seed.
+isthmus::SightingTrial sum_of(const std::vector<isthmus::SightingTrial>& trials) {
+  isthmus::SightingTrial sum;
+  for (const isthmus::SightingTrial& t : trials) {
+    sum.islands += t.islands;
+    sum.clean_islands += t.clean_islands;
+    sum.score.false_ones += t.score.false_ones;
+    sum.score.false_accepted += t.score.false_accepted;
+    sum.score.true_ones += t.score.true_ones;
+    sum.score.true_accepted += t.score.true_accepted;
+    sum.intra.add(t.intra);
+    sum.inter.add(t.inter);
+  }
+  return sum;
+}
+
+void summarise(const std::vector<isthmus::SightingTrial>& trials) {
+  const isthmus::SightingTrial sum = sum_of(trials);
+  print("all", sum);
+  std::size_t whole = 0, spoilt = 0;
+  double worst = 0;
+  for (const isthmus::SightingTrial& t : trials) {
+    whole += t.islands == 1 ? 1U : 0U;
+    spoilt += t.score.false_accepted > 0 ? 1U : 0U;
+    worst = std::max(worst, t.error_ratio());
+  }
+  std::printf(
+      "%zu runs: %zu on one island; false sightings accepted in %zu of them; error ratio at most %.3f\n"
+      "relations not told: intra %zu (clean %zu), inter %zu (clean %zu)\n",
+      trials.size(), whole, spoilt, worst, sum.intra.missing, sum.intra.missing_clean, sum.inter.missing,
+      sum.inter.missing_clean);
+}
+
+void sightings_campaign(const Arguments& arguments) {
+  std::printf("%-10s %7s %6s %7s %8s %6s %6s %9s %9s %9s %9s %7s\n", "seed", "islands", "clean", "false",
+              "accepted", "true", "acc. %", "intra m", "clean m", "inter m", "clean m", "ratio");
+  std::vector<isthmus::SightingTrial> trials;
+  for (const std::string& name : arguments.scenarios) {
+    for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
+      trials.push_back(isthmus::try_sightings(load(name, arguments, seed), seed, arguments.false_share));
+      print(std::to_string(seed), trials.back());
+    }
+  }
+  summarise(trials);
+  if (!arguments.output.empty()) isthmus::write_trials(trials, arguments.output);
+}
+
 std::vector<std::string> campaign_scenarios() {
   std::vector<std::string> names;
   for (const auto& scenario : isthmus::list_scenarios()) {
     if (scenario.name.starts_with("campaign_")) names.push_back(scenario.name);
   }
   return names;
+}
+
+void add_sightings(CLI::App& app, Arguments& arguments) {
+  CLI::App* sightings = app.add_subcommand(
+      "sightings",
+      "Maps runs with a share of false sightings and the same runs without: which sightings were accepted, "
+      "and\n"
+      "what the false ones do to the map; {seed} in --set stands for the run's seed: floor.seed={seed}");
+  sightings->add_option("--scenario", arguments.scenarios, "Scenario to run")
+      ->required()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+  sightings->add_option("--seeds", arguments.seeds, "Runs")->capture_default_str();
+  sightings->add_option("--from", arguments.first_seed, "Seed of the first run")->capture_default_str();
+  sightings->add_option("--false", arguments.false_share, "Share of false sightings")
+      ->check(CLI::Range(0.0, 0.95))
+      ->capture_default_str();
+  sightings->add_option("--output", arguments.output, "Table to write, a row for each seed")
+      ->type_name("FILE");
+  sightings->add_option("--set", arguments.overrides, "Override a setting of the scenario")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
+void add_confidence(CLI::App& app, Arguments& arguments) {
+  app.add_option("--scenario", arguments.scenarios, "Scenarios to run (default: all named campaign_...)")
+      ->allow_extra_args(false);
+  app.add_option("--seeds", arguments.seeds, "Runs of each scenario")->capture_default_str();
+  app.add_option("--first-seed", arguments.first_seed, "Seed of the first run")->capture_default_str();
+  app.add_option("--set", arguments.overrides,
+                 "Override a setting of every scenario: laser.range_sigma_m=0.01")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
 }
 
 }  // namespace
@@ -72,18 +175,16 @@ int main(int argc, char** argv) {
       "and the\n"
       "normalised estimation error squared (NEES) for each degree of freedom, within local maps and across "
       "islands."};
-  app.add_option("--scenario", arguments.scenarios, "Scenarios to run (default: all named campaign_...)")
-      ->allow_extra_args(false);
-  app.add_option("--seeds", arguments.seeds, "Runs of each scenario")->capture_default_str();
-  app.add_option("--first-seed", arguments.first_seed, "Seed of the first run")->capture_default_str();
-  app.add_option("--set", arguments.overrides,
-                 "Override a setting of every scenario: laser.range_sigma_m=0.01")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+  add_confidence(app, arguments);
+  add_sightings(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
-    if (arguments.scenarios.empty()) arguments.scenarios = campaign_scenarios();
-    campaign(arguments);
+    if (app.got_subcommand("sightings")) {
+      sightings_campaign(arguments);
+    } else {
+      if (arguments.scenarios.empty()) arguments.scenarios = campaign_scenarios();
+      campaign(arguments);
+    }
   } catch (const std::exception& error) {
     std::cerr << "isthmus-campaign: " << error.what() << '\n';
     return 1;

@@ -35,6 +35,7 @@ double true_range(const LaserPlan& plan, const RayCaster& caster, const Vector2d
 
 Laser declared_laser(const LaserPlan& plan) {
   Laser laser = plan.laser;
+  if (plan.rate_hz <= 0) laser.range_min_m = laser.range_max_m = 0;
   laser.robot_from_laser = laser.robot_from_laser * plan.declared_mount_error;
   return laser;
 }

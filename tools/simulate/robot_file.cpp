@@ -53,6 +53,7 @@ void read_camera(const Setting* setting, CameraPlan& plan) {
   if (setting == nullptr) return;
   Fields fields(*setting);
   fields.read_within("rate_hz", plan.rate_hz, 0, 1000);
+  fields.read_within("from_s", plan.from_s, 0, largest);
   fields.read_within("range_max_m", plan.range_max_m, 0, 1000);
   fields.read_degrees("field_of_view_deg", plan.field_of_view_rad);
   fields.read_within("range_sigma_m", plan.range_sigma_m, 0, 100);
@@ -113,7 +114,9 @@ RobotFromFile read_robot(const std::string& name, const Setting& setting, const 
   RobotFromFile robot{common, {}};
   RobotPlan& plan = robot.plan;
   plan.name = upper(name);
-  plan.start = as_pose_degrees(fields.require("start"));
+  const bool has_tour = !common.tour.empty();
+  const auto find = [&](const char* key) { return has_tour ? fields.find(key) : &fields.require(key); };
+  if (const Setting* start = find("start")) plan.start = as_pose_degrees(*start);
   fields.read("barcode", plan.barcode);
   fields.read("laps", plan.laps);
   fields.read_within("start_s", plan.start_s, 0, largest);
@@ -128,9 +131,12 @@ RobotFromFile read_robot(const std::string& name, const Setting& setting, const 
   read_odometry(fields.find("odometry"), plan.odometry);
   read_camera(fields.find("camera"), plan.camera);
   read_drive(fields.find("drive"), plan.drive);
-  for (const Setting& step : as_list(fields.require("tour"), "a list of steps")) {
-    plan.tour.push_back(read_step(step));
-    robot.step_where.push_back(step.where);
+  if (const Setting* tour = find("tour")) {
+    plan.tour.clear();
+    for (const Setting& step : as_list(*tour, "a list of steps")) {
+      plan.tour.push_back(read_step(step));
+      robot.step_where.push_back(step.where);
+    }
   }
   fields.finish();
   return robot;

@@ -17,7 +17,7 @@ struct RobotFromFile {
 /// What a scenario says of all robots: its tables `laser`, `odometry`, `camera` and `drive`, and `laps`.
 RobotPlan read_common(Fields& scenario);
 
-/// The table of one robot, over what all have in common.
+/// The table of one robot, over what all have in common. It gives start and tour, unless `common` has a tour.
 RobotFromFile read_robot(const std::string& name, const Setting& setting, const RobotPlan& common);
 
 }  // namespace isthmus

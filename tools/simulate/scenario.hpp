@@ -16,7 +16,7 @@ namespace isthmus {
 struct LaserPlan {
   int beams = 181;
   double field_of_view_rad = std::numbers::pi;
-  double rate_hz = 5;
+  double rate_hz = 5;               ///< 0: the robot has no laser
   Laser laser = {Pose{}, 0.05, 8};  ///< as it is; a hit at or beyond range_max_m is a no-return
   Pose declared_mount_error;        ///< declared mount = true mount * this
   double range_sigma_m = 0.003;
@@ -44,7 +44,8 @@ struct OdometryPlan {
 
 /// A sensor that reads barcodes of robots and tags. Defaults: seed 000.
 struct CameraPlan {
-  double rate_hz = 2;
+  double rate_hz = 2;  ///< 0: the robot has no camera
+  double from_s = 0;   ///< time of the run; it reads nothing before
   double range_max_m = 8;
   double field_of_view_rad = 2 * std::numbers::pi;  ///< about the robot's x axis
   double range_sigma_m = 0.02;
@@ -108,9 +109,10 @@ struct Scenario {
   std::string name;
   std::string summary;
   std::int64_t start_utime = 1'700'000'000'000'000;
-  double duration_s = 0;        ///< 0: until every tour is done
-  bool bodies_visible = false;  ///< lasers see other robots
-  double false_sightings = 0;   ///< share of all sightings
+  double duration_s = 0;         ///< 0: until every tour is done
+  bool bodies_visible = false;   ///< lasers see other robots
+  bool robots_give_way = false;  ///< they wait for one another; else they drive as if alone
+  double false_sightings = 0;    ///< share of all sightings
   FloorPlan plan;
   std::vector<RobotPlan> robots;
   std::vector<TagPlan> tags;

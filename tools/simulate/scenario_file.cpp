@@ -5,8 +5,10 @@
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <tuple>
 
 #include "tools/simulate/building_file.hpp"
+#include "tools/simulate/floor_file.hpp"
 #include "tools/simulate/robot_file.hpp"
 
 namespace isthmus {
@@ -69,9 +71,7 @@ std::vector<TagPlan> read_tags(const Setting* setting) {
   return tags;
 }
 
-std::vector<RobotFromFile> read_robots(Fields& fields) {
-  const RobotPlan common = read_common(fields);
-  const Setting& table = fields.require("robots");
+std::vector<RobotFromFile> read_robots(const Setting& table, const RobotPlan& common) {
   const auto* robots = std::get_if<Setting::Table>(&table.value);
   if (robots == nullptr || robots->empty()) fail_at(table.where, "'robots' must be a table of robots");
   std::vector<RobotFromFile> read;
@@ -79,11 +79,30 @@ std::vector<RobotFromFile> read_robots(Fields& fields) {
   return read;
 }
 
-// The building stands in the scenario, or in a file named relative to the scenario's.
-std::pair<Building, Clutter> find_building(Fields& fields, const fs::path& file) {
+// A building, where its clutter may lie, and who drives in it.
+struct Site {
+  Building building;
+  Clutter clutter;
+  std::vector<RobotFromFile> robots;
+};
+
+// The building stands in the scenario, or in a file named relative to the scenario's, or is made.
+Site read_site(Fields& fields, const fs::path& file) {
+  const RobotPlan common = read_common(fields);
+  Site site;
+  if (const Setting* floor = fields.find("floor")) {
+    if (fields.has("building")) fail_at(floor->where, "a scenario has a floor or a building, not both");
+    auto made = make_floor(*floor, fields.find("robots"), common);
+    site.building = std::move(made.building);
+    site.robots = std::move(made.robots);
+    return site;
+  }
+  site.robots = read_robots(fields.require("robots"), common);
   const Setting& setting = fields.require("building");
   const auto* name = std::get_if<std::string>(&setting.value);
-  return read_building(name == nullptr ? setting : read_toml((file.parent_path() / *name).string()));
+  std::tie(site.building, site.clutter) =
+      read_building(name == nullptr ? setting : read_toml((file.parent_path() / *name).string()));
+  return site;
 }
 
 Scenario read_scenario(const Setting& root, const fs::path& file) {
@@ -94,10 +113,10 @@ Scenario read_scenario(const Setting& root, const fs::path& file) {
   fields.read("start_utime", scenario.start_utime);
   fields.read_within("duration_s", scenario.duration_s, 0, 1e9);
   fields.read("bodies_visible", scenario.bodies_visible);
+  fields.read("robots_give_way", scenario.robots_give_way);
   fields.read_within("false_sightings", scenario.false_sightings, 0, 0.95);
   scenario.tags = read_tags(fields.find("tags"));
-  std::vector<RobotFromFile> robots = read_robots(fields);
-  auto [building, clutter] = find_building(fields, file);
+  auto [building, clutter, robots] = read_site(fields, file);
   fields.finish();
 
   std::vector<Segment> ways;

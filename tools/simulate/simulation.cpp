@@ -11,12 +11,14 @@
 
 #include "tools/simulate/laser_model.hpp"
 #include "tools/simulate/odometry_model.hpp"
+#include "tools/simulate/traffic.hpp"
 #include "tools/simulate/unicycle.hpp"
 
 namespace isthmus {
 namespace {
 
 constexpr double robot_message_period_s = 5;
+constexpr double blind_truth_hz = 10;
 
 // What the order of events of one robot at one time is decided by.
 enum class Rank { robot, odometry, scan, sighting };
@@ -55,11 +57,14 @@ void check_path(const RobotPlan& robot, const TruePath& path, const RayCaster& c
 
 World make_world(const Scenario& scenario, std::uint64_t seed) {
   World world{scenario, seed, RayCaster(scenario.plan), {}, 0};
+  std::vector<double> radii_m;
   for (const RobotPlan& robot : scenario.robots) {
     world.paths.push_back(drive(robot, seed));
     check_path(robot, world.paths.back(), world.caster);
-    world.end_s = std::max(world.end_s, world.paths.back().end_s());
+    radii_m.push_back(robot.radius_m);
   }
+  if (scenario.robots_give_way) give_way(world.paths, radii_m);
+  for (const TruePath& path : world.paths) world.end_s = std::max(world.end_s, path.end_s());
   if (scenario.duration_s > 0) world.end_s = scenario.duration_s;
   return world;
 }
@@ -85,7 +90,10 @@ class RobotRun {
     tell_of_itself();
     count_wheels(odometry);
     for (const double time_s : scans) scan(time_s);
-    for (const double time_s : ticks(plan_.camera.rate_hz, phases.uniform())) look(time_s);
+    if (scans.empty()) note_truth(odometry);
+    for (const double time_s : ticks(plan_.camera.rate_hz, phases.uniform())) {
+      if (time_s >= plan_.camera.from_s) look(time_s);
+    }
   }
 
  private:
@@ -159,6 +167,17 @@ class RobotRun {
     add(time_s, Rank::scan, std::move(event));
   }
 
+  // Of a robot without a laser: at stamps of its odometry, at most `blind_truth_hz` a second.
+  void note_truth(const std::set<double>& times) {
+    double next_s = 0;
+    for (const double time_s : times) {
+      if (time_s < next_s) continue;
+      const std::size_t stretch = *path_.stretch_at(time_s);
+      truth_.poses.push_back({world_.utime(time_s), stretch, path_.at(stretch, time_s)});
+      next_s = time_s + 1 / blind_truth_hz - 1e-6;
+    }
+  }
+
   void look(double time_s) {
     const Pose pose = *path_.at(time_s);
     for (std::size_t other = 0; other < world_.paths.size(); ++other) {
@@ -202,6 +221,7 @@ std::optional<Draft> phantom(const World& world, Random& random) {
   for (int tries = 0; tries < 200; ++tries) {
     const std::size_t observer = random.index(robots.size()), target = random.index(robots.size());
     const double time_s = random.uniform(0, world.end_s);
+    if (time_s < robots[observer].camera.from_s) continue;
     const auto pose = world.paths[observer].at(time_s), other = world.paths[target].at(time_s);
     if (observer == target || !pose || robots[target].barcode < 0 || robots[observer].camera.rate_hz <= 0)
       continue;

@@ -10,7 +10,7 @@
 
 namespace isthmus {
 
-/// Where a robot's base was when a scan was taken; utime is the scan's stamp.
+/// Where a robot's base was when a scan was taken, utime the scan's stamp; or where it was at utime.
 struct TruePose {
   std::int64_t utime = 0;
   std::size_t stretch = 0;  ///< rises when the robot is carried
@@ -19,7 +19,7 @@ struct TruePose {
 
 struct RobotTruth {
   std::string robot;
-  std::vector<TruePose> poses;  ///< one for each scan, in order
+  std::vector<TruePose> poses;  ///< one for each scan, in order; without a laser, at 10 Hz
 };
 
 struct FalseSighting {

@@ -51,7 +51,7 @@ double range_by_brute_force(const FloorPlan& plan, const Vector2d& from, const V
 }
 
 TEST(RayCasterProperty, AgreesWithBruteForce) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const FloorPlan plan = a_plan();
     const RayCaster caster(plan, a_number(0.2, 5));
     for (int i = 0; i < 50; ++i) {
@@ -66,11 +66,11 @@ TEST(RayCasterProperty, AgreesWithBruteForce) {
         RC_ASSERT(expected > reach - 1e-6);
       }
     }
-  });
+  }));
 }
 
 TEST(RayCasterProperty, SightIsMutualAndAgreesWithBruteForce) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const FloorPlan plan = a_plan();
     const RayCaster caster(plan);
     for (int i = 0; i < 50; ++i) {
@@ -81,22 +81,22 @@ TEST(RayCasterProperty, SightIsMutualAndAgreesWithBruteForce) {
       const double range = range_by_brute_force(plan, a, (b - a) / distance);
       if (std::abs(range - distance) > 1e-6) RC_ASSERT(seen == (range > distance));
     }
-  });
+  }));
 }
 
 TEST(RayCasterProperty, TouchesWhatIsNear) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const FloorPlan plan = a_plan();
     const RayCaster caster(plan);
     const Vector2d point(a_number(-22, 22), a_number(-17, 17));
     const double radius = a_number(0.05, 3), distance = clearance_m(plan, point, point);
     if (std::abs(distance - radius) > 1e-9) RC_ASSERT(caster.touches(point, radius) == (distance < radius));
-  });
+  }));
 }
 
 TEST(RobotsProperty, NeverCrossAWallWhateverTheSeed) {
   const std::vector<ScenarioSummary> scenarios = list_scenarios();
-  rc::check([&] {
+  EXPECT_TRUE(rc::check([&] {
     const std::string name = scenarios[*rc::gen::inRange<std::size_t>(0, scenarios.size())].name;
     const Scenario scenario = load_scenario(name);
     const RayCaster caster(scenario.plan);
@@ -111,7 +111,7 @@ TEST(RobotsProperty, NeverCrossAWallWhateverTheSeed) {
         }
       }
     }
-  });
+  }));
 }
 
 bool same(const SimulatedRun& a, const SimulatedRun& b) {
@@ -133,17 +133,17 @@ bool same(const SimulatedRun& a, const SimulatedRun& b) {
 
 TEST(SimulationProperty, SameSeedGivesTheSameRun) {
   const Scenario scenario = load_scenario("hard", {"duration_s=3"});
-  rc::check([&] {
+  EXPECT_TRUE(rc::check([&] {
     const auto seed = *rc::gen::arbitrary<std::uint64_t>();
     RC_ASSERT(same(simulate(scenario, seed), simulate(load_scenario("hard", {"duration_s=3"}), seed)));
     RC_ASSERT(!same(simulate(scenario, seed), simulate(scenario, seed + 1)));
-  });
+  }));
 }
 
 TEST(SimulationProperty, NoSightingGoesThroughAWall) {
   const Scenario scenario = load_scenario("office", {"duration_s=60", "laser.rate_hz=0"});
   const RayCaster caster(scenario.plan);
-  rc::check([&] {
+  EXPECT_TRUE(rc::check([&] {
     const auto seed = *rc::gen::inRange<std::uint64_t>(0, 1'000'000);
     std::vector<TruePath> paths;
     for (const RobotPlan& robot : scenario.robots) paths.push_back(drive(robot, seed));
@@ -159,7 +159,7 @@ TEST(SimulationProperty, NoSightingGoesThroughAWall) {
       RC_ASSERT(std::abs(sighting->range_m - std::hypot(target->x - observer->x, target->y - observer->y)) <
                 0.15);
     }
-  });
+  }));
 }
 
 }  // namespace

@@ -1,0 +1,199 @@
+#include "tools/simulate/sightings_campaign.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "server/output/csv.hpp"
+#include "server/output/trajectories.hpp"
+#include "tools/simulate/confidence_campaign.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr double false_from_m = 1;
+constexpr double false_from_rad = 20 * std::numbers::pi / 180;
+constexpr std::int64_t longest_gap_us = 500'000;  // between true poses
+constexpr std::int64_t nearest_us = 100'000;      // from a relation's stamp to a pose
+
+// Where robots truly were, by name and by barcode.
+class Truth {
+ public:
+  explicit Truth(const SimulatedRun& run) {
+    for (const RobotTruth& robot : run.truth) by_name_[robot.robot] = &robot.poses;
+    for (const Event& event : run.events) {
+      const auto* robot = std::get_if<RobotEvent>(&event.body);
+      if (robot != nullptr && robot->barcode >= 0) by_barcode_[robot->barcode] = by_name_.at(robot->robot);
+    }
+  }
+
+  bool is_false(const SightingEvent& sighting) const {
+    const auto named = by_barcode_.find(sighting.barcode);
+    if (named == by_barcode_.end()) return true;
+    const auto observer = at(*by_name_.at(sighting.robot), sighting.utime);
+    const auto target = at(*named->second, sighting.utime);
+    if (!observer || !target) return true;
+    const TrueSighting truth = true_sighting(*observer, {target->x, target->y}, sighting.barcode);
+    return std::abs(sighting.range_m - truth.range_m) > false_from_m ||
+           std::abs(wrap_angle(sighting.bearing_rad - truth.bearing_rad)) > false_from_rad;
+  }
+
+ private:
+  // Between the poses before and after; nothing where they are far apart in time.
+  static std::optional<Pose> at(const std::vector<TruePose>& poses, std::int64_t utime) {
+    const auto after = std::ranges::lower_bound(poses, utime, {}, &TruePose::utime);
+    if (after != poses.end() && after->utime == utime) return after->world_from_robot;
+    if (after == poses.begin() || after == poses.end()) {
+      const TruePose& nearest = after == poses.begin() ? poses.front() : poses.back();
+      const bool near = !poses.empty() && std::abs(nearest.utime - utime) <= longest_gap_us;
+      return near ? std::optional(nearest.world_from_robot) : std::nullopt;
+    }
+    const TruePose &a = *std::prev(after), &b = *after;
+    if (a.stretch != b.stretch || b.utime - a.utime > longest_gap_us) return std::nullopt;
+    const double share = static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
+    const Pose moved = ominus(b.world_from_robot, a.world_from_robot);
+    return a.world_from_robot * Pose{share * moved.x, share * moved.y, share * moved.yaw};
+  }
+
+  std::map<std::string, const std::vector<TruePose>*> by_name_;
+  std::map<int, const std::vector<TruePose>*> by_barcode_;
+};
+
+// A map's final trajectories, poses by nearest stamp.
+class Trajectories {
+ public:
+  explicit Trajectories(const MapCopy& map) {
+    for_each_row(map, [&](const ProjectedRow& row) {
+      rows_[row.session.robot].push_back({row.utime, map.graph.island(row.patch), row.map_from_robot});
+    });
+    for (auto& [robot, rows] : rows_) std::ranges::stable_sort(rows, {}, &Row::utime);
+  }
+
+  // The error of a relation; nothing where the map has no opinion.
+  std::optional<double> error_m(const TrueRelation& relation) const {
+    const Row *a = nearest(relation.robot1, relation.utime1), *b = nearest(relation.robot2, relation.utime2);
+    if (a == nullptr || b == nullptr || a->island != b->island) return std::nullopt;
+    const Pose estimate = ominus(b->map_from_robot, a->map_from_robot);
+    return std::hypot(estimate.x - relation.pose.x, estimate.y - relation.pose.y);
+  }
+
+ private:
+  struct Row {
+    std::int64_t utime = 0;
+    IslandId island;
+    Pose map_from_robot;
+  };
+
+  const Row* nearest(const std::string& robot, std::int64_t utime) const {
+    const auto rows = rows_.find(robot);
+    if (rows == rows_.end()) return nullptr;
+    auto at = std::ranges::lower_bound(rows->second, utime, {}, &Row::utime);
+    if (at == rows->second.end() ||
+        (at != rows->second.begin() && utime - std::prev(at)->utime <= at->utime - utime)) {
+      --at;
+    }
+    return std::abs(at->utime - utime) <= nearest_us ? &*at : nullptr;
+  }
+
+  std::map<std::string, std::vector<Row>> rows_;
+};
+
+double ratio_of(double value, double clean) { return clean > 0 ? value / clean : 1; }
+
+}  // namespace
+
+double SightingScore::true_share() const {
+  return true_ones == 0 ? 1 : static_cast<double>(true_accepted) / static_cast<double>(true_ones);
+}
+
+SightingScore judge_sightings(const SimulatedRun& run, const std::vector<SightingRecord>& records) {
+  const auto sightings = static_cast<std::size_t>(std::ranges::count_if(
+      run.events, [](const Event& event) { return std::holds_alternative<SightingEvent>(event.body); }));
+  if (sightings != records.size()) {
+    throw std::runtime_error("the map has " + std::to_string(records.size()) + " records of " +
+                             std::to_string(sightings) + " sightings");
+  }
+  const Truth truth(run);
+  std::vector<bool> is_false(sightings, false);
+  for (const FalseSighting& one : run.false_sightings) is_false[one.row - 1] = truth.is_false(one.reported);
+  SightingScore score;
+  for (std::size_t i = 0; i < sightings; ++i) {
+    const bool accepted = records[i].verdict == "accepted";
+    ++(is_false[i] ? score.false_ones : score.true_ones);
+    if (accepted) ++(is_false[i] ? score.false_accepted : score.true_accepted);
+  }
+  return score;
+}
+
+void RelationComparison::add(const RelationComparison& other) {
+  const auto n = static_cast<double>(compared), m = static_cast<double>(other.compared);
+  if (compared + other.compared > 0) {
+    mean_m = (n * mean_m + m * other.mean_m) / (n + m);
+    mean_clean_m = (n * mean_clean_m + m * other.mean_clean_m) / (n + m);
+  }
+  compared += other.compared;
+  missing += other.missing;
+  missing_clean += other.missing_clean;
+}
+
+RelationComparison compare(const std::vector<TrueRelation>& relations, const MapCopy& map,
+                           const MapCopy& clean) {
+  const Trajectories trajectories(map), clean_trajectories(clean);
+  RelationComparison sum;
+  for (const TrueRelation& relation : relations) {
+    const auto error = trajectories.error_m(relation), clean_error = clean_trajectories.error_m(relation);
+    const bool both = error && clean_error;
+    sum.add(
+        {both ? 1U : 0U, error ? 0U : 1U, clean_error ? 0U : 1U, both ? *error : 0, both ? *clean_error : 0});
+  }
+  return sum;
+}
+
+double SightingTrial::error_ratio() const {
+  RelationComparison all = intra;
+  all.add(inter);
+  return ratio_of(all.mean_m, all.mean_clean_m);
+}
+
+SightingTrial try_sightings(const Scenario& scenario, std::uint64_t seed, double false_share,
+                            const Configuration& configuration) {
+  Scenario spoilt = scenario, clean = scenario;
+  spoilt.false_sightings = false_share;
+  clean.false_sightings = 0;
+  const SimulatedRun run = simulate(spoilt, seed), clean_run = simulate(clean, seed);
+  const MapCopy map = map_events(run.events, configuration),
+                clean_map = map_events(clean_run.events, configuration);
+  SightingTrial trial;
+  trial.seed = seed;
+  trial.score = judge_sightings(run, map.sightings);
+  trial.clean_score = judge_sightings(clean_run, clean_map.sightings);
+  trial.islands = map.graph.islands().size();
+  trial.clean_islands = clean_map.graph.islands().size();
+  std::vector<TrueRelation> intra = sample_relations(run.truth, seed), inter;
+  std::erase_if(intra, [&](const TrueRelation& relation) {
+    if (relation.robot1 != relation.robot2) inter.push_back(relation);
+    return relation.robot1 != relation.robot2;
+  });
+  trial.intra = compare(intra, map, clean_map);
+  trial.inter = compare(inter, map, clean_map);
+  return trial;
+}
+
+void write_trials(const std::vector<SightingTrial>& trials, const std::string& file) {
+  CsvFile csv(file,
+              "seed,islands,islands_clean,false,false_accepted,true,true_accepted,true_clean,"
+              "true_accepted_clean,intra,intra_missing,intra_missing_clean,intra_m,intra_clean_m,"
+              "inter,inter_missing,inter_missing_clean,inter_m,inter_clean_m,error_ratio");
+  for (const SightingTrial& t : trials) {
+    csv.row(t.seed, t.islands, t.clean_islands, t.score.false_ones, t.score.false_accepted, t.score.true_ones,
+            t.score.true_accepted, t.clean_score.true_ones, t.clean_score.true_accepted, t.intra.compared,
+            t.intra.missing, t.intra.missing_clean, t.intra.mean_m, t.intra.mean_clean_m, t.inter.compared,
+            t.inter.missing, t.inter.missing_clean, t.inter.mean_m, t.inter.mean_clean_m, t.error_ratio());
+  }
+  csv.commit();
+}
+
+}  // namespace isthmus
