@@ -28,19 +28,34 @@ Eigen::Matrix3d in_frame_of(const Pose& a, const Eigen::Matrix3d& covariance) {
 
 }  // namespace
 
-std::map<PatchId, Eigen::Matrix3d> local_relative_covariances(const RelationGraph& graph,
-                                                              std::span<const Pose> poses, PatchId a,
-                                                              std::size_t most) {
+std::map<PatchId, Eigen::Matrix3d> local_relative_covariances(
+    const RelationGraph& graph, std::span<const Pose> poses, PatchId a, std::size_t most,
+    const std::function<bool(const Relation&)>& counts) {
   std::map<PatchId, Eigen::Matrix3d> found;
   const std::vector<PatchId> patches = graph.nearest_in_graph(a, most);
   if (patches.size() < 2) return found;
-  BlockCholesky<3> information = reduced_information(graph, poses, patches);
+  BlockCholesky<3> information = reduced_information(graph, poses, patches, counts);
   information.factor();
   const std::vector<Eigen::Matrix3d> covariances = information.inverse_diagonal();
   for (std::size_t i = 0; i < covariances.size(); ++i)
     if (determined(covariances[i]))
       found.emplace(patches[i + 1], in_frame_of(poses[index(a)], covariances[i]));
   return found;
+}
+
+std::optional<Eigen::Matrix3d> local_relative_covariance(const RelationGraph& graph,
+                                                         std::span<const Pose> poses, PatchId a, PatchId b,
+                                                         std::size_t most) {
+  if (a == b) return Eigen::Matrix3d::Zero();
+  std::vector<PatchId> patches = graph.nearest_in_graph(a, most / 2);
+  for (const PatchId patch : graph.nearest_in_graph(b, most / 2))
+    if (std::find(patches.begin(), patches.end(), patch) == patches.end()) patches.push_back(patch);
+  BlockCholesky<3> information = reduced_information(graph, poses, patches);
+  information.factor();
+  const auto row = static_cast<int>(std::find(patches.begin(), patches.end(), b) - patches.begin()) - 1;
+  const Eigen::Matrix3d covariance = information.inverse_diagonal(row);
+  if (!determined(covariance)) return std::nullopt;
+  return in_frame_of(poses[index(a)], covariance);
 }
 
 std::vector<Eigen::Matrix3d> exact_relative_covariances(const RelationGraph& graph,

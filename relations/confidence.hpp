@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,10 +16,16 @@ namespace isthmus {
 
 /// For localisation: from the information of the at most `most` patches nearest to `a` in the graph, a held.
 /// At the same poses and weights it never says less than the exact covariance. Holds every patch of the
-/// sub-graph but `a` that is determined with respect to it.
-std::map<PatchId, Eigen::Matrix3d> local_relative_covariances(const RelationGraph& graph,
-                                                              std::span<const Pose> poses, PatchId a,
-                                                              std::size_t most = 200);
+/// sub-graph but `a` that is determined with respect to it. Relations that `counts` says no to are left out.
+std::map<PatchId, Eigen::Matrix3d> local_relative_covariances(
+    const RelationGraph& graph, std::span<const Pose> poses, PatchId a, std::size_t most = 200,
+    const std::function<bool(const Relation&)>& counts = {});
+
+/// The same of one patch b, from the at most `most` patches nearest to a or to b. Nothing where those do not
+/// determine it.
+std::optional<Eigen::Matrix3d> local_relative_covariance(const RelationGraph& graph,
+                                                         std::span<const Pose> poses, PatchId a, PatchId b,
+                                                         std::size_t most);
 
 /// For reports and operators, from the whole island: the covariance of each of `others` (on a's island)
 /// relative to a; one factorisation for all. A patch equal to `a` gets zero. It does

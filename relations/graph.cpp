@@ -175,7 +175,8 @@ std::vector<PatchId> RelationGraph::nearest_in_graph(PatchId from, std::size_t m
   return found;
 }
 
-std::vector<PatchId> RelationGraph::within_hops(PatchId from, int limit) const {
+std::vector<PatchId> RelationGraph::within_hops(PatchId from, int limit,
+                                                const std::function<bool(const Relation&)>& along) const {
   std::vector<PatchId> found{from};
   std::vector<char> seen(of_.size(), 0);
   seen[index(from)] = 1;
@@ -183,7 +184,7 @@ std::vector<PatchId> RelationGraph::within_hops(PatchId from, int limit) const {
     for (std::size_t i = level; i < end; ++i) {
       for (const RelationId id : of(found[i])) {
         const PatchId next = other_end(stored(id), found[i]);
-        if (seen[index(next)]) continue;
+        if (seen[index(next)] || !along(stored(id))) continue;
         seen[index(next)] = 1;
         found.push_back(next);
       }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -90,8 +91,10 @@ class RelationGraph {
 
   /// At most `most` patches nearest to `from` by number of relations, `from` first; ties by id.
   std::vector<PatchId> nearest_in_graph(PatchId from, std::size_t most) const;
-  /// The patches at most so many relations away, by id, `from` among them.
-  std::vector<PatchId> within_hops(PatchId from, int limit) const;
+  /// The patches at most so many relations away, by id, `from` among them. Only relations that `along` says
+  /// yes to count.
+  std::vector<PatchId> within_hops(PatchId from, int limit,
+                                   const std::function<bool(const Relation&)>& along) const;
   /// Number of relations on the shortest way; nothing beyond `limit` or on another island.
   std::optional<int> hops(PatchId a, PatchId b, int limit) const;
 

@@ -29,8 +29,10 @@ std::vector<Link> links_among(const RelationGraph& graph, std::span<const PatchI
 }  // namespace
 
 BlockCholesky<3> reduced_information(const RelationGraph& graph, std::span<const Pose> poses,
-                                     std::span<const PatchId> patches) {
-  const std::vector<Link> links = links_among(graph, patches);
+                                     std::span<const PatchId> patches,
+                                     const std::function<bool(const Relation&)>& counts) {
+  std::vector<Link> links = links_among(graph, patches);
+  if (counts) std::erase_if(links, [&](const Link& link) { return !counts(*link.relation); });
   std::vector<std::pair<int, int>> pairs;
   pairs.reserve(links.size());
   for (const Link& link : links)

@@ -13,7 +13,8 @@ constexpr std::int64_t rival_us = 10'000'000;     // those that disagree count s
 constexpr std::int64_t lone_pair_us = 3'000'000;  // a pair waits so long for a third
 constexpr int enough_supporters = 3;
 constexpr double one_way_baseline_m = 1;
-constexpr std::size_t most_in_group = 40;
+constexpr std::size_t most_waiting = 400;      // sightings of one group
+constexpr std::size_t most_compared = 24;      // of them, spread evenly, each with each
 constexpr std::int64_t step_price_us = 5'000;  // nominal, of one step of a trial
 constexpr double work_share = 0.5;             // of the time that passes
 constexpr std::int64_t most_credit_us = 10'000;
@@ -61,6 +62,16 @@ bool ready(const Alignment& alignment, std::span<const ChartSighting> sightings,
   return supporters >= enough_supporters || no_more_waiting || now_utime > to + lone_pair_us;
 }
 
+// Every so manieth of a group's members, the newest among them.
+template <class Group>
+Group spread(const Group& group, std::size_t most) {
+  Group some = group;
+  some.members.clear();
+  const std::size_t size = group.members.size();
+  for (std::size_t i = 1; i <= most; ++i) some.members.push_back(group.members[i * size / most - 1]);
+  return some;
+}
+
 std::vector<std::string> robots_of(const std::vector<Evidence>& evidence) {
   std::set<std::string> names;
   for (const Evidence& e : evidence) {
@@ -106,7 +117,7 @@ void Closures::thin(const std::vector<Group>& groups, World world) {
     for (std::size_t k = 0; k < size; ++k) {
       const std::size_t i = group.members[k];
       const bool old = !group.merge && world.now_utime - pool_[i].sighting.utime > 2 * meeting_us;
-      if (old || k + most_in_group < size) gone.insert(i);
+      if (old || k + most_waiting < size) gone.insert(i);
     }
   }
   if (gone.empty()) return;
@@ -128,15 +139,41 @@ void Closures::propose(World world) {
 }
 
 bool Closures::propose(World world, const Group& group) {
+  // Only what is new can change the answer, but for a lone pair's waiting.
+  const std::pair now_looked_at{group.members.size(), pool_[group.members.back()].record};
+  if (group.members.size() > 2 && looked_at_[group.key] == now_looked_at && !world.no_more_waiting)
+    return false;
+  looked_at_[group.key] = now_looked_at;
   const auto tried = tried_.find(group.key);
   const std::size_t least = tried == tried_.end() ? 2 : static_cast<std::size_t>(tried->second * 3 / 2 + 1);
   if (group.members.size() < least) return false;
+  if (group.members.size() > most_compared) {
+    const bool proposed = propose(world, spread(group, most_compared));
+    looked_at_[group.key] = now_looked_at;
+    return proposed;
+  }
+  if (!group.merge && pool_[group.members.front()].is_tag) return propose_by_tag(world, group, least);
   const std::vector<ChartSighting> sightings =
       charts(world.map, pool_, group.members, group.merge, group.older);
   const std::optional<Alignment> alignment = best_alignment(sightings);
   if (!alignment || alignment->supporters.size() < least) return false;
   if (!ready(*alignment, sightings, world.now_utime, world.no_more_waiting)) return false;
   begin_trial(world, group, *alignment);
+  return trial_ != nullptr;
+}
+
+// A tag that the map has far from where it is seen now: a loop. One point does not tell how the two charts
+// lie to each other, but where the point is in this one.
+bool Closures::propose_by_tag(World world, const Group& group, std::size_t least) {
+  const PointConsensus consensus = agree_on_a_point(world.map, pool_, group.members);
+  if (!consensus.enough() || consensus.supporters.size() < least ||
+      2 * consensus.supporters.size() <= group.members.size())
+    return false;
+  Alignment alignment;
+  for (std::size_t k = 0; k < group.members.size(); ++k)
+    if (std::ranges::find(consensus.supporters, group.members[k]) != consensus.supporters.end())
+      alignment.supporters.push_back(k);
+  begin_trial(world, group, alignment);
   return trial_ != nullptr;
 }
 
@@ -273,6 +310,7 @@ void Closures::work(World world) {
 
 void Closures::end_trial(World world) {
   const std::unique_ptr<Trial> trial = std::move(trial_);
+  if (trial->undecided()) return put_off(world, trial->proposal().id);
   Closure& closure = closures_.at(trial->proposal().id);
   ClosureRecord& record = closure.record;
   record.patches_touched = trial->patches_touched();
@@ -285,6 +323,7 @@ void Closures::end_trial(World world) {
     const std::string reason = trial->proposal().merge ? "merged_islands" : "closed_loop";
     for (const Evidence& evidence : closure.evidence) verdict(evidence, "accepted", reason, record.id);
     tried_.clear();
+    looked_at_.clear();
   } else {
     record.state = "refused";
     record.reason = trial->refusal();
@@ -295,6 +334,20 @@ void Closures::end_trial(World world) {
     }
     std::ranges::stable_sort(pool_, {}, &Evidence::record);
   }
+  consider_pool_again(world);
+}
+
+// Neither accepted nor refused: as if it had not been proposed yet. Its sightings wait for more.
+void Closures::put_off(World world, ClosureId id) {
+  const auto found = closures_.find(id);
+  for (Evidence& evidence : found->second.evidence) {
+    evidence.doubt = "too_little_support";
+    verdict(evidence, "waiting", evidence.doubt);
+    pool_.push_back(std::move(evidence));
+  }
+  std::ranges::stable_sort(pool_, {}, &Evidence::record);
+  closures_.erase(found);
+  if (id.value + 1 == next_id_) --next_id_;
   consider_pool_again(world);
 }
 

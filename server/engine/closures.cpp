@@ -10,13 +10,13 @@ namespace isthmus {
 namespace {
 
 constexpr std::int64_t placing_wait_us = 2'000'000;  // FORMATS.md: a sighting waits so long for odometry
-constexpr int near_hops = 3;                         // so near in the graph, the map knows better
-constexpr double sure_m = 0.3;                       // a map less sure than this of where the target is,
-constexpr double sure_without_scans_m = 0.6;         // learns from a sighting only when others agree
-constexpr double informative = 0.5;                  // of a sighting's own sigma
+constexpr std::int64_t weighing_us = 2'000'000;
+constexpr int near_hops = 3;                    // so near in the graph, the map knows better
+constexpr double sure_m = 0.3;                  // a map less sure than this of where the target is,
+constexpr double sure_without_scans_m = 0.6;    // learns from a sighting only when others agree
+constexpr std::size_t most_without_scans = 60;  // tags tie everything to everything: a dense graph
+constexpr double informative = 1;               // of a sighting's own sigma
 constexpr double another_tag_m = 0.3;
-constexpr std::size_t enough_for_tag = 3;
-constexpr double apart_for_tag_m = 0.5;  // two are enough from places so far apart
 
 PastPlace tag_place(PatchId patch, std::int64_t utime) {
   return {utime, 0, {patch, Pose{}}, Eigen::Matrix3d::Zero(), Pose{}};
@@ -27,22 +27,18 @@ double largest_variance(const Eigen::Matrix2d& covariance) {
 }
 
 // How surely the target's place is known as seen from the observer's patch, m² along the worse direction.
-// Nothing where the two are far from each other in the graph.
-std::optional<double> target_variance(const Map& map, const Evidence& evidence,
-                                      const EngineOptions& options) {
+// Nothing where the graph near the two does not tell.
+std::optional<double> target_variance(const Map& map, const Evidence& evidence, std::size_t most_patches) {
   const PatchId a = evidence.observer.pose.patch;
   const PatchId b = evidence.target_place->pose.patch;
-  if (a == b) return 0;
-  const auto covariances =
-      local_relative_covariances(map.graph(), map.manifold().poses(), a, options.confidence_patches);
-  const auto found = covariances.find(b);
-  if (found == covariances.end()) return std::nullopt;
+  const auto covariance = local_relative_covariance(map.graph(), map.manifold().poses(), a, b, most_patches);
+  if (!covariance) return std::nullopt;
   const Pose a_from_b = ominus(map.manifold().pose(b), map.manifold().pose(a));
   const Pose& r = evidence.target_place->pose.patch_from_object;
   const Eigen::Vector2d lever = rotate(a_from_b.yaw, {r.x, r.y});
   Eigen::Matrix<double, 2, 3> by_pose;
   by_pose << 1, 0, -lever.y(), 0, 1, lever.x();
-  return largest_variance(by_pose * found->second * by_pose.transpose());
+  return largest_variance(by_pose * *covariance * by_pose.transpose());
 }
 
 bool sees_walls(const Map& map, const PastPlace& place) {
@@ -138,15 +134,24 @@ bool Closures::judge_by_map(World world, Evidence& evidence) {
     verdict(evidence, "accepted", "agrees_with_map");
     return true;
   }
-  const std::optional<double> variance = target_variance(world.map, evidence, world.options);
+  // Sightings close in time err alike: one of them tells what they all tell.
+  std::int64_t& weighed_utime = weighed_utime_[{evidence.sighting.robot, evidence.target}];
+  if (std::abs(evidence.sighting.utime - weighed_utime) < weighing_us && agrees(chart, Pose{})) {
+    verdict(evidence, "accepted", "agrees_with_map");
+    return true;
+  }
+  const std::optional<double> variance =
+      target_variance(world.map, evidence, scans ? world.options.confidence_patches : most_without_scans);
   if (!variance) return false;
   chart.target_variance += *variance;
+  // One that contradicts the map is most likely false; but several that agree may know better.
   if (!agrees(chart, Pose{})) {
-    verdict(evidence, "refused", "contradicts_map");
-    return true;
+    evidence.doubt = "contradicts_map";
+    return false;
   }
   if (std::sqrt(*variance) > (scans ? sure_m : sure_without_scans_m)) return false;
   verdict(evidence, "accepted", "agrees_with_map");
+  weighed_utime = evidence.sighting.utime;
   const double own = std::isfinite(chart.range_sigma_m)
                          ? chart.range_sigma_m
                          : chart.bearing_sigma_rad * std::max(1.0, chart.range_m);
@@ -158,7 +163,8 @@ void Closures::add_to_map(World world, const Evidence& evidence) {
   const std::optional<Relation> relation = sighting_relation(world.map, evidence, {});
   if (!relation) return;
   world.map.relate(*relation);
-  world.map.refit_around(evidence.observer.pose.patch, world.options.window_patches);
+  const PatchId patch = evidence.observer.pose.patch;
+  if (std::ranges::find(to_refit_, patch) == to_refit_.end()) to_refit_.push_back(patch);
 }
 
 // Tags that are nowhere yet: several sightings from one island that agree on a point place it there.
@@ -179,32 +185,10 @@ void Closures::place_tags(World world) {
 }
 
 void Closures::place_tag(World world, std::int32_t barcode, const std::vector<std::size_t>& members) {
-  std::vector<std::size_t> best;
-  for (const std::size_t i : members) {
-    const std::optional<Eigen::Vector2d> point = measured_point(world.map, pool_[i]);
-    if (!point) continue;
-    const SightingEvent& s = pool_[i].sighting;
-    const double variance = std::pow(std::max(s.range_sigma_m, s.range_m * s.bearing_sigma_rad), 2);
-    std::vector<std::size_t> agreeing;
-    for (const std::size_t j : members)
-      if (j == i || agrees(chart_sighting_of_point(world.map, pool_[j], *point, variance), Pose{}))
-        agreeing.push_back(j);
-    if (agreeing.size() > best.size()) best = std::move(agreeing);
-  }
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  double apart_m = 0;
-  int points = 0;
-  for (const std::size_t i : best) {
-    const Pose pose = world.map.manifold().project(pool_[i].observer.pose);
-    const Pose first = world.map.manifold().project(pool_[best.front()].observer.pose);
-    apart_m = std::max(apart_m, std::hypot(pose.x - first.x, pose.y - first.y));
-    if (const auto point = measured_point(world.map, pool_[i])) {
-      mean += *point;
-      ++points;
-    }
-  }
-  if (best.size() < 2 || points == 0 || (best.size() < enough_for_tag && apart_m < apart_for_tag_m)) return;
-  mean /= points;
+  const PointConsensus consensus = agree_on_a_point(world.map, pool_, members);
+  const std::vector<std::size_t>& best = consensus.supporters;
+  if (!consensus.enough()) return;
+  const Eigen::Vector2d& mean = consensus.point;
   // A misread barcode repeats itself where another tag hangs.
   const IslandId island = world.map.graph().island(pool_[best.front()].observer.pose.patch);
   for (const auto& [other, patch] : tag_patches_) {
@@ -247,6 +231,10 @@ void Closures::advance(World world) {
     propose(world);
   }
   work(world);
+  if (!to_refit_.empty()) {
+    world.map.refit_around(to_refit_.front(), world.options.window_patches);
+    to_refit_.pop_front();
+  }
   last_utime_ = world.now_utime;
 }
 

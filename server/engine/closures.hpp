@@ -40,7 +40,7 @@ class Closures {
   void advance(World world);
   /// The same to the end, as if nothing more will come.
   void finish(World world);
-  bool has_work() const { return !unplaced_.empty() || trial_ != nullptr; }
+  bool has_work() const { return !unplaced_.empty() || trial_ != nullptr || !to_refit_.empty(); }
 
   /// Operators: no closure of this id, or like it, from now on; an accepted one is taken back. Returns why
   /// not, or nothing.
@@ -98,22 +98,28 @@ class Closures {
   void thin(const std::vector<Group>& groups, World world);
   void propose(World world);
   bool propose(World world, const Group& group);
+  bool propose_by_tag(World world, const Group& group, std::size_t least);
   void begin_trial(World world, const Group& group, const Alignment& alignment);
   Likeness likeness(World world, const Evidence& evidence, const Pose& first_from_second,
                     bool observer_first) const;
   bool is_forbidden(World world, const Likeness& likeness) const;
   void work(World world);
   void end_trial(World world);
+  void put_off(World world, ClosureId id);
 
   std::vector<SightingRecord> records_;
   std::deque<Unplaced> unplaced_;
   std::vector<Evidence> pool_;
   bool pool_changed_ = false;
   std::map<std::string, int> tried_;  ///< by group: the support of the trial that was refused
+  std::map<std::string, std::pair<std::size_t, std::size_t>> looked_at_;  ///< by group: its size and newest
+  std::deque<PatchId> to_refit_;  ///< patches that sightings were added to
   std::map<std::int32_t, PatchId> tag_patches_;
   std::map<ClosureId, Closure> closures_;
   std::set<ClosureId> forbidden_;  ///< before they were ever proposed
   std::unique_ptr<Trial> trial_;
+  /// When a sighting of that target by that observer was last weighed against the map's own confidence.
+  std::map<std::pair<std::string, std::string>, std::int64_t> weighed_utime_;
   std::int32_t next_id_ = 0;
   std::int64_t credit_us_ = 0;
   std::int64_t last_utime_ = 0;

@@ -11,6 +11,7 @@
 #include "server/engine/mapper.hpp"
 #include "server/engine/settling.hpp"
 #include "server/engine/teammates.hpp"
+#include "server/engine/weaving.hpp"
 
 namespace isthmus {
 namespace {
@@ -31,6 +32,7 @@ struct Engine::State {
   std::shared_ptr<TrajectoryStore> trajectory = std::make_shared<TrajectoryStore>();
   Closures closures;
   Settling settling;
+  Weaving weaving;
   std::set<std::int32_t> tags;  // declared barcodes
   Counters counters;
   std::set<std::string> starts_related;
@@ -219,6 +221,7 @@ void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_fr
     ++counters.scans_predicted[done.predicted_reason];
   }
   if (done.loop_closed) settling.request(done.pose.island);
+  if (done.predicted_reason.empty()) weaving.stands_on(robot.declaration.robot, done.pose.pose.patch);
   settle(robot, std::move(done), odom_from_robot, outcome);
 }
 
@@ -316,8 +319,10 @@ Outcome Engine::handle(const Event& event) {
   state.closures.advance(state.world());
   for (const PatchId patch : state.closures.take_changed()) {
     state.settling.map_changed();
+    state.weaving.map_changed();
     state.settling.request(patch);
   }
+  state.weaving.advance(state.map, state.configuration.engine, counters.last_receive_utime);
   state.settling.advance(state.map, counters.last_receive_utime);
   return outcome;
 }
@@ -333,12 +338,13 @@ Outcome Engine::finish() {
     if (robot.place) state_->record(robot, robot.place->pose, robot.place->odom_from_robot);
   }
   state_->closures.finish(state_->world());
+  state_->weaving.finish(state_->map, state_->configuration.engine);
   state_->refine_all();
   return outcome;
 }
 
 bool Engine::has_queued_work() const {
-  if (state_->closures.has_work() || state_->settling.busy()) return true;
+  if (state_->closures.has_work() || state_->settling.busy() || state_->weaving.busy()) return true;
   return std::any_of(state_->robots.begin(), state_->robots.end(),
                      [](const auto& entry) { return !entry.second.pending.empty(); });
 }

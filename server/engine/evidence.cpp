@@ -9,6 +9,9 @@ namespace {
 // What stamps, mounts and odometry leave open, whatever the sigmas say.
 constexpr double floor_m = 0.05;
 constexpr double floor_rad = 0.03;
+// Successive sightings err together (a camera's calibration, a blurred code, a late stamp), and each is a
+// relation of its own.
+constexpr double correlation = 2;  // factor on sigmas
 constexpr double robust_scale = 3;
 constexpr double no_yaw_sigma_rad = 100;  // a tag's yaw means nothing, but a fit needs one
 
@@ -84,6 +87,41 @@ std::optional<Eigen::Vector2d> measured_point(const Map& map, const Evidence& ev
          Eigen::Vector2d(s.range_m * std::cos(s.bearing_rad), s.range_m * std::sin(s.bearing_rad));
 }
 
+bool PointConsensus::enough() const {
+  constexpr std::size_t enough_supporters = 3;
+  constexpr double enough_apart_m = 0.5;
+  return supporters.size() >= enough_supporters || (supporters.size() >= 2 && apart_m >= enough_apart_m);
+}
+
+PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& pool,
+                                const std::vector<std::size_t>& members) {
+  PointConsensus best;
+  for (const std::size_t i : members) {
+    const std::optional<Eigen::Vector2d> point = measured_point(map, pool[i]);
+    if (!point) continue;
+    const SightingEvent& s = pool[i].sighting;
+    const double sigma = std::max(s.range_sigma_m, s.range_m * s.bearing_sigma_rad);
+    std::vector<std::size_t> agreeing;
+    for (const std::size_t j : members)
+      if (j == i || agrees(chart_sighting_of_point(map, pool[j], *point, sigma * sigma), Pose{}))
+        agreeing.push_back(j);
+    if (agreeing.size() > best.supporters.size()) best.supporters = std::move(agreeing);
+  }
+  int points = 0;
+  for (const std::size_t i : best.supporters) {
+    const Eigen::Vector2d from = position(map.manifold().project(pool[i].observer.pose));
+    const Eigen::Vector2d first =
+        position(map.manifold().project(pool[best.supporters.front()].observer.pose));
+    best.apart_m = std::max(best.apart_m, (from - first).norm());
+    if (const auto point = measured_point(map, pool[i])) {
+      best.point += *point;
+      ++points;
+    }
+  }
+  if (points > 0) best.point /= points;
+  return best;
+}
+
 std::optional<Relation> sighting_relation(const Map& map, const Evidence& evidence, ClosureId closure) {
   const SightingEvent& s = evidence.sighting;
   const PatchId a = evidence.observer.pose.patch;
@@ -97,7 +135,7 @@ std::optional<Relation> sighting_relation(const Map& map, const Evidence& eviden
   const double yaw_variance = own(2, 2) + floor_rad * floor_rad;
   const bool has_range = std::isfinite(s.range_sigma_m);
   const bool has_bearing = std::isfinite(s.bearing_sigma_rad);
-  const double range_sigma = std::sqrt(s.range_sigma_m * s.range_sigma_m + variance);
+  const double range_sigma = correlation * std::sqrt(s.range_sigma_m * s.range_sigma_m + variance);
   const double range = std::max(has_range ? s.range_m : 1.0, 0.1);
   const double bearing_variance = s.bearing_sigma_rad * s.bearing_sigma_rad + yaw_variance;
   if (!has_bearing) {
@@ -107,10 +145,10 @@ std::optional<Relation> sighting_relation(const Map& map, const Evidence& eviden
   if (!has_range) {
     return related(a, b, RelationKind::bearing,
                    Bearing{a_from_observer, point_b, s.bearing_rad,
-                           std::sqrt(bearing_variance + variance / (range * range))},
+                           correlation * std::sqrt(bearing_variance + variance / (range * range))},
                    closure);
   }
-  const double across_sigma = std::sqrt(bearing_variance * range * range + variance);
+  const double across_sigma = correlation * std::sqrt(bearing_variance * range * range + variance);
   const Eigen::Vector2d radial = rotate(a_from_observer.yaw + s.bearing_rad, Eigen::Vector2d(1, 0));
   const Eigen::Vector2d seen = position(a_from_observer) + s.range_m * radial;
   QuadraticFormBuilder form;

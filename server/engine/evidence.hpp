@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/engine/alignment.hpp"
 #include "server/engine/event.hpp"
@@ -37,6 +38,18 @@ ChartSighting chart_sighting_of_point(const Map& map, const Evidence& evidence, 
 
 /// Where in the observer's chart the sighting puts its target; nothing where range or bearing is missing.
 std::optional<Eigen::Vector2d> measured_point(const Map& map, const Evidence& evidence);
+
+/// Sightings of one fixed thing from one chart that agree on where in it the thing is.
+struct PointConsensus {
+  std::vector<std::size_t> supporters;
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();
+  double apart_m = 0;  ///< between the places it was seen from
+  /// Three, or two from places apart.
+  bool enough() const;
+};
+/// The largest such group among the `members` of a pool.
+PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& pool,
+                                const std::vector<std::size_t>& members);
 
 /// The sighting as a relation between two patches: range with bearing as a point of b at a point of a, its
 /// covariance taken at the measured range and then fixed; range alone and bearing alone as themselves. The

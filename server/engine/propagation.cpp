@@ -13,11 +13,6 @@ constexpr int most_visits = 4;     // of one patch to the queue
 constexpr double slack_m = 2;      // a candidate may lie so much farther than a local map reaches
 constexpr int refit_patches = 40;
 
-bool is_match(const Relation& relation) {
-  return relation.kind == RelationKind::point_to_line || relation.kind == RelationKind::point_to_point ||
-         relation.kind == RelationKind::line_to_line;
-}
-
 bool matched_before(const RelationGraph& graph, PatchId a, PatchId b) {
   const std::vector<RelationId> between = graph.between(a, b);
   return std::ranges::any_of(between, [&](RelationId id) { return is_match(*graph.find(id)); });
@@ -58,7 +53,14 @@ Propagation::Visits& Propagation::visits(PatchId patch) {
   return visits_[at];
 }
 
-bool Propagation::across(PatchId a, PatchId b) const { return !before_.hops(a, b, same_side_hops); }
+void Propagation::forget_visits() {
+  for (Visits& visits : visits_) visits.count = 0;
+}
+
+std::vector<PatchId> Propagation::same_side(const Map& map, PatchId patch) const {
+  const RelationGraph& graph = before_ ? *before_ : map.graph();
+  return graph.within_hops(patch, same_side_hops, says_where_walls_are);
+}
 
 std::vector<PatchId> Propagation::candidates(const Map& map, PatchId patch,
                                              const EngineOptions& options) const {
@@ -67,15 +69,16 @@ std::vector<PatchId> Propagation::candidates(const Map& map, PatchId patch,
   const Pose& pose = manifold.pose(patch);
   const double reach = options.local_map_reach_m + slack_m;
   std::vector<PatchId> near;
-  std::vector<PatchId> same_side;
-  for (std::int32_t i = 0; i < static_cast<std::int32_t>(before_.patch_count()); ++i) {
+  std::vector<PatchId> own;
+  const std::size_t known = before_ ? before_->patch_count() : manifold.size();
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(known); ++i) {
     const PatchId other{i};
     const Pose& its = manifold.pose(other);
     if (std::abs(its.x - pose.x) > reach || std::abs(its.y - pose.y) > reach) continue;
     if (other == patch || map.graph().island(other) != island) continue;
     if (manifold.patch(other).points.empty()) continue;
-    if (same_side.empty()) same_side = before_.within_hops(patch, same_side_hops);
-    if (std::ranges::binary_search(same_side, other)) continue;
+    if (own.empty()) own = same_side(map, patch);
+    if (std::ranges::binary_search(own, other)) continue;
     if (matched_before(map.graph(), patch, other)) continue;
     near.push_back(other);
   }
@@ -98,8 +101,9 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   const auto wanted = [&](const Determined& determined) {
     if (!std::ranges::binary_search(near, determined.patch)) return false;
     // Where a candidate is well determined, it must also show what the scan sees.
+    if (!before_ && !determined.sure) return false;
     const Pose other_from_patch = inverse(determined.local_from_patch);
-    return !determined.firm || overlap_share(map.manifold().patch(determined.patch), other_from_patch,
+    return !determined.sure || overlap_share(map.manifold().patch(determined.patch), other_from_patch,
                                              patch.points) >= options.local_map_overlap;
   };
   LoopQuery query;
@@ -109,7 +113,7 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   query.origin = origin_;
   query.partly_known = true;
   const Rejoin found = find_loop(map, surroundings, query, options);
-  if (found.relations.empty()) {
+  if (found.relations.empty() || (!before_ && !found.certain)) {
     if (found.compared && found.certain && !visits(id).matched && !visits(id).unmatched) {
       visits(id).unmatched = true;
       unmatched_.push_back(id);

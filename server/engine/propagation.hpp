@@ -14,12 +14,16 @@ namespace isthmus {
 /// which is matched with what now lies near it, and whose neighbours follow where that found new relations.
 ///
 /// *New* is a relation across the seam: between patches that, before the change, were far from one another in
-/// the graph or not connected, and that have no relation yet. A patch comes to the queue a few times at most,
-/// so the queue ends.
+/// the graph or not connected, and that have no relation yet; far by matches and odometry, since a sighting
+/// says little of where walls are. A patch comes to the queue a few times at most, so the queue ends.
+///
+/// The same serves without a single change to start from ("weaving"): patches that have come to be well
+/// determined relative to one another, by whatever means, and lie near, but are not related.
 class Propagation {
  public:
-  /// `before` is the graph without the change.
-  Propagation(RelationGraph before, Origin origin) : before_(std::move(before)), origin_(origin) {}
+  /// `before` is the graph without the change; none for weaving, where it is the graph as it stands.
+  Propagation(std::optional<RelationGraph> before, Origin origin)
+      : before_(std::move(before)), origin_(origin) {}
 
   void enqueue(PatchId patch);
   bool done() const { return queue_.empty(); }
@@ -29,8 +33,11 @@ class Propagation {
   /// Puts back on the queue what was compared and did not fit, once more: poses are better now.
   void retry();
 
-  /// Whether two patches lie on different sides of the seam.
-  bool across(PatchId a, PatchId b) const;
+  /// For weaving: patches may come to the queue again.
+  void forget_visits();
+
+  /// Those of a patch's side of the seam, by id.
+  std::vector<PatchId> same_side(const Map& map, PatchId patch) const;
 
   int steps() const { return steps_; }
   const std::vector<PatchId>& matched() const { return matched_; }  ///< in order, each once
@@ -48,7 +55,7 @@ class Propagation {
   Visits& visits(PatchId patch);
   std::vector<PatchId> candidates(const Map& map, PatchId patch, const EngineOptions& options) const;
 
-  RelationGraph before_;
+  std::optional<RelationGraph> before_;
   Origin origin_;
   std::deque<PatchId> queue_;
   std::vector<Visits> visits_;  // by patch id

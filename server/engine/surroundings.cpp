@@ -4,6 +4,25 @@
 #include <cmath>
 
 namespace isthmus {
+namespace {
+
+bool any_coarse(const RelationGraph& graph, std::span<const PatchId> patches) {
+  return std::ranges::any_of(patches, [&](PatchId patch) {
+    return std::ranges::any_of(graph.of(patch),
+                               [&](RelationId id) { return !says_where_walls_are(*graph.find(id)); });
+  });
+}
+
+}  // namespace
+
+bool says_where_walls_are(const Relation& relation) {
+  return relation.kind == RelationKind::odometry || is_match(relation);
+}
+
+bool is_match(const Relation& relation) {
+  return relation.kind == RelationKind::point_to_line || relation.kind == RelationKind::point_to_point ||
+         relation.kind == RelationKind::line_to_line;
+}
 
 double overlap_share(const Patch& patch, const Pose& patch_from_robot, std::span<const ScanPoint> points) {
   const std::size_t stride = std::max<std::size_t>(1, points.size() / 30);
@@ -33,10 +52,16 @@ void Surroundings::update(const Map& map, PatchId reference, const EngineOptions
   const Pose& map_from_reference = map.manifold().pose(reference);
   const auto covariances =
       local_relative_covariances(map.graph(), map.manifold().poses(), reference, most_patches);
-  patches_.push_back({reference, Pose{}, Eigen::Matrix3d::Zero(), true});
+  const auto by_scans = any_coarse(map.graph(), looked_at_)
+                            ? local_relative_covariances(map.graph(), map.manifold().poses(), reference,
+                                                         most_patches, says_where_walls_are)
+                            : covariances;
+  patches_.push_back({reference, Pose{}, Eigen::Matrix3d::Zero(), true, true});
   for (const auto& [id, covariance] : covariances) {
     if (id == reference || !well_determined(covariance, options.rejoin)) continue;
+    const auto fine = by_scans.find(id);
     patches_.push_back({id, ominus(map.manifold().pose(id), map_from_reference), covariance,
+                        fine != by_scans.end() && well_determined(fine->second, options.local_map),
                         well_determined(covariance, options.local_map)});
   }
 }

@@ -14,7 +14,10 @@ struct Determined {
   PatchId patch;
   Pose local_from_patch;       ///< in the frame of the reference patch
   Eigen::Matrix3d covariance;  ///< of that pose
-  bool firm = false;           ///< eq. 12 holds: it belongs to the local map
+  /// Eq. 12 holds by scans and odometry alone: it belongs to the local map. What sightings say is good to
+  /// some centimetres, too coarse to lay walls on walls.
+  bool firm = false;
+  bool sure = false;  ///< eq. 12 holds by all relations
 };
 
 /// The surroundings of a patch: what is determined relative to it, kept until the patch or the graph near it
@@ -45,6 +48,11 @@ class Surroundings {
   std::vector<PatchId> looked_at_;
   std::vector<Determined> patches_;
 };
+
+/// Whether a relation was made of scans.
+bool is_match(const Relation& relation);
+/// Whether a relation is as fine as matching needs: of scans, or of odometry from patch to patch.
+bool says_where_walls_are(const Relation& relation);
 
 /// Share of a scan's points that have a patch's point near them, at a pose: a quick look at every few beams.
 double overlap_share(const Patch& patch, const Pose& patch_from_robot, std::span<const ScanPoint> points);

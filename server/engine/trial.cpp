@@ -12,7 +12,7 @@ namespace {
 constexpr double most_gate = 25;             // chi² of three: how far a loop may jump, in its own sigmas
 constexpr int strong_support = 6;            // so many sightings may say that a sigma was too small
 constexpr double most_contradiction = 0.08;  // of hits deep in the other side's free space
-constexpr double most_sighting_cost = 4;     // mean chi² of the sightings' residuals after the fit
+constexpr double most_sighting_cost = 1.5;   // mean chi² of the sightings' residuals after the fit
 constexpr double least_matched_share = 0.4;  // of the patches that were compared
 constexpr int few_compared = 3;              // so few prove nothing
 constexpr int enough_support_two_way = 4;    // sightings, where scans cannot tell
@@ -140,8 +140,10 @@ double Trial::mean_contradiction() const {
   int pairs = 0;
   const Manifold& manifold = map_.manifold();
   for (const PatchId a : propagation_.matched()) {
+    if (pairs >= most_pairs) break;
+    const std::vector<PatchId> own = propagation_.same_side(map_, a);
     for (const PatchId b : map_.graph().neighbours(a)) {
-      if (pairs >= most_pairs || !propagation_.across(a, b)) continue;
+      if (std::ranges::binary_search(own, b)) continue;
       const auto share =
           contradiction(manifold.patch(a), manifold.patch(b), ominus(manifold.pose(b), manifold.pose(a)));
       if (!share) continue;
@@ -153,10 +155,12 @@ double Trial::mean_contradiction() const {
   int looked_at = 0;
   for (const PatchId a : propagation_.unmatched()) {
     if (++looked_at > most_unmatched) break;
+    const std::vector<PatchId> own = propagation_.same_side(map_, a);
     const auto covariances =
         local_relative_covariances(map_.graph(), map_.manifold().poses(), a, options_.confidence_patches);
     for (const auto& [b, covariance] : covariances) {
-      if (b == a || !well_determined(covariance, nearly_certain) || !propagation_.across(a, b)) continue;
+      if (b == a || !well_determined(covariance, nearly_certain) || std::ranges::binary_search(own, b))
+        continue;
       const auto share =
           contradiction(manifold.patch(a), manifold.patch(b), ominus(manifold.pose(b), manifold.pose(a)));
       if (!share) continue;
@@ -192,7 +196,7 @@ void Trial::judge() {
   } else if (compared >= few_compared && matched < least_matched_share * compared) {
     refusal_ = "scans_disagree";
   } else if (matched < few_compared && proposal_.supporters < enough) {
-    refusal_ = "too_little_support";
+    undecided_ = true;
   }
 }
 

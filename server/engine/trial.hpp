@@ -38,7 +38,9 @@ class Trial {
   void finish(std::int64_t now_utime);
 
   bool done() const { return stage_ == Stage::done; }
-  bool accepted() const { return done() && refusal_.empty(); }
+  bool accepted() const { return done() && !undecided_ && refusal_.empty(); }
+  /// Nothing spoke against it, but too little for it: more sightings may come.
+  bool undecided() const { return done() && undecided_; }
   /// Why it was refused; empty where it was accepted.
   const std::string& refusal() const { return refusal_; }
   const Proposal& proposal() const { return proposal_; }
@@ -72,6 +74,7 @@ class Trial {
   int fits_ = 0;
   std::size_t matched_at_fit_ = 0;
   std::string refusal_;
+  bool undecided_ = false;
 };
 
 }  // namespace isthmus
