@@ -12,7 +12,8 @@ namespace {
 constexpr double most_gate = 25;             // chi² of three: how far a loop may jump, in its own sigmas
 constexpr int strong_support = 6;            // so many sightings may say that a sigma was too small
 constexpr double most_contradiction = 0.08;  // of hits deep in the other side's free space
-constexpr double most_sighting_cost = 1.5;   // mean chi² of the sightings' residuals after the fit
+constexpr double most_sighting_cost =
+    0.75;  // mean chi² of the sightings after the fit; true ones stay below 0.55
 constexpr double least_matched_share = 0.4;  // of the patches that were compared
 constexpr int few_compared = 3;              // so few prove nothing
 constexpr int enough_support_two_way = 4;    // sightings, where scans cannot tell
