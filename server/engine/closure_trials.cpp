@@ -112,6 +112,9 @@ std::vector<Closures::Group> Closures::groups(World world) const {
 // What has waited in vain for too long, or is too much, is refused.
 void Closures::thin(const std::vector<Group>& groups, World world) {
   std::set<std::size_t> gone;
+  std::map<std::int32_t, std::size_t> of_unplaced_tag;
+  for (std::size_t i = pool_.size(); i-- > 0;)
+    if (!pool_[i].target_place && ++of_unplaced_tag[pool_[i].sighting.barcode] > most_waiting) gone.insert(i);
   for (const Group& group : groups) {
     const std::size_t size = group.members.size();
     for (std::size_t k = 0; k < size; ++k) {

@@ -17,6 +17,9 @@ constexpr double sure_without_scans_m = 0.6;    // learns from a sighting only w
 constexpr std::size_t most_without_scans = 60;  // tags tie everything to everything: a dense graph
 constexpr double informative = 1;               // of a sighting's own sigma
 constexpr double another_tag_m = 0.3;
+constexpr std::size_t enough_beside_another = 6;
+constexpr double apart_beside_another_m = 1;
+constexpr std::size_t most_for_tag = 30;  // newest sightings of a tag that is nowhere yet
 
 PastPlace tag_place(PatchId patch, std::int64_t utime) {
   return {utime, 0, {patch, Pose{}}, Eigen::Matrix3d::Zero(), Pose{}};
@@ -178,10 +181,13 @@ void Closures::place_tags(World world) {
   std::set<std::int32_t> placed;
   for (const auto& [key, members] : sightings) {
     if (members.size() < 2 || tag_patches_.contains(key.first)) continue;
-    place_tag(world, key.first, members);
+    const std::size_t newest = members.size() - std::min(members.size(), most_for_tag);
+    place_tag(world, key.first, {members.begin() + static_cast<std::ptrdiff_t>(newest), members.end()});
     if (tag_patches_.contains(key.first)) placed.insert(key.first);
   }
-  if (!placed.empty()) consider_pool_again(world);
+  if (placed.empty()) return;
+  std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "accepted"; });
+  consider_pool_again(world);
 }
 
 void Closures::place_tag(World world, std::int32_t barcode, const std::vector<std::size_t>& members) {
@@ -189,12 +195,13 @@ void Closures::place_tag(World world, std::int32_t barcode, const std::vector<st
   const std::vector<std::size_t>& best = consensus.supporters;
   if (!consensus.enough()) return;
   const Eigen::Vector2d& mean = consensus.point;
-  // A misread barcode repeats itself where another tag hangs.
+  // A misread barcode repeats itself where another tag hangs: so near one, a tag needs more to be believed.
   const IslandId island = world.map.graph().island(pool_[best.front()].observer.pose.patch);
   for (const auto& [other, patch] : tag_patches_) {
     const Pose& pose = world.map.manifold().pose(patch);
     if (world.map.graph().island(patch) == island &&
-        std::hypot(pose.x - mean.x(), pose.y - mean.y()) < another_tag_m) {
+        std::hypot(pose.x - mean.x(), pose.y - mean.y()) < another_tag_m &&
+        (best.size() < enough_beside_another || consensus.apart_m < apart_beside_another_m)) {
       for (const std::size_t i : best) pool_[i].doubt = "another_tag_is_there";
       return;
     }
@@ -208,7 +215,6 @@ void Closures::place_tag(World world, std::int32_t barcode, const std::vector<st
     verdict(pool_[i], "accepted", "placed_tag");
   }
   world.map.refit_around(id, world.options.window_patches);
-  std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].reason == "placed_tag"; });
 }
 
 void Closures::consider_pool_again(World world) {
