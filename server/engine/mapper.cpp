@@ -17,7 +17,7 @@ constexpr double reselect_rad = 0.3;
 
 void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot,
                       std::span<const ScanPoint> points, const EngineOptions& options) {
-  robot.surroundings.update(map, robot.place->pose.patch, options);
+  robot.surroundings.update(map, robot.place->pose.patch, options, Surroundings::By::scans);
   const Pose moved = ominus(local_from_robot, robot.local_map_centre);
   if (robot.local_map.reference == robot.surroundings.reference() &&
       robot.local_map_stamp == robot.surroundings.stamp() && std::hypot(moved.x, moved.y) < reselect_m &&

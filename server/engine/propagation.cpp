@@ -97,7 +97,7 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   if (near.empty()) return false;
 
   Surroundings surroundings;
-  surroundings.update(map, id, options);
+  surroundings.update(map, id, options, Surroundings::By::all);
   const auto wanted = [&](const Determined& determined) {
     if (!std::ranges::binary_search(near, determined.patch)) return false;
     // Where a candidate is well determined, it must also show what the scan sees.

@@ -109,7 +109,7 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
   const Determined* anchor = nearest_among(surroundings, query, options);
   if (!anchor) return found;
   Surroundings around_anchor;
-  around_anchor.update(map, anchor->patch, options);
+  around_anchor.update(map, anchor->patch, options, Surroundings::By::scans);
 
   // The robot seen from the anchor: the covariance of the inverse pose.
   const Pose anchor_from_robot = ominus(query.local_from_robot, anchor->local_from_patch);
@@ -150,7 +150,8 @@ Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const 
                    const EngineOptions& options) {
   Surroundings surroundings = near_surroundings;
   if (others_near(map, surroundings, local_from_robot, options)) {
-    surroundings.update(map, surroundings.reference(), options, options.rejoin_patches);
+    surroundings.update(map, surroundings.reference(), options, Surroundings::By::all,
+                        options.rejoin_patches);
   }
   LoopQuery query;
   query.local_from_robot = local_from_robot;

@@ -41,21 +41,23 @@ double overlap_share(const Patch& patch, const Pose& patch_from_robot, std::span
   return seen == 0 ? 0 : static_cast<double>(near) / seen;
 }
 
-void Surroundings::update(const Map& map, PatchId reference, const EngineOptions& options,
+void Surroundings::update(const Map& map, PatchId reference, const EngineOptions& options, By by,
                           std::size_t most_patches) {
-  if (reference == reference_ && most_patches == most_ && map.stamp(looked_at_) == stamp_) return;
+  if (reference == reference_ && most_patches == most_ && by == by_ && map.stamp(looked_at_) == stamp_)
+    return;
   most_ = most_patches;
+  by_ = by;
   reference_ = reference;
   patches_.clear();
   looked_at_ = map.graph().nearest_in_graph(reference, most_patches);
   stamp_ = map.stamp(looked_at_);
   const Pose& map_from_reference = map.manifold().pose(reference);
+  const auto by_scans = local_relative_covariances(map.graph(), map.manifold().poses(), reference,
+                                                   most_patches, says_where_walls_are);
   const auto covariances =
-      local_relative_covariances(map.graph(), map.manifold().poses(), reference, most_patches);
-  const auto by_scans = any_coarse(map.graph(), looked_at_)
-                            ? local_relative_covariances(map.graph(), map.manifold().poses(), reference,
-                                                         most_patches, says_where_walls_are)
-                            : covariances;
+      by == By::all && any_coarse(map.graph(), looked_at_)
+          ? local_relative_covariances(map.graph(), map.manifold().poses(), reference, most_patches)
+          : by_scans;
   patches_.push_back({reference, Pose{}, Eigen::Matrix3d::Zero(), true, true});
   for (const auto& [id, covariance] : covariances) {
     if (id == reference || !well_determined(covariance, options.rejoin)) continue;

@@ -25,11 +25,16 @@ struct Determined {
 /// are where a local loop may be about to close, and are matched on their own (rejoin.hpp).
 class Surroundings {
  public:
+  /// By which relations patches are determined here. What scans and odometry say is all that localisation
+  /// needs; where loops may close, sightings tell where to look.
+  enum class By { scans, all };
+
   /// Looks again if the reference, or the graph near it, has changed since.
-  void update(const Map& map, PatchId reference, const EngineOptions& options) {
-    update(map, reference, options, options.confidence_patches);
+  void update(const Map& map, PatchId reference, const EngineOptions& options, By by) {
+    update(map, reference, options, by, options.confidence_patches);
   }
-  void update(const Map& map, PatchId reference, const EngineOptions& options, std::size_t most_patches);
+  void update(const Map& map, PatchId reference, const EngineOptions& options, By by,
+              std::size_t most_patches);
 
   PatchId reference() const { return reference_; }
   /// Changes whenever `update` had to look again.
@@ -45,6 +50,7 @@ class Surroundings {
   PatchId reference_;
   std::int64_t stamp_ = -1;  // of `looked_at_` when they were looked at
   std::size_t most_ = 0;
+  By by_ = By::scans;
   std::vector<PatchId> looked_at_;
   std::vector<Determined> patches_;
 };
