@@ -406,4 +406,19 @@ std::string Closures::allow(ClosureId id) {
   return "";
 }
 
+void Closures::forget_robot(World world, const std::string& robot) {
+  if (trial_) {
+    const ClosureId id = trial_->proposal().id;
+    trial_.reset();
+    put_off(world, id);
+  }
+  const auto is_its = [&](const Evidence& evidence) {
+    if (evidence.sighting.robot != robot && evidence.target != robot) return false;
+    verdict(evidence, "refused", "robot_dropped");
+    return true;
+  };
+  std::erase_if(pool_, is_its);
+  std::erase_if(unplaced_, [&](const Unplaced& unplaced) { return is_its(unplaced.evidence); });
+}
+
 }  // namespace isthmus

@@ -48,6 +48,9 @@ class Closures {
   /// Takes that back: the sightings are looked at again.
   std::string allow(ClosureId id);
 
+  /// A robot's data is taken out: nothing that it saw, or that saw it, waits any longer. A trial is put off.
+  void forget_robot(World world, const std::string& robot);
+
   const std::vector<SightingRecord>& sightings() const { return records_; }
   std::vector<ClosureRecord> closures() const;
   const std::map<std::int32_t, PatchId>& tags() const { return tag_patches_; }

@@ -12,6 +12,7 @@
 #include "server/engine/settling.hpp"
 #include "server/engine/teammates.hpp"
 #include "server/engine/weaving.hpp"
+#include "server/engine/withdrawal.hpp"
 
 namespace isthmus {
 namespace {
@@ -36,6 +37,7 @@ struct Engine::State {
   std::set<std::int32_t> tags;  // declared barcodes
   Counters counters;
   std::set<std::string> starts_related;
+  std::map<std::string, std::vector<Relation>> dropped;  // by robot: what its patches were related by
 
   explicit State(Configuration given) { configure(std::move(given)); }
 
@@ -79,6 +81,9 @@ struct Engine::State {
   void settle(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);
   void record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot);
   void relate_measured_starts();
+  void map_changed(const std::vector<std::vector<PatchId>>& islands);
+  std::string drop_data(const std::string& name);
+  std::string take_back_drop(const std::string& name);
   std::vector<TagRecord> tag_records() const;
   void refine_all();
 };
@@ -183,7 +188,11 @@ Outcome Engine::State::take(const CommandEvent& event) {
   if (event.verb == "withdraw" || event.verb == "forbid") {
     reason = closures.forbid(world(), ClosureId{static_cast<std::int32_t>(event.closure)},
                              event.verb == "withdraw");
-  } else if (event.verb == "allow" && event.robot.empty()) {
+  } else if (event.verb == "drop") {
+    reason = drop_data(event.robot);
+  } else if (event.verb == "allow" && !event.robot.empty()) {
+    reason = take_back_drop(event.robot);
+  } else if (event.verb == "allow") {
     reason = closures.allow(ClosureId{static_cast<std::int32_t>(event.closure)});
   }
   if (!reason.empty()) return {drop("", reason), {}};
@@ -282,6 +291,39 @@ void Engine::State::record(Robot& robot, const ManifoldPose& pose, const Pose& o
   robot.unplaced.clear();
 }
 
+// Takes a robot's data so far out of the map; what it sends from now on begins a new island.
+std::string Engine::State::drop_data(const std::string& name) {
+  Robot* robot = declared(name);
+  if (!robot) return "unknown_robot";
+  closures.forget_robot(world(), name);
+  const std::vector<Relation> taken = take_out(map, name, robots);
+  std::vector<Relation>& kept = dropped[name];
+  kept.insert(kept.end(), taken.begin(), taken.end());
+  robot->place.reset();
+  robot->history = {};
+  robot->pending.clear();
+  robot->unplaced.clear();
+  robot->rejoins.clear();
+  map_changed(map.graph().islands());
+  return "";
+}
+
+std::string Engine::State::take_back_drop(const std::string& name) {
+  const auto found = dropped.find(name);
+  if (found == dropped.end()) return "not_dropped";
+  for (const Relation& relation : found->second) map.relate(relation);
+  dropped.erase(found);
+  map_changed(map.graph().islands());
+  return "";
+}
+
+void Engine::State::map_changed(const std::vector<std::vector<PatchId>>& islands) {
+  settling.map_changed();
+  weaving.map_changed();
+  for (const std::vector<PatchId>& island : islands)
+    if (island.size() > 1) settling.request(island.front());
+}
+
 std::vector<TagRecord> Engine::State::tag_records() const {
   std::map<std::int32_t, TagRecord> records;
   for (const std::int32_t barcode : tags) records[barcode].barcode = barcode;
@@ -364,6 +406,7 @@ MapCopy Engine::copy() const {
   copy.sightings = state.closures.sightings();
   copy.closures = state.closures.closures();
   copy.tags = state.tag_records();
+  for (const auto& [name, relations] : state.dropped) copy.dropped_robots.push_back(name);
   copy.counters = state.counters;
   return copy;
 }

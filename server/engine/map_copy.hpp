@@ -80,6 +80,7 @@ struct MapCopy {
   std::vector<SightingRecord> sightings;
   std::vector<TagRecord> tags;
   std::vector<ClosureRecord> closures;
+  std::vector<std::string> dropped_robots;  ///< whose patches operators have taken out
   Counters counters;
 };
 

@@ -56,4 +56,20 @@ void withdraw(Map& map, ClosureId closure, std::map<std::string, Robot>& robots)
   }
 }
 
+std::vector<Relation> take_out(Map& map, const std::string& robot, std::map<std::string, Robot>& robots) {
+  const auto is_its = [&](PatchId id) { return map.manifold().patch(id).robot == robot; };
+  std::vector<RelationId> gone;
+  std::vector<Relation> taken;
+  for (const auto& [id, relation] : map.graph().relations()) {
+    if (!is_its(relation.a) && !is_its(relation.b)) continue;
+    gone.push_back(id);
+    taken.push_back(relation);
+  }
+  map.remove(gone);
+  for (auto& [name, other] : robots) {
+    if (name != robot) put_back(map, other);
+  }
+  return taken;
+}
+
 }  // namespace isthmus
