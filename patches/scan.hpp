@@ -11,7 +11,7 @@ namespace isthmus {
 struct Laser {
   Pose robot_from_laser;
   double range_min_m = 0.05;
-  double range_max_m = 80;  ///< a range at or beyond it is "no return" (REP-117)
+  double range_max_m = 80;  ///< a range at or beyond it is "no return" (REP-117); 0: there is no laser
 };
 
 /// One planar laser scan as it came: beam i looks along bearing0_rad + i * bearing_step_rad in the laser's

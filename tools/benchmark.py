@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Imports, replays and evaluates every recorded log and set it finds, and prints tables.
+"""Imports, replays and evaluates every recorded log and set it finds and two simulated ones, and prints tables.
 
     tools/benchmark.py [--build DIR] [--data DIR] [--keep DIR] [NAME ...]
 
 Data: DIR/bench/NAME.clf.gz with NAME.relations, DIR/multi/NAME/ (r*.clf.gz, robots.csv, sightings*.csv,
-relations.csv), DIR/posegraph/NAME.g2o.gz; by default ${ISTHMUS_DATA:-../shared/data}. NAMEs select logs.
+outliers.csv, relations.csv), DIR/mrclam/NAME/, DIR/posegraph/NAME.g2o.gz; by default ${ISTHMUS_DATA:-../shared/data}. NAMEs select logs.
 """
 
 import argparse
+import csv
 import glob
 import json
 import os
@@ -19,6 +20,8 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 # Where a log's laser sits, for logs that do not say it themselves.
 MOUNTS = {"fr079": ["--laser-x", "-0.04"]}
+
+SCENARIOS = ["courtyards", "double_spiral"]
 
 
 class Tools:
@@ -33,15 +36,33 @@ class Tools:
             raise RuntimeError(f"isthmus-{command} failed: {result.stderr.strip()}")
         return result.stdout
 
-    def map(self, name, import_arguments, relations):
-        """Imports, replays and evaluates one log or set; returns (summary of the run, errors by kind)."""
-        log = os.path.join(self.work, name + ".lcm")
-        output = os.path.join(self.work, name)
-        self.run("import", "carmen", *import_arguments, "-o", log)
-        summary = json.loads(self.run("replay", log, "--output", output, "--json"))
-        errors = self.run("evaluate", "--relations", relations, "--output", output, "--json")
+    def results(self, runs):
+        """What each (name, function) returns; those that fail are told and left out."""
+        found = []
+        for name, run in runs:
+            print(f"{name} ...", file=sys.stderr, flush=True)
+            try:
+                found.append(run())
+            except RuntimeError as error:
+                print(f"{name}: {error}", file=sys.stderr)
+                self.failed = True
+        return found
+
+    def folder(self, name):
+        return os.path.join(self.work, name)
+
+    def replay(self, name, log, *truth):
+        """Maps and evaluates one log, and removes it; returns (summary of the run, evaluation)."""
+        summary = json.loads(self.run("replay", log, "--output", self.folder(name), "--json"))
         os.remove(log)
-        return summary, json.loads(errors)["relations"]
+        return summary, json.loads(self.run("evaluate", *truth, "--output", self.folder(name), "--json"))
+
+    def map(self, name, import_arguments, relations):
+        """Imports, replays and evaluates one log or set; returns (name, summary of the run, errors by kind)."""
+        log = self.folder(name) + ".lcm"
+        self.run("import", "carmen", *import_arguments, "-o", log)
+        summary, evaluation = self.replay(name, log, "--relations", relations)
+        return name, summary, evaluation["relations"]
 
 
 def name_of(path, ending):
@@ -62,6 +83,84 @@ def team_sets(data):
             robots += ["--robot", name_of(log, ".clf.gz") + "=" + log]
         for ending, sightings in (("", "sightings.csv"), ("+false", "sightings_with_outliers.csv")):
             yield name + ending, [*robots, "--sightings", folder + sightings], folder + "relations.csv"
+
+
+def false_sightings(folder, ending):
+    """What tells a set's false sightings: stamp, observer and barcode; none in the clean set."""
+    if not ending:
+        return set()
+    with open(os.path.join(folder, "outliers.csv"), newline="") as file:
+        return {(row["utime_us"], row["observer"].upper(), row["barcode"]) for row in csv.DictReader(file)}
+
+
+def accepted_sightings(output, false_ones):
+    """Of the true and of the false sightings in a map's sightings.csv: "accepted / all"."""
+    counts = {False: [0, 0], True: [0, 0]}
+    with open(os.path.join(output, "sightings.csv"), newline="") as file:
+        for row in csv.DictReader(file):
+            count = counts[(row["utime_us"], row["observer"].upper(), row["barcode"]) in false_ones]
+            count[0] += row["verdict"] == "accepted"
+            count[1] += 1
+    return [f"{accepted} / {total}" for accepted, total in (counts[False], counts[True])]
+
+
+def meeting_cells(tools, name, summary, errors, false_ones):
+    cells = [str(summary["islands"]), *accepted_sightings(tools.folder(name), false_ones)]
+    for kind in ("intra", "inter"):
+        found = errors.get(kind, {"count": 0})
+        cells.append("–" if found["count"] == 0 else
+                     f"{found['translation_m']['mean']:.4f} / {found['rotation_deg']['mean']:.3f}")
+    return [name, *cells, *run_cells(summary)]
+
+
+def run_cells(summary):
+    """CPU time, and the slowest event by the clock and by CPU time."""
+    return [f"{summary['cpu_s']:.1f}", f"{summary['event_latency_ms']['max']:.1f} / {summary['event_cpu_ms']['max']:.1f}"]
+
+
+def meetings(tools, teams, data):
+    for name, summary, errors in teams:
+        folder, _, ending = name.partition("+")
+        yield meeting_cells(tools, name, summary, errors, false_sightings(os.path.join(data, "multi", folder), ending))
+
+
+def simulated(tools, name):
+    log, truth = tools.folder(name) + ".lcm", tools.folder(name) + "-truth"
+    tools.run("simulate", "--scenario", name, "--seed", "1", "-o", log, "--truth", truth)
+    summary, evaluation = tools.replay(name, log, "--truth", truth)
+    return meeting_cells(tools, name, summary, evaluation["relations"], false_sightings(truth, "+false"))
+
+
+def mrclam_sets(data):
+    for folder in sorted(glob.glob(os.path.join(data, "mrclam", "*", ""))):
+        name = os.path.basename(os.path.dirname(folder))
+        yield name, folder, []
+        yield name + "+landmarks-only", folder, ["--without-robot-sightings"]
+
+
+def mrclam(tools, name, folder, options):
+    log, truth = tools.folder(name) + ".lcm", tools.folder(name) + "-truth"
+    tools.run("import", "mrclam", folder, *options, "-o", log, "--truth", truth)
+    summary, evaluation = tools.replay(name, log, "--truth", truth)
+    return [name, str(summary["islands"]), *absolute_cells(evaluation), *run_cells(summary)]
+
+
+def absolute_cells(evaluation):
+    """Mean errors of robots and of landmarks, each island aligned with the truth as a whole."""
+    islands = evaluation["absolute_islands"]
+
+    def mean(count, value):
+        total = sum(island[count] for island in islands)
+        return sum(island[count] * value(island) for island in islands if island[count]) / total if total else None
+
+    def cell(value):
+        return "–" if value is None else f"{value:.3f}"
+
+    tags = sum(island["tags"] for island in islands)
+    return [cell(mean("count", lambda island: island["translation_m"]["mean"])),
+            cell(mean("count", lambda island: island["rotation_deg"]["mean"])),
+            f"{tags} / {tags + evaluation['missing_tags']}",
+            cell(mean("tags", lambda island: island["tag_translation_m"]["mean"]))]
 
 
 def table(title, header, rows):
@@ -94,18 +193,6 @@ def cost_cells(summary):
             f"{growth:.2f}", str(summary["patches"]), str(summary["islands"]), summary["map_sha256"][:12]]
 
 
-def run_all(tools, logs):
-    results = []
-    for name, arguments, relations in logs:
-        print(f"{name} ...", file=sys.stderr, flush=True)
-        try:
-            results.append((name, *tools.map(name, arguments, relations)))
-        except RuntimeError as error:
-            print(f"{name}: {error}", file=sys.stderr)
-            tools.failed = True
-    return results
-
-
 def pose_graphs(tools, data, wanted):
     for graph in sorted(glob.glob(os.path.join(data, "posegraph", "*.g2o*"))):
         name = os.path.basename(graph).split(".")[0]
@@ -128,20 +215,34 @@ def main():
         return 1
 
     def wanted(name):
-        return not arguments.names or any(part in name for part in arguments.names)
+        return not arguments.names or any(part.lower() in name.lower() for part in arguments.names)
 
     with tempfile.TemporaryDirectory() as scratch:
         work = arguments.keep or scratch
         os.makedirs(work, exist_ok=True)
         tools = Tools(arguments.build, work)
         tools.failed = False
-        singles = run_all(tools, [log for log in single_logs(arguments.data) if wanted(log[0])])
-        teams = run_all(tools, [log for log in team_sets(arguments.data) if wanted(log[0])])
+
+        def run(one_of, logs):
+            return tools.results((log[0], lambda log=log: one_of(*log)) for log in logs if wanted(log[0]))
+
+        singles = run(tools.map, single_logs(arguments.data))
+        teams = run(tools.map, team_sets(arguments.data))
+        scenarios = run(lambda name: simulated(tools, name), ((name,) for name in SCENARIOS))
+        landmarks = run(lambda *log: mrclam(tools, *log), mrclam_sets(arguments.data))
         error_header = ["relations (missing)", "translation m", "median m", "rotation °"]
         table("Accuracy, one robot", ["log", *error_header],
               [[name, *error_cells(errors.get("intra"))] for name, _, errors in singles])
         table("Accuracy, several robots", ["set", "kind", *error_header],
               [[name, kind, *error_cells(errors.get(kind))] for name, _, errors in teams for kind in ("intra", "inter")])
+        meeting_header = ["islands", "true accepted", "false accepted", "intra m / °", "inter m / °", "CPU s",
+                          "slowest event ms, CPU ms"]
+        table("Meetings, recorded sets (mean errors)", ["set", *meeting_header],
+              list(meetings(tools, teams, arguments.data)))
+        table("Meetings, simulated (mean errors)", ["scenario", *meeting_header], scenarios)
+        table("Robots without lasers (mean errors)",
+              ["set", "islands", "robots m", "robots °", "landmarks placed", "landmarks m", "CPU s",
+               "slowest event ms, CPU ms"], landmarks)
         table("Cost", ["log", "scans", "matched", "CPU s", "peak MB", "event ms p50 / p99 / max", "CPU ms p99 / max",
                        "per scan, last : second tenth", "patches", "islands", "map_sha256"],
               [[name, *cost_cells(summary)] for name, summary, _ in singles + teams])

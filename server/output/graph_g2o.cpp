@@ -19,6 +19,8 @@ std::string pose_text(const Pose& pose) {
   return number(pose.x) + " " + number(pose.y) + " " + number(pose.yaw);
 }
 
+std::string fix_line(PatchId id) { return "FIX " + std::to_string(id.value) + "\n"; }
+
 std::string edge_line(const Relation& relation, const G2oEdge& edge) {
   std::string line = "EDGE_SE2 " + std::to_string(relation.a.value) + " " + std::to_string(relation.b.value) +
                      " " + pose_text(edge.measured_a_from_b);
@@ -50,8 +52,9 @@ void write_g2o(const MapCopy& map, const RankedIslands& islands, const std::stri
     file.write("VERTEX_SE2 " + std::to_string(map.patches[i]->id.value) + " " + pose_text(map.poses[i]) +
                "\n");
   }
-  for (const std::vector<PatchId>& patches : islands.patches) {
-    file.write("FIX " + std::to_string(patches.front().value) + "\n");
+  for (const std::vector<PatchId>& patches : islands.patches) file.write(fix_line(patches.front()));
+  for (const std::vector<PatchId>& patches : map.graph.islands()) {
+    if (islands.rank(patches.front()) < 0) file.write(fix_line(patches.front()));  // nothing but tags
   }
   for (const auto& [id, relation] : map.graph.relations()) {
     const Pose& map_from_a = map.poses[static_cast<std::size_t>(relation.a.value)];

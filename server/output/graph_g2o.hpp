@@ -21,7 +21,8 @@ G2oEdge g2o_edge(const Relation& relation, const Pose& fitted_a_from_b);
 /// The way back: what an edge says, as a measurement of this project.
 RelativePose relative_pose(const G2oEdge& edge);
 
-/// Writes the pose graph: VERTEX_SE2 per patch, EDGE_SE2 per relation, one FIX per island (its first patch).
+/// Writes the pose graph: VERTEX_SE2 per patch, fixed tags among them (their yaw means nothing), EDGE_SE2 per
+/// relation, one FIX per island (its first patch).
 void write_g2o(const MapCopy& map, const RankedIslands& islands, const std::string& path);
 
 }  // namespace isthmus

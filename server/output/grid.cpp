@@ -32,8 +32,9 @@ std::vector<Placed> place(const MapCopy& map, const std::vector<PatchId>& ids) {
   std::vector<Placed> placed;
   for (const PatchId id : ids) {
     const Pose& pose = map.poses[static_cast<std::size_t>(id.value)];
-    if (!is_finite(pose) || std::hypot(pose.x, pose.y) > farthest_m) continue;
-    placed.push_back({*map.patches[static_cast<std::size_t>(id.value)], pose});
+    const Patch& patch = *map.patches[static_cast<std::size_t>(id.value)];
+    if (patch.tag >= 0 || !is_finite(pose) || std::hypot(pose.x, pose.y) > farthest_m) continue;
+    placed.push_back({patch, pose});
   }
   return placed;
 }

@@ -24,7 +24,8 @@ struct OccupancyGrid {
 
 /// Renders one island from its patches, at their poses in the map copy. Free is what the free space of some
 /// patch covers, by the very polygons of the patches; occupied is what scans hit, unless clearly contradicted
-/// by other patches' free space. The grid is bounded to `max_pixels` by coarsening the resolution.
+/// by other patches' free space. Fixed tags leave no trace. The grid is bounded to `max_pixels` by coarsening
+/// the resolution.
 OccupancyGrid render_island(const MapCopy& map, const std::vector<PatchId>& island_patches,
                             double resolution_m = 0.05, std::size_t max_pixels = 64'000'000);
 

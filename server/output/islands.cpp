@@ -1,22 +1,55 @@
 #include "server/output/islands.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <utility>
 
 namespace isthmus {
+namespace {
 
-RankedIslands rank_islands(const RelationGraph& graph) {
-  RankedIslands ranked;
-  ranked.patches = graph.islands();
+RankedIslands ranked(const RelationGraph& graph, const std::function<bool(PatchId)>& is_tag) {
+  struct Island {
+    std::vector<PatchId> patches;
+    std::vector<PatchId> tags;
+  };
+  std::vector<Island> islands;
+  for (const std::vector<PatchId>& all : graph.islands()) {
+    Island island;
+    for (const PatchId id : all) (is_tag(id) ? island.tags : island.patches).push_back(id);
+    if (!island.patches.empty()) islands.push_back(std::move(island));
+  }
   // Islands come in order of their ids; a stable sort keeps that among equals.
-  std::stable_sort(ranked.patches.begin(), ranked.patches.end(),
-                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  std::stable_sort(islands.begin(), islands.end(),
+                   [](const Island& a, const Island& b) { return a.patches.size() > b.patches.size(); });
+
+  RankedIslands ranked;
   ranked.rank_of_patch.assign(graph.patch_count(), -1);
-  for (std::size_t k = 0; k < ranked.patches.size(); ++k) {
-    for (const PatchId patch : ranked.patches[k]) {
-      ranked.rank_of_patch[static_cast<std::size_t>(patch.value)] = static_cast<int>(k);
-    }
+  for (Island& island : islands) {
+    const auto k = static_cast<int>(ranked.patches.size());
+    for (const PatchId id : island.patches) ranked.rank_of_patch[static_cast<std::size_t>(id.value)] = k;
+    for (const PatchId id : island.tags) ranked.rank_of_patch[static_cast<std::size_t>(id.value)] = k;
+    ranked.patches.push_back(std::move(island.patches));
+    ranked.tags.push_back(std::move(island.tags));
   }
   return ranked;
+}
+
+bool is_tag(const PatchPtr& patch) { return patch->tag >= 0; }
+
+}  // namespace
+
+RankedIslands rank_islands(const MapCopy& map) {
+  return ranked(map.graph,
+                [&](PatchId id) { return is_tag(map.patches[static_cast<std::size_t>(id.value)]); });
+}
+
+RankedIslands rank_islands(const RelationGraph& graph) {
+  return ranked(graph, [](PatchId) { return false; });
+}
+
+std::size_t patch_count(const MapCopy& map) {
+  return map.patches.size() -
+         static_cast<std::size_t>(std::count_if(map.patches.begin(), map.patches.end(), is_tag));
 }
 
 }  // namespace isthmus

@@ -1,15 +1,18 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
-#include "relations/graph.hpp"
+#include "server/engine/map_copy.hpp"
 
 namespace isthmus {
 
-/// The islands as output files number them: K = 0 for the one with most patches, ties by id.
+/// The islands as output files number them: K = 0 for the one with most patches, ties by id. Fixed tags are
+/// points and no patches here: they count for nothing, and an island of nothing else has no K.
 struct RankedIslands {
   std::vector<std::vector<PatchId>> patches;  ///< by K; each by id, so the first patch leads
-  std::vector<int> rank_of_patch;             ///< K by patch id
+  std::vector<std::vector<PatchId>> tags;     ///< by K; each by id
+  std::vector<int> rank_of_patch;             ///< K by patch id, tags too; -1 where there is none
 
   /// K of a patch's island; -1 where there is no such patch.
   int rank(PatchId patch) const {
@@ -18,6 +21,11 @@ struct RankedIslands {
   }
 };
 
+RankedIslands rank_islands(const MapCopy& map);
+/// The same of a graph without fixed tags.
 RankedIslands rank_islands(const RelationGraph& graph);
+
+/// How many of the map's patches are not fixed tags.
+std::size_t patch_count(const MapCopy& map);
 
 }  // namespace isthmus

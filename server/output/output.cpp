@@ -18,13 +18,7 @@ namespace {
 MapCopy aligned(const MapCopy& map, const Pose& out_from_map) {
   MapCopy out = map;
   for (Pose& pose : out.poses) pose = out_from_map * pose;
-  const Eigen::Matrix2d turn = (Eigen::Matrix2d() << rotate(out_from_map.yaw, Eigen::Vector2d::UnitX()),
-                                rotate(out_from_map.yaw, Eigen::Vector2d::UnitY()))
-                                   .finished();
-  for (TagRecord& tag : out.tags) {
-    tag.position = out_from_map * tag.position;
-    tag.covariance = turn * tag.covariance * turn.transpose();
-  }
+  for (TagRecord& tag : out.tags) tag.position = out_from_map * tag.position;
   return out;
 }
 
@@ -44,7 +38,7 @@ void write_grids(const MapCopy& map, const RankedIslands& islands, const std::st
 void write_outputs(const MapCopy& map, const RunCost& cost, const std::string& directory,
                    const OutputOptions& options) {
   const MapCopy out = aligned(map, options.align);
-  const RankedIslands islands = rank_islands(out.graph);
+  const RankedIslands islands = rank_islands(out);
   make_directory(directory + "/trajectories");
 
   write_grids(out, islands, directory, options.resolution_m);

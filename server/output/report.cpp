@@ -4,6 +4,7 @@
 #include <set>
 
 #include "server/output/atomic_file.hpp"
+#include "server/output/trajectories.hpp"
 
 namespace isthmus {
 namespace {
@@ -15,6 +16,7 @@ double seconds_between(std::int64_t from_utime, std::int64_t to_utime) {
 }
 
 Json closures(const MapCopy& map) {
+  const std::int64_t first_utime = map.counters.first_receive_utime;
   Json list = Json::array();
   for (const ClosureRecord& closure : map.closures) {
     list.push_back({{"id", closure.id.value},
@@ -25,7 +27,9 @@ Json closures(const MapCopy& map) {
                     {"reason", closure.reason},
                     {"patches_touched", closure.patches_touched},
                     {"work_steps", closure.work_steps},
-                    {"event_time_s", seconds_between(closure.start_utime, closure.end_utime)}});
+                    {"event_time_s", seconds_between(closure.start_utime, closure.end_utime)},
+                    {"start_s", seconds_between(first_utime, closure.start_utime)},
+                    {"end_s", seconds_between(first_utime, closure.end_utime)}});
   }
   return list;
 }
@@ -44,10 +48,14 @@ Json sessions(const MapCopy& map, const RankedIslands& islands) {
 
 Json island_list(const MapCopy& map, const RankedIslands& islands) {
   Json list = Json::array();
-  for (const std::vector<PatchId>& patches : islands.patches) {
+  for (std::size_t k = 0; k < islands.patches.size(); ++k) {
+    const std::vector<PatchId>& patches = islands.patches[k];
     std::set<std::string> robots;
     for (const PatchId id : patches) robots.insert(map.patches[static_cast<std::size_t>(id.value)]->robot);
-    list.push_back({{"id", patches.front().value}, {"patches", patches.size()}, {"robots", robots}});
+    list.push_back({{"id", map.graph.island(patches.front()).value},
+                    {"patches", patches.size()},
+                    {"tags", islands.tags[k].size()},
+                    {"robots", robots}});
   }
   return list;
 }
@@ -83,11 +91,13 @@ std::string report_json(const MapCopy& map, const RankedIslands& islands, const 
                        {"sightings", counters.sightings},
                        {"dropped", counts(counters.dropped)},
                        {"dropped_by_robot", counts_by_robot(counters.dropped_by_robot)},
-                       {"patches", map.patches.size()},
+                       {"patches", patch_count(map)},
+                       {"tags", map.patches.size() - patch_count(map)},
                        {"relations", map.graph.relations().size()},
                        {"islands", islands.patches.size()},
                        {"island_list", island_list(map, islands)},
                        {"trajectory_rows", map.trajectory_rows},
+                       {"trajectory_rows_parted", count_parted_rows(map)},
                        {"sessions", sessions(map, islands)},
                        {"closures", closures(map)},
                        {"log_duration_s", log_duration_s},

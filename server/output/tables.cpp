@@ -11,13 +11,16 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// By patch id: relative to the first patch of each island.
-std::vector<Eigen::Matrix3d> covariances(const MapCopy& map, const RankedIslands& islands) {
+/// Of `members`, patches or tags by island: by patch id, relative to the first patch of each island.
+std::vector<Eigen::Matrix3d> covariances(const MapCopy& map, const RankedIslands& islands,
+                                         const std::vector<std::vector<PatchId>>& members) {
   std::vector<Eigen::Matrix3d> all(map.patches.size(), Eigen::Matrix3d::Constant(nan));
-  for (const std::vector<PatchId>& patches : islands.patches) {
-    const auto relative = exact_relative_covariances(map.graph, map.poses, patches.front(), patches);
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    if (members[k].empty()) continue;
+    const auto relative =
+        exact_relative_covariances(map.graph, map.poses, islands.patches[k].front(), members[k]);
     for (std::size_t i = 0; i < relative.size(); ++i) {
-      all[static_cast<std::size_t>(patches[i].value)] = relative[i];
+      all[static_cast<std::size_t>(members[k][i].value)] = relative[i];
     }
   }
   return all;
@@ -38,12 +41,13 @@ void write_robots(const MapCopy& map, const RankedIslands& islands, const std::s
 }
 
 void write_patches(const MapCopy& map, const RankedIslands& islands, const std::string& path) {
-  const std::vector<Eigen::Matrix3d> covariance = covariances(map, islands);
+  const std::vector<Eigen::Matrix3d> covariance = covariances(map, islands, islands.patches);
   CsvFile csv(path,
               "id,robot,utime_us,island,x_m,y_m,yaw_rad,cov_x_x,cov_x_y,cov_x_yaw,cov_y_y,cov_y_yaw,"
               "cov_yaw_yaw,free_space");
   for (std::size_t i = 0; i < map.patches.size(); ++i) {
     const Patch& patch = *map.patches[i];
+    if (patch.tag >= 0) continue;
     const Pose& pose = map.poses[i];
     const Eigen::Matrix3d& c = covariance[i];
     csv.row(patch.id, patch.robot, patch.utime, islands.rank(patch.id), pose.x, pose.y, pose.yaw, c(0, 0),
@@ -73,14 +77,16 @@ void write_sightings(const MapCopy& map, const std::string& path) {
 }
 
 void write_tags(const MapCopy& map, const RankedIslands& islands, const std::string& path) {
-  CsvFile csv(path, "barcode,island,x_m,y_m,cov_x_x,cov_x_y,cov_y_y");
+  const std::vector<Eigen::Matrix3d> covariance = covariances(map, islands, islands.tags);
+  CsvFile csv(path, "barcode,island,x_m,y_m,cov_x_x,cov_x_y,cov_y_y,patch");
   for (const TagRecord& tag : map.tags) {
-    if (tag.placed) {
-      csv.row(tag.barcode, islands.rank(tag.island), tag.position.x(), tag.position.y(), tag.covariance(0, 0),
-              tag.covariance(0, 1), tag.covariance(1, 1));
-    } else {
-      csv.row(tag.barcode, -1, nan, nan, nan, nan, nan);
+    const int k = islands.rank(tag.patch);
+    if (k < 0) {
+      csv.row(tag.barcode, -1, nan, nan, nan, nan, nan, tag.patch);
+      continue;
     }
+    const Eigen::Matrix3d& c = covariance[static_cast<std::size_t>(tag.patch.value)];
+    csv.row(tag.barcode, k, tag.position.x(), tag.position.y(), c(0, 0), c(0, 1), c(1, 1), tag.patch);
   }
   csv.commit();
 }

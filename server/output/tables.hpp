@@ -13,14 +13,15 @@ namespace isthmus {
 /// `robot,island,from_s,to_s`: a row per robot and session, each robot's last one current.
 void write_robots(const MapCopy& map, const RankedIslands& islands, const std::string& path);
 
-/// A row per patch, with the exact covariance of (x, y, yaw) relative to the island's first patch, in that
-/// patch's frame (nan where the relations leave it open), and the free space as WKT.
+/// A row per patch that is no fixed tag, with the exact covariance of (x, y, yaw) relative to the island's
+/// first patch, in that patch's frame (nan where the relations leave it open), and the free space as WKT.
 void write_patches(const MapCopy& map, const RankedIslands& islands, const std::string& path);
 
 void write_relations(const MapCopy& map, const std::string& path);
 void write_sightings(const MapCopy& map, const std::string& path);
 
-/// Fixed tags; nan where one has not been placed yet.
+/// Fixed tags, with the exact covariance of (x, y) relative to the island's first patch, in that patch's
+/// frame, as patches have it; nan where a tag is not placed, or is on an island with no patch but tags.
 void write_tags(const MapCopy& map, const RankedIslands& islands, const std::string& path);
 
 }  // namespace isthmus

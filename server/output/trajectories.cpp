@@ -18,6 +18,10 @@ std::string tum_line(const ProjectedRow& row) {
          fixed(std::sin(pose.yaw / 2), 9) + " " + fixed(std::cos(pose.yaw / 2), 9) + "\n";
 }
 
+bool is_parted(const RelationGraph& graph, const Session& session, PatchId patch) {
+  return !session.first_patch.valid() || graph.island(session.first_patch) != graph.island(patch);
+}
+
 }  // namespace
 
 void for_each_row(const MapCopy& map, const std::function<void(const ProjectedRow&)>& visit) {
@@ -29,7 +33,8 @@ void for_each_row(const MapCopy& map, const std::function<void(const ProjectedRo
       const auto session = static_cast<std::size_t>(row.session);
       const auto patch = static_cast<std::size_t>(row.patch.value);
       if (session >= map.sessions.size() || patch >= map.poses.size()) continue;
-      visit({map.sessions[session], row.utime, row.patch, map.poses[patch] * row.patch_from_robot});
+      visit({map.sessions[session], row.utime, row.patch, map.poses[patch] * row.patch_from_robot,
+             is_parted(map.graph, map.sessions[session], row.patch)});
     }
     if (rows.size() < count) throw std::runtime_error("the trajectories' temporary file cannot be read back");
   }
@@ -59,12 +64,20 @@ std::string file_name_of(const std::string& robot) {
   return name;
 }
 
+std::size_t count_parted_rows(const MapCopy& map) {
+  std::size_t parted = 0;
+  for_each_row(map, [&](const ProjectedRow& row) { parted += row.parted ? 1U : 0U; });
+  return parted;
+}
+
 void write_trajectories(const MapCopy& map, const std::string& directory) {
   std::map<std::string, AtomicFile> files;
   for (const std::string& robot : robots_of(map)) {
     files.try_emplace(robot, directory + "/" + file_name_of(robot) + ".tum");
   }
-  for_each_row(map, [&](const ProjectedRow& row) { files.at(row.session.robot).write(tum_line(row)); });
+  for_each_row(map, [&](const ProjectedRow& row) {
+    if (!row.parted) files.at(row.session.robot).write(tum_line(row));
+  });
   for (auto& [robot, file] : files) file.commit();
 }
 

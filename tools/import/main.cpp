@@ -97,7 +97,10 @@ Command mrclam_command(CLI::App& app, MrclamImport& what, std::string& output, s
          seconds);
   number("--sighting-lag", what.sighting_lag_s, "a sighting is so much older than its stamp, s", seconds);
   number("--longest-hold", what.longest_hold_s, "a velocity holds no longer than this, s", seconds);
-  return {mrclam, [&] {
+  auto without_robots = std::make_shared<bool>(false);
+  mrclam->add_flag("--without-robot-sightings", *without_robots, "leave out what robots saw of one another");
+  return {mrclam, [&, without_robots] {
+            what.robot_sightings = !*without_robots;
             import_into(output, what, &import_mrclam);
             if (!truth.empty()) write_mrclam_truth(what.directory, truth);
           }};

@@ -59,6 +59,13 @@ RobotEvent describe(const RobotFiles& files, std::int64_t utime) {
   return event;
 }
 
+void leave_out_robots(const std::map<int, std::int32_t>& barcodes, std::vector<MeasurementLine>& lines) {
+  for (const auto& [subject, barcode] : barcodes) {
+    if (subject > last_mrclam_robot) continue;
+    std::erase_if(lines, [&](const MeasurementLine& line) { return line.barcode == barcode; });
+  }
+}
+
 ListSource odometry_source(const RobotFiles& files, double longest_hold_s) {
   const std::vector<Pose> poses = integrate_velocities(files.velocities, longest_hold_s);
   ListSource source;
@@ -109,6 +116,9 @@ ImportReport import_mrclam(const MrclamImport& what, const std::function<void(co
     robots.push_back(read_robot(what, subject, barcode_of(barcodes, subject, barcode_file)));
   }
   const std::int64_t start = first_utime(robots);
+  if (!what.robot_sightings) {
+    for (RobotFiles& files : robots) leave_out_robots(barcodes, files.measurements);
+  }
 
   ImportReport report;
   std::vector<ListSource> sources;

@@ -36,6 +36,10 @@ struct MrclamImport {
   /// A command is held until the next line but no longer than this. The longest gap of set 6 is 1.03 s, and
   /// through its 316 gaps of over 0.4 s the robots moved on at 81 to 95 % of what they were told.
   double longest_hold_s = 1.5;
+
+  /// Without them each robot is on its own but for the landmarks: what the robots' sightings of one another
+  /// are worth.
+  bool robot_sightings = true;
 };
 
 /// Odometry poses at each line, from (0, 0, 0) at the first: a robot moves along an arc of a circle from one

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <limits>
 
 #include "tools/replay/summary.hpp"
 #include "tools/text/progress.hpp"
@@ -14,6 +15,7 @@ struct Arguments {
   std::string output;
   std::string config_file;
   std::vector<std::int32_t> forbid;
+  double until_s = std::numeric_limits<double>::infinity();
   bool json = false;
 };
 
@@ -21,6 +23,7 @@ void run(const Arguments& arguments) {
   ReplayOptions options;
   options.config_file = arguments.config_file;
   for (const std::int32_t id : arguments.forbid) options.forbid.push_back({id});
+  options.until_s = arguments.until_s;
   options.warn = [](const std::string& warning) {
     std::fprintf(stderr, "isthmus-replay: %s\n", warning.c_str());
   };
@@ -43,6 +46,10 @@ int main(int argc, char** argv) {
   app.add_option("--output", arguments.output, "directory for the map, trajectories and report")->required();
   app.add_option("--config", arguments.config_file, "TOML configuration, instead of the log's own");
   app.add_option("--forbid", arguments.forbid, "id of a closure that must not be made; repeat for several");
+  app.add_option("--until", arguments.until_s,
+                 "read no further than so many seconds of event time after the log's first event")
+      ->type_name("SECONDS")
+      ->check(CLI::NonNegativeNumber);
   app.add_flag("--json", arguments.json, "print the summary as JSON");
   try {
     app.parse(argc, argv);

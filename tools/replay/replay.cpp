@@ -48,13 +48,8 @@ class Replay {
   ReplayResult run() {
     const Clock::time_point start = Clock::now();
     const double cpu_start_s = cpu_now_s();
-    while (const std::optional<Message> message = reader_.next()) {
-      report_damage(" before the event at offset " + std::to_string(reader_.offset()));
-      take(*message);
-      if (options_.progress) options_.progress(reader_.progress());
-    }
-    report_damage(" at its end");
-    begin();
+    read();
+    begin(0);
     const Clock::time_point finish = Clock::now();
     result_.engine.finish();
     result_.cost.finish_s = seconds_since(finish);
@@ -65,6 +60,20 @@ class Replay {
   }
 
  private:
+  void read() {
+    while (const std::optional<Message> message = reader_.next()) {
+      report_damage(" before the event at offset " + std::to_string(reader_.offset()));
+      if (first_utime_ && seconds_after_first(*message) > options_.until_s) return;
+      take(*message);
+      if (options_.progress) options_.progress(reader_.progress());
+    }
+    report_damage(" at its end");
+  }
+
+  double seconds_after_first(const Message& message) const {
+    return 1e-6 * (static_cast<double>(message.utime) - static_cast<double>(*first_utime_));
+  }
+
   void take(const Message& message) {
     ++result_.messages;
     const Decoded decoded =
@@ -76,7 +85,7 @@ class Replay {
     } else if (const auto* configuration = std::get_if<ConfigurationEvent>(&decoded.event->body)) {
       configure(*configuration, *decoded.event);
     } else {
-      begin();
+      begin(decoded.event->receive_utime);
       handle(*decoded.event);
     }
   }
@@ -92,18 +101,19 @@ class Replay {
   }
 
   /// Before the first event: what must not happen.
-  void begin() {
+  void begin(std::int64_t receive_utime) {
     if (begun_) return;
     begun_ = true;
     for (const ClosureId closure : options_.forbid) {
       CommandEvent command;
       command.verb = "forbid";
       command.closure = closure.value;
-      result_.engine.handle({0, command});
+      result_.engine.handle({receive_utime, command});
     }
   }
 
   void handle(const Event& event) {
+    if (!first_utime_) first_utime_ = event.receive_utime;
     const double cpu_s = timed([&] { result_.engine.handle(event); });
     since_scan_s_ += cpu_s;
     if (!std::holds_alternative<ScanEvent>(event.body)) return;
@@ -136,6 +146,7 @@ class Replay {
   EventLogReader reader_;
   bool own_configuration_;
   bool begun_ = false;
+  std::optional<std::int64_t> first_utime_;  ///< of the first event
   double since_scan_s_ = 0;
   ReplayResult result_;
 };

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ namespace isthmus {
 struct ReplayOptions {
   std::string config_file;        ///< empty: the log's own configuration, if it begins with one
   std::vector<ClosureId> forbid;  ///< closures that must not be made
+  /// Reading stops at the first event so long after the log's first; what was read is finished as a log is.
+  double until_s = std::numeric_limits<double>::infinity();
   std::function<void(double)> progress;
   std::function<void(const std::string&)> warn;  ///< told of damaged parts of the log
 };
@@ -28,9 +31,9 @@ struct ReplayResult {
   std::int64_t skipped_bytes = 0;  ///< damaged
 };
 
-/// Runs the engine over an LCM event log or a journal directory, as fast as it can, to the end
-/// (Engine::finish included). Throws std::runtime_error naming file, event or line and reason: no log, a bad
-/// configuration.
+/// Runs the engine over an LCM event log or a journal directory, as fast as it can, to the end or as far as
+/// `until_s` says (Engine::finish included). Throws std::runtime_error naming file, event or line and reason:
+/// no log, a bad configuration.
 ReplayResult replay(const std::string& path, const ReplayOptions& options = {});
 
 }  // namespace isthmus

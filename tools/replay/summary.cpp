@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "server/output/islands.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -51,8 +53,9 @@ std::string summary_text(const ReplayResult& result, const MapCopy& map) {
   std::string text = line("scans      %lld, %.2f %% matched", scans, 100 * share_matched(c));
   text += "predicted  " + counts(c.scans_predicted) + "\n";
   text += "dropped    " + counts(c.dropped) + "\n";
-  text += line("map        %zu patches, %zu relations, %zu islands, %zu closures", map.patches.size(),
-               map.graph.relations().size(), map.graph.islands().size(), map.closures.size());
+  text += line("map        %zu patches, %zu tags, %zu relations, %zu islands, %zu closures", patch_count(map),
+               map.patches.size() - patch_count(map), map.graph.relations().size(),
+               rank_islands(map).patches.size(), map.closures.size());
   text += line("time       %.1f s of log in %.2f s, %.2f s CPU; peak memory %.0f MB", log_duration_s(c),
                cost.wall_s, cost.cpu_s, cost.peak_rss_mb);
   text += line("event      p50 %.3f ms, p99 %.3f ms, max %.3f ms", 1e3 * cost.event_latency.quantile_s(0.5),
@@ -73,9 +76,10 @@ std::string summary_json(const ReplayResult& result, const MapCopy& map) {
                      {"matched_share", share_matched(c)},
                      {"scans_predicted", Json(c.scans_predicted)},
                      {"dropped", Json(c.dropped)},
-                     {"patches", map.patches.size()},
+                     {"patches", patch_count(map)},
+                     {"tags", map.patches.size() - patch_count(map)},
                      {"relations", map.graph.relations().size()},
-                     {"islands", map.graph.islands().size()},
+                     {"islands", rank_islands(map).patches.size()},
                      {"closures", map.closures.size()},
                      {"log_duration_s", log_duration_s(c)},
                      {"wall_s", cost.wall_s},

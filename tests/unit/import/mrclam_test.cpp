@@ -134,6 +134,20 @@ TEST(Mrclam, SightingsHaveSigmasThatGrowWithRangeAndUnknownBarcodesStayIn) {
   EXPECT_EQ(sightings[2].barcode, 43);
 }
 
+TEST(Mrclam, RobotsSightingsOfOneAnotherMayBeLeftOut) {
+  const TemporaryDirectory set;
+  write_set(set);
+  MrclamImport what = import_of(set);
+  what.robot_sightings = false;
+  std::vector<Event> events;
+  const ImportReport report = import_mrclam(what, [&](const Event& event) { events.push_back(event); });
+  std::vector<std::int32_t> seen;
+  for (const SightingEvent& sighting : all_of<SightingEvent>(events)) seen.push_back(sighting.barcode);
+  EXPECT_EQ(seen, (std::vector<std::int32_t>{63, 43})) << "barcodes that nobody has stay in";
+  EXPECT_EQ(report.sightings, 2);
+  EXPECT_EQ(report.robots.size(), 2U);
+}
+
 TEST(Mrclam, LagsMoveStampsToWhenThingsHappened) {
   const TemporaryDirectory set;
   write_set(set);

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "server/engine/evidence.hpp"
+
 namespace isthmus::testing {
 namespace {
 
@@ -80,6 +82,20 @@ Relation relative_pose(PatchId a, PatchId b, const Pose& a_from_b, const Eigen::
   relation.measurement = RelativePose{a_from_b, information};
   relation.origin.kind = OriginKind::odometry;
   return relation;
+}
+
+PatchId add_tag(MapCopy& map, std::int32_t barcode, PatchId seen_from, const Eigen::Vector2d& position) {
+  const PatchId id{static_cast<std::int32_t>(map.patches.size())};
+  map.patches.push_back(make_tag_patch(id, barcode, 1'000'000));
+  map.poses.push_back({position.x(), position.y(), 0});
+  map.graph.add_patch(id);
+  if (seen_from.valid()) {
+    const Pose& map_from_observer = map.poses[static_cast<std::size_t>(seen_from.value)];
+    map.graph.add(relative_pose(seen_from, id, ominus(map.poses.back(), map_from_observer),
+                                Eigen::Vector3d(100, 25, 1e-4).asDiagonal()));
+  }
+  map.tags.push_back({barcode, map.graph.island(id), position, Eigen::Matrix2d::Zero(), true, id});
+  return id;
 }
 
 TemporaryDirectory::TemporaryDirectory() {

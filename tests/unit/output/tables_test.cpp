@@ -99,7 +99,7 @@ TEST(Tables, RobotsHaveARowPerSessionTheLastOneCurrent) {
                   {"R1", 1, 2'000'000, 3'000'001, PatchId{1}},
                   {"R2", 2, 5'000'000, 6'000'000, PatchId{}}};
   const TemporaryDirectory directory;
-  write_robots(map, rank_islands(map.graph), directory.file("robots.csv"));
+  write_robots(map, rank_islands(map), directory.file("robots.csv"));
   EXPECT_EQ(lines(directory.file("robots.csv")),
             (std::vector<std::string>{"robot,island,from_s,to_s", "R1,0,2.000000,3.000001",
                                       "R2,1,1.000000,1.500000", "R2,-1,5.000000,6.000000"}));
@@ -108,7 +108,7 @@ TEST(Tables, RobotsHaveARowPerSessionTheLastOneCurrent) {
 TEST(Tables, PatchesHavePoseCovarianceAndFreeSpaceInTheIslandsFrame) {
   const MapCopy map = two_islands();
   const TemporaryDirectory directory;
-  write_patches(map, rank_islands(map.graph), directory.file("patches.csv"));
+  write_patches(map, rank_islands(map), directory.file("patches.csv"));
   const auto rows = lines(directory.file("patches.csv"));
   ASSERT_EQ(rows.size(), 5u);
   EXPECT_EQ(rows[0],
@@ -127,7 +127,7 @@ TEST(Tables, PatchesHavePoseCovarianceAndFreeSpaceInTheIslandsFrame) {
 TEST(Tables, ThePatchesCovarianceIsTheExactOneRelativeToTheFirst) {
   const MapCopy map = two_islands();
   const TemporaryDirectory directory;
-  write_patches(map, rank_islands(map.graph), directory.file("patches.csv"));
+  write_patches(map, rank_islands(map), directory.file("patches.csv"));
   const std::vector<PatchId> others = {PatchId{3}};
   const Eigen::Matrix3d c = exact_relative_covariances(map.graph, map.poses, PatchId{1}, others).front();
   EXPECT_GT(c(0, 0), 0);
@@ -170,18 +170,6 @@ TEST(Tables, SightingsRepeatTheInputAndSayWhatBecameOfIt) {
                                       "bearing_std_rad,verdict,reason,closure",
                                       "5000001,R1,12,2.5,-0.125,0.02,0.07,set_aside,,-1",
                                       "6,R2,13,0,0.1,inf,0.07,refused,\"gate, 95 %\",4"}));
-}
-
-TEST(Tables, TagsHaveACovarianceOncePlaced) {
-  MapCopy map = two_islands();
-  TagRecord placed{7, PatchId{1}, {1.5, -2}, Eigen::Matrix2d::Identity() * 0.25, true, {}};
-  placed.covariance(0, 1) = placed.covariance(1, 0) = 0.125;
-  map.tags = {placed, TagRecord{8, {}, {}, {}, false, {}}};
-  const TemporaryDirectory directory;
-  write_tags(map, rank_islands(map.graph), directory.file("tags.csv"));
-  EXPECT_EQ(lines(directory.file("tags.csv")),
-            (std::vector<std::string>{"barcode,island,x_m,y_m,cov_x_x,cov_x_y,cov_y_y",
-                                      "7,0,1.5,-2,0.25,0.125,0.25", "8,-1,nan,nan,nan,nan,nan"}));
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
+#include "server/output/report.hpp"
 #include "tests/unit/output/room.hpp"
 
 namespace isthmus {
@@ -52,6 +54,20 @@ TEST(Trajectories, ManyRowsAreReadInParts) {
   std::int64_t next = 0;
   for_each_row(map, [&](const ProjectedRow& row) { EXPECT_EQ(row.utime, next++); });
   EXPECT_EQ(next, 10'000);
+}
+
+TEST(Trajectories, RowsOnAnotherIslandThanTheirSessionAreLeftOutAndCounted) {
+  MapCopy map = testing::map_of({}, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
+  map.graph.remove(map.graph.between(PatchId{1}, PatchId{2}).front());  // 0 - 1 | 2
+  const TemporaryDirectory directory;
+  write_trajectories(map, directory.path());
+  const auto rows = lines(directory.file("R1.tum"));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_TRUE(rows[1].starts_with("2.000000 "));
+  EXPECT_EQ(count_parted_rows(map), 1u);
+  const auto report = nlohmann::json::parse(report_json(map, rank_islands(map), {}));
+  EXPECT_EQ(report["trajectory_rows"], 3);
+  EXPECT_EQ(report["trajectory_rows_parted"], 1);
 }
 
 TEST(Trajectories, AnOddRobotNameStaysAFileOfTheDirectory) {
