@@ -3,7 +3,6 @@
 #include <iterator>
 
 #include "server/engine/closures.hpp"
-#include "server/engine/withdrawal.hpp"
 
 namespace isthmus {
 namespace {
@@ -191,10 +190,10 @@ Closures::Likeness Closures::likeness(World world, const Evidence& evidence, con
   return likeness;
 }
 
-bool Closures::is_forbidden(World world, const Likeness& likeness) const {
+Closures::Closure* Closures::forbidden_like(World world, const Likeness& likeness) {
   const Manifold& manifold = world.map.manifold();
   const RelationGraph& graph = world.map.graph();
-  for (const auto& [id, closure] : closures_) {
+  for (auto& [id, closure] : closures_) {
     if (!closure.forbidden) continue;
     Likeness its = closure.likeness;
     if (graph.island(its.first) != graph.island(likeness.first)) {
@@ -209,58 +208,71 @@ bool Closures::is_forbidden(World world, const Likeness& likeness) const {
                       ominus(manifold.pose(likeness.second), manifold.pose(its.second));
     if (std::hypot(same.x - likeness.first_from_second.x, same.y - likeness.first_from_second.y) < alike_m &&
         std::abs(wrap_angle(same.yaw - likeness.first_from_second.yaw)) < alike_rad)
-      return true;
+      return &closure;
   }
-  return false;
+  return nullptr;
+}
+
+// The sightings that agree, out of the pool.
+std::vector<Evidence> Closures::take_supporters(const Group& group, const Alignment& alignment) {
+  std::set<std::size_t> taken;
+  for (const std::size_t s : alignment.supporters) taken.insert(group.members[s]);
+  std::vector<Evidence> supporters;
+  std::vector<Evidence> rest;
+  for (std::size_t i = 0; i < pool_.size(); ++i)
+    (taken.contains(i) ? supporters : rest).push_back(std::move(pool_[i]));
+  pool_ = std::move(rest);
+  return supporters;
 }
 
 void Closures::begin_trial(World world, const Group& group, const Alignment& alignment) {
+  std::vector<Evidence> supporters = take_supporters(group, alignment);
+  const Evidence& first = supporters.front();
+  const Likeness says = likeness(world, first, alignment.first_from_second,
+                                 observer_is_first(world.map, first, group.merge, group.older));
+  const auto refuse_all = [&](const std::string& reason, ClosureId id) {
+    for (const Evidence& evidence : supporters) verdict(evidence, "refused", reason, id);
+  };
+  if (Closure* forbidden = forbidden_like(world, says)) {
+    refuse_all("forbidden", forbidden->record.id);
+    std::ranges::move(supporters, std::back_inserter(forbidden->evidence));
+    return;
+  }
   const ClosureId id{next_id_++};
+  Proposal proposal{id,
+                    group.merge,
+                    group.older,
+                    group.younger,
+                    alignment.first_from_second,
+                    {},
+                    static_cast<int>(supporters.size()),
+                    alignment.two_way,
+                    false};
+  for (const Evidence& evidence : supporters)
+    if (auto relation = sighting_relation(world.map, evidence, id)) proposal.relations.push_back(*relation);
   Closure closure;
-  std::set<std::size_t> taken;
-  Proposal proposal;
-  proposal.id = id;
-  proposal.merge = group.merge;
-  proposal.older = group.older;
-  proposal.younger = group.younger;
-  proposal.older_from_younger = alignment.first_from_second;
-  proposal.two_way = alignment.two_way;
-  proposal.supporters = static_cast<int>(alignment.supporters.size());
-  for (const std::size_t s : alignment.supporters) {
-    const std::size_t i = group.members[s];
-    if (auto relation = sighting_relation(world.map, pool_[i], id)) proposal.relations.push_back(*relation);
-    closure.evidence.push_back(pool_[i]);
-    taken.insert(i);
-  }
-  const Evidence& first = closure.evidence.front();
-  closure.likeness = likeness(world, first, alignment.first_from_second,
-                              observer_is_first(world.map, first, group.merge, group.older));
-  closure.record.id = id;
-  closure.record.kind = group.merge ? "merge" : "closure";
-  closure.record.state = "waiting";
-  closure.record.robots = robots_of(closure.evidence);
-  closure.record.utime = first.sighting.utime;
-  closure.record.start_utime = closure.record.end_utime = world.now_utime;
+  closure.record = {id,
+                    group.merge ? "merge" : "closure",
+                    "waiting",
+                    first.sighting.utime,
+                    robots_of(supporters),
+                    "",
+                    0,
+                    0,
+                    world.now_utime,
+                    world.now_utime};
+  closure.likeness = says;
   closure.forbidden = forbidden_.contains(id);
-  const bool refused = closure.forbidden || is_forbidden(world, closure.likeness);
-  if (refused || proposal.relations.empty()) {
+  if (closure.forbidden || proposal.relations.empty()) {
     closure.record.state = "refused";
-    closure.record.reason = refused ? "forbidden" : "no_relation";
-  }
-  for (const Evidence& evidence : closure.evidence) {
-    if (closure.record.state == "refused") {
-      verdict(evidence, "refused", closure.record.reason, id);
-    } else {
-      verdict(evidence, "waiting", "on_trial", id);
-    }
-  }
-  std::vector<Evidence> rest;
-  for (std::size_t i = 0; i < pool_.size(); ++i)
-    if (!taken.contains(i)) rest.push_back(std::move(pool_[i]));
-  pool_ = std::move(rest);
-  if (closure.record.state == "waiting")
+    closure.record.reason = closure.forbidden ? "forbidden" : "no_relation";
+    refuse_all(closure.record.reason, id);
+  } else {
+    for (const Evidence& evidence : supporters) verdict(evidence, "waiting", "on_trial", id);
     trial_ = std::make_unique<Trial>(world.map, std::move(proposal), world.options, world.now_utime);
-  tried_[group.key] = proposal.supporters;
+  }
+  tried_[group.key] = static_cast<int>(supporters.size());
+  closure.evidence = std::move(supporters);
   closures_.emplace(id, std::move(closure));
 }
 
@@ -338,87 +350,6 @@ void Closures::end_trial(World world) {
     std::ranges::stable_sort(pool_, {}, &Evidence::record);
   }
   consider_pool_again(world);
-}
-
-// Neither accepted nor refused: as if it had not been proposed yet. Its sightings wait for more.
-void Closures::put_off(World world, ClosureId id) {
-  const auto found = closures_.find(id);
-  for (Evidence& evidence : found->second.evidence) {
-    evidence.doubt = "too_little_support";
-    verdict(evidence, "waiting", evidence.doubt);
-    pool_.push_back(std::move(evidence));
-  }
-  std::ranges::stable_sort(pool_, {}, &Evidence::record);
-  closures_.erase(found);
-  if (id.value + 1 == next_id_) --next_id_;
-  consider_pool_again(world);
-}
-
-std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
-  const auto found = closures_.find(id);
-  if (found == closures_.end()) {
-    if (must_be_accepted) return "no_such_closure";
-    forbidden_.insert(id);
-    return "";
-  }
-  Closure& closure = found->second;
-  if (must_be_accepted && closure.record.state != "accepted") return "not_accepted";
-  closure.forbidden = true;
-  if (trial_ && trial_->proposal().id == id) trial_.reset();
-  if (closure.record.state == "accepted") {
-    if (trial_) {  // it was begun on a map that will no longer be
-      Closure& other = closures_.at(trial_->proposal().id);
-      other.record.state = "refused";
-      other.record.reason = "map_changed";
-      std::ranges::copy(other.evidence, std::back_inserter(pool_));
-      trial_.reset();
-    }
-    withdraw(world.map, id, world.robots);
-    changed_ = {closure.likeness.first, closure.likeness.second};
-    closure.record.state = "withdrawn";
-  } else {
-    closure.record.state = "refused";
-  }
-  closure.record.reason = "forbidden";
-  for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", "forbidden", id);
-  std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "refused"; });
-  tried_.clear();
-  consider_pool_again(world);
-  return "";
-}
-
-std::string Closures::allow(ClosureId id) {
-  const auto found = closures_.find(id);
-  if (found == closures_.end()) return forbidden_.erase(id) > 0 ? "" : "no_such_closure";
-  Closure& closure = found->second;
-  if (!closure.forbidden) return "not_forbidden";
-  closure.forbidden = false;
-  forbidden_.erase(id);
-  closure.record.reason = "allowed_again";
-  for (Evidence& evidence : closure.evidence) {
-    verdict(evidence, "waiting", "allowed_again");
-    pool_.push_back(std::move(evidence));
-  }
-  closure.evidence.clear();
-  std::ranges::stable_sort(pool_, {}, &Evidence::record);
-  tried_.clear();
-  pool_changed_ = true;
-  return "";
-}
-
-void Closures::forget_robot(World world, const std::string& robot) {
-  if (trial_) {
-    const ClosureId id = trial_->proposal().id;
-    trial_.reset();
-    put_off(world, id);
-  }
-  const auto is_its = [&](const Evidence& evidence) {
-    if (evidence.sighting.robot != robot && evidence.target != robot) return false;
-    verdict(evidence, "refused", "robot_dropped");
-    return true;
-  };
-  std::erase_if(pool_, is_its);
-  std::erase_if(unplaced_, [&](const Unplaced& unplaced) { return is_its(unplaced.evidence); });
 }
 
 }  // namespace isthmus

@@ -105,7 +105,8 @@ class Closures {
   void begin_trial(World world, const Group& group, const Alignment& alignment);
   Likeness likeness(World world, const Evidence& evidence, const Pose& first_from_second,
                     bool observer_first) const;
-  bool is_forbidden(World world, const Likeness& likeness) const;
+  Closure* forbidden_like(World world, const Likeness& likeness);
+  std::vector<Evidence> take_supporters(const Group& group, const Alignment& alignment);
   void work(World world);
   void end_trial(World world);
   void put_off(World world, ClosureId id);

@@ -37,7 +37,11 @@ struct Engine::State {
   std::set<std::int32_t> tags;  // declared barcodes
   Counters counters;
   std::set<std::string> starts_related;
-  std::map<std::string, std::vector<Relation>> dropped;  // by robot: what its patches were related by
+  struct Dropped {
+    std::vector<Relation> relations;
+    PatchId end;  // patches made since are not meant
+  };
+  std::map<std::string, Dropped> dropped;  // by robot
 
   explicit State(Configuration given) { configure(std::move(given)); }
 
@@ -297,8 +301,9 @@ std::string Engine::State::drop_data(const std::string& name) {
   if (!robot) return "unknown_robot";
   closures.forget_robot(world(), name);
   const std::vector<Relation> taken = take_out(map, name, robots);
-  std::vector<Relation>& kept = dropped[name];
-  kept.insert(kept.end(), taken.begin(), taken.end());
+  Dropped& kept = dropped[name];
+  kept.relations.insert(kept.relations.end(), taken.begin(), taken.end());
+  kept.end = map.manifold().next_id();
   robot->place.reset();
   robot->history = {};
   robot->pending.clear();
@@ -311,7 +316,7 @@ std::string Engine::State::drop_data(const std::string& name) {
 std::string Engine::State::take_back_drop(const std::string& name) {
   const auto found = dropped.find(name);
   if (found == dropped.end()) return "not_dropped";
-  for (const Relation& relation : found->second) map.relate(relation);
+  for (const Relation& relation : found->second.relations) map.relate(relation);
   dropped.erase(found);
   map_changed(map.graph().islands());
   return "";
@@ -406,7 +411,10 @@ MapCopy Engine::copy() const {
   copy.sightings = state.closures.sightings();
   copy.closures = state.closures.closures();
   copy.tags = state.tag_records();
-  for (const auto& [name, relations] : state.dropped) copy.dropped_robots.push_back(name);
+  for (const PatchPtr& patch : copy.patches) {
+    const auto dropped = state.dropped.find(patch->robot);
+    if (dropped != state.dropped.end() && patch->id < dropped->second.end) copy.left_out.push_back(patch->id);
+  }
   copy.counters = state.counters;
   return copy;
 }

@@ -80,7 +80,7 @@ struct MapCopy {
   std::vector<SightingRecord> sightings;
   std::vector<TagRecord> tags;
   std::vector<ClosureRecord> closures;
-  std::vector<std::string> dropped_robots;  ///< whose patches operators have taken out
+  std::vector<PatchId> left_out;  ///< by id: patches whose robot's data operators have dropped
   Counters counters;
 };
 

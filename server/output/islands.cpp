@@ -7,7 +7,9 @@
 namespace isthmus {
 namespace {
 
-RankedIslands ranked(const RelationGraph& graph, const std::function<bool(PatchId)>& is_tag) {
+// What `counts` says no to makes no island of its own.
+RankedIslands ranked(const RelationGraph& graph, const std::function<bool(PatchId)>& is_tag,
+                     const std::function<bool(PatchId)>& counts) {
   struct Island {
     std::vector<PatchId> patches;
     std::vector<PatchId> tags;
@@ -16,7 +18,7 @@ RankedIslands ranked(const RelationGraph& graph, const std::function<bool(PatchI
   for (const std::vector<PatchId>& all : graph.islands()) {
     Island island;
     for (const PatchId id : all) (is_tag(id) ? island.tags : island.patches).push_back(id);
-    if (!island.patches.empty()) islands.push_back(std::move(island));
+    if (std::ranges::any_of(island.patches, counts)) islands.push_back(std::move(island));
   }
   // Islands come in order of their ids; a stable sort keeps that among equals.
   std::stable_sort(islands.begin(), islands.end(),
@@ -39,17 +41,15 @@ bool is_tag(const PatchPtr& patch) { return patch->tag >= 0; }
 }  // namespace
 
 RankedIslands rank_islands(const MapCopy& map) {
-  return ranked(map.graph,
-                [&](PatchId id) { return is_tag(map.patches[static_cast<std::size_t>(id.value)]); });
-}
-
-RankedIslands rank_islands(const RelationGraph& graph) {
-  return ranked(graph, [](PatchId) { return false; });
+  return ranked(
+      map.graph, [&](PatchId id) { return is_tag(map.patches[static_cast<std::size_t>(id.value)]); },
+      [&](PatchId id) { return !std::ranges::binary_search(map.left_out, id); });
 }
 
 std::size_t patch_count(const MapCopy& map) {
   return map.patches.size() -
-         static_cast<std::size_t>(std::count_if(map.patches.begin(), map.patches.end(), is_tag));
+         static_cast<std::size_t>(std::count_if(map.patches.begin(), map.patches.end(), is_tag)) -
+         map.left_out.size();
 }
 
 }  // namespace isthmus

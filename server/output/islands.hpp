@@ -8,7 +8,8 @@
 namespace isthmus {
 
 /// The islands as output files number them: K = 0 for the one with most patches, ties by id. Fixed tags are
-/// points and no patches here: they count for nothing, and an island of nothing else has no K.
+/// points and no patches here: they count for nothing, and an island of nothing else has no K; nor has one of
+/// patches that operators have left out.
 struct RankedIslands {
   std::vector<std::vector<PatchId>> patches;  ///< by K; each by id, so the first patch leads
   std::vector<std::vector<PatchId>> tags;     ///< by K; each by id
@@ -22,10 +23,8 @@ struct RankedIslands {
 };
 
 RankedIslands rank_islands(const MapCopy& map);
-/// The same of a graph without fixed tags.
-RankedIslands rank_islands(const RelationGraph& graph);
 
-/// How many of the map's patches are not fixed tags.
+/// How many of the map's patches are neither fixed tags nor left out.
 std::size_t patch_count(const MapCopy& map);
 
 }  // namespace isthmus

@@ -47,7 +47,7 @@ void write_patches(const MapCopy& map, const RankedIslands& islands, const std::
               "cov_yaw_yaw,free_space");
   for (std::size_t i = 0; i < map.patches.size(); ++i) {
     const Patch& patch = *map.patches[i];
-    if (patch.tag >= 0) continue;
+    if (patch.tag >= 0 || islands.rank(patch.id) < 0) continue;
     const Pose& pose = map.poses[i];
     const Eigen::Matrix3d& c = covariance[i];
     csv.row(patch.id, patch.robot, patch.utime, islands.rank(patch.id), pose.x, pose.y, pose.yaw, c(0, 0),

@@ -44,11 +44,11 @@ Bounds bounds_of_wkt(std::string text) {
 }
 
 TEST(Islands, AreRankedByPatchesAndThenById) {
-  const MapCopy map = map_of({}, std::vector<Pose>(6));
-  RelationGraph graph = map.graph;  // 0-1-2-3-4-5
+  MapCopy map = map_of({}, std::vector<Pose>(6));
+  RelationGraph& graph = map.graph;  // 0-1-2-3-4-5
   graph.remove(graph.between(PatchId{0}, PatchId{1}).front());
   graph.remove(graph.between(PatchId{3}, PatchId{4}).front());  // 0 | 1-2-3 | 4-5
-  const RankedIslands islands = rank_islands(graph);
+  const RankedIslands islands = rank_islands(map);
   ASSERT_EQ(islands.patches.size(), 3u);
   EXPECT_EQ(islands.patches[0].front(), PatchId{1});
   EXPECT_EQ(islands.patches[1].front(), PatchId{4});
@@ -58,11 +58,17 @@ TEST(Islands, AreRankedByPatchesAndThenById) {
   EXPECT_EQ(islands.rank(PatchId{6}), -1);
 
   graph.remove(graph.between(PatchId{1}, PatchId{2}).front());  // 0 | 1 | 2-3 | 4-5
-  const RankedIslands ties = rank_islands(graph);
+  const RankedIslands ties = rank_islands(map);
   EXPECT_EQ(ties.rank(PatchId{2}), 0);
   EXPECT_EQ(ties.rank(PatchId{4}), 1);
   EXPECT_EQ(ties.rank(PatchId{0}), 2);
   EXPECT_EQ(ties.rank(PatchId{1}), 3);
+
+  map.left_out = {PatchId{0}};
+  const RankedIslands rest = rank_islands(map);
+  EXPECT_EQ(rest.patches.size(), 3u);
+  EXPECT_EQ(rest.rank(PatchId{0}), -1);
+  EXPECT_EQ(patch_count(map), 5u);
 }
 
 TEST(Csv, FieldsAreQuotedWhereTheyMustBe) {

@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <iterator>
+
+#include "server/engine/closures.hpp"
+#include "server/engine/withdrawal.hpp"
+
+namespace isthmus {
+
+// Neither accepted nor refused: as if it had not been proposed yet. Its sightings wait for more.
+void Closures::put_off(World world, ClosureId id) {
+  const auto found = closures_.find(id);
+  for (Evidence& evidence : found->second.evidence) {
+    evidence.doubt = "too_little_support";
+    verdict(evidence, "waiting", evidence.doubt);
+    pool_.push_back(std::move(evidence));
+  }
+  std::ranges::stable_sort(pool_, {}, &Evidence::record);
+  closures_.erase(found);
+  if (id.value + 1 == next_id_) --next_id_;
+  consider_pool_again(world);
+}
+
+std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
+  const auto found = closures_.find(id);
+  if (found == closures_.end()) {
+    if (must_be_accepted) return "no_such_closure";
+    forbidden_.insert(id);
+    return "";
+  }
+  Closure& closure = found->second;
+  if (must_be_accepted && closure.record.state != "accepted") return "not_accepted";
+  closure.forbidden = true;
+  if (trial_ && trial_->proposal().id == id) trial_.reset();
+  if (closure.record.state == "accepted") {
+    if (trial_) {  // it was begun on a map that will no longer be
+      Closure& other = closures_.at(trial_->proposal().id);
+      other.record.state = "refused";
+      other.record.reason = "map_changed";
+      std::ranges::copy(other.evidence, std::back_inserter(pool_));
+      trial_.reset();
+    }
+    withdraw(world.map, id, world.robots);
+    changed_ = {closure.likeness.first, closure.likeness.second};
+    closure.record.state = "withdrawn";
+  } else {
+    closure.record.state = "refused";
+  }
+  closure.record.reason = "forbidden";
+  for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", "forbidden", id);
+  std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "refused"; });
+  tried_.clear();
+  consider_pool_again(world);
+  return "";
+}
+
+std::string Closures::allow(ClosureId id) {
+  const auto found = closures_.find(id);
+  if (found == closures_.end()) return forbidden_.erase(id) > 0 ? "" : "no_such_closure";
+  Closure& closure = found->second;
+  if (!closure.forbidden) return "not_forbidden";
+  closure.forbidden = false;
+  forbidden_.erase(id);
+  closure.record.reason = "allowed_again";
+  for (Evidence& evidence : closure.evidence) {
+    verdict(evidence, "waiting", "allowed_again");
+    pool_.push_back(std::move(evidence));
+  }
+  closure.evidence.clear();
+  std::ranges::stable_sort(pool_, {}, &Evidence::record);
+  tried_.clear();
+  pool_changed_ = true;
+  return "";
+}
+
+void Closures::forget_robot(World world, const std::string& robot) {
+  if (trial_) {
+    const ClosureId id = trial_->proposal().id;
+    trial_.reset();
+    put_off(world, id);
+  }
+  const auto is_its = [&](const Evidence& evidence) {
+    if (evidence.sighting.robot != robot && evidence.target != robot) return false;
+    verdict(evidence, "refused", "robot_dropped");
+    return true;
+  };
+  std::erase_if(pool_, is_its);
+  std::erase_if(unplaced_, [&](const Unplaced& unplaced) { return is_its(unplaced.evidence); });
+}
+
+}  // namespace isthmus
