@@ -58,8 +58,7 @@ std::string inspect(const Arguments& arguments) {
   const ReplayResult result = replayed(arguments);
   const MapCopy map = result.engine.copy();
   if (!arguments.confidence.empty()) return confidence(arguments, map.graph, map.poses);
-  return overview(report_json(map, rank_islands(map), result.cost), count_meetings(map),
-                  arguments.path);
+  return overview(report_json(map, rank_islands(map), result.cost), count_meetings(map), arguments.path);
 }
 
 }  // namespace
