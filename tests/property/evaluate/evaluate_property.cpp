@@ -13,7 +13,7 @@ double random_number() { return *rc::gen::inRange(-1000000, 1000000) * 1e-5; }
 Pose random_pose() { return {random_number(), random_number(), wrap_angle(random_number())}; }
 
 TEST(EvaluateProperty, TheNearestRowIsTheOneAFullSearchFinds) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const auto utimes =
         *rc::gen::container<std::vector<std::int64_t>>(rc::gen::inRange<std::int64_t>(0, 300));
     const auto asked = *rc::gen::inRange<std::int64_t>(-50, 350);
@@ -25,11 +25,11 @@ TEST(EvaluateProperty, TheNearestRowIsTheOneAFullSearchFinds) {
     for (const std::int64_t utime : utimes) least = std::min<std::int64_t>(least, std::abs(utime - asked));
     RC_ASSERT(found.has_value() == (least <= within));
     if (found) RC_ASSERT(std::abs(found->utime - asked) == least);
-  });
+  }));
 }
 
 TEST(EvaluateProperty, AlignmentUndoesAnyMotion) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const Pose truth_from_map = random_pose();
     std::vector<PosePair> pairs;
     const int count = *rc::gen::inRange(2, 20);
@@ -43,11 +43,11 @@ TEST(EvaluateProperty, AlignmentUndoesAnyMotion) {
     RC_ASSERT(std::abs(found.x - truth_from_map.x) < 1e-9);
     RC_ASSERT(std::abs(found.y - truth_from_map.y) < 1e-9);
     RC_ASSERT(std::abs(wrap_angle(found.yaw - truth_from_map.yaw)) < 1e-9);
-  });
+  }));
 }
 
 TEST(EvaluateProperty, NoOtherMotionAlignsNoisyPairsBetter) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     std::vector<PosePair> pairs;
     for (int i = 0; i < 8; ++i) pairs.push_back({random_pose(), random_pose()});
     const auto squares = [&](const Pose& truth_from_map) {
@@ -63,7 +63,7 @@ TEST(EvaluateProperty, NoOtherMotionAlignsNoisyPairsBetter) {
     const Pose other = {best.x + 0.01 * random_number(), best.y + 0.01 * random_number(),
                         best.yaw + 0.01 * random_number()};
     RC_ASSERT(squares(best) <= squares(other) * (1 + 1e-12));
-  });
+  }));
 }
 
 }  // namespace

@@ -17,10 +17,10 @@ std::string as_seconds(std::int64_t utime) {
 }
 
 TEST(ImportProperty, StampsSurviveTextExactly) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const auto utime = *rc::gen::inRange<std::int64_t>(0, 4'000'000'000'000'000);
     RC_ASSERT(parse_seconds_as_us(as_seconds(utime)) == utime);
-  });
+  }));
 }
 
 TEST(ImportProperty, ABrokenLineIsAnErrorOrALineButNeverACrash) {
@@ -28,7 +28,7 @@ TEST(ImportProperty, ABrokenLineIsAnErrorOrALineButNeverACrash) {
                                           "FLASER 3 1 2 3 9 9 9 1 2 0.5 10.000001 host 77.7",
                                           "ROBOTLASER1 0 -1.5 3 0.01 30 0.01 0 3 1 2 inf 2 7 8 1.2 2.3 0.6 1 "
                                           "2 0.5 0.1 0.2 0.3 0.3 0.4 5.25 host 5.3"};
-  rc::check([&] {
+  EXPECT_TRUE(rc::check([&] {
     std::string line = *rc::gen::elementOf(lines);
     const auto changes = *rc::gen::container<std::vector<std::pair<unsigned, char>>>(
         rc::gen::pair(rc::gen::arbitrary<unsigned>(), rc::gen::arbitrary<char>()));
@@ -36,7 +36,7 @@ TEST(ImportProperty, ABrokenLineIsAnErrorOrALineButNeverACrash) {
     const ParsedCarmenLine parsed = parse_carmen_line(line);
     if (const auto* whole = std::get_if<CarmenLine>(&parsed)) RC_ASSERT(is_finite(whole->odom_from_robot));
     if (const auto* error = std::get_if<std::string>(&parsed)) RC_ASSERT(!error->empty());
-  });
+  }));
 }
 
 /// What a robot's file says, in order: stamp, and whether the line has a scan.
@@ -58,7 +58,7 @@ std::string carmen(const FileLines& lines) {
 
 TEST(ImportProperty, MergingKeepsEachFilesOrderAndReceiveTimesNeverFall) {
   const TemporaryDirectory directory;
-  rc::check([&] {
+  EXPECT_TRUE(rc::check([&] {
     std::map<std::string, FileLines> files;
     CarmenImport what;
     for (const std::string robot : {"A", "B", "C"}) {
@@ -83,7 +83,7 @@ TEST(ImportProperty, MergingKeepsEachFilesOrderAndReceiveTimesNeverFall) {
       }
     }
     RC_ASSERT(read == files);
-  });
+  }));
 }
 
 }  // namespace

@@ -31,25 +31,25 @@ Eigen::Matrix3d arbitrary_information() {
 }
 
 TEST(Number, EveryDoubleReadsBackAsItself) {
-  rc::check([](std::uint64_t bits) {
+  EXPECT_TRUE(rc::check([](std::uint64_t bits) {
     const double value = std::bit_cast<double>(bits);
     const double back = std::strtod(number(value).c_str(), nullptr);
     RC_ASSERT((std::isnan(value) ? std::isnan(back) : back == value));
-  });
+  }));
 }
 
 TEST(Number, SecondsTimesAMillionAreTheMicroseconds) {
-  rc::check([](std::int64_t utime) {
+  EXPECT_TRUE(rc::check([](std::int64_t utime) {
     std::string text = seconds(utime);
     RC_ASSERT(text.size() >= 8u);
     RC_ASSERT(text[text.size() - 7] == '.');
     text.erase(text.size() - 7, 1);
     RC_ASSERT(std::strtoll(text.c_str(), nullptr, 10) == utime);
-  });
+  }));
 }
 
 TEST(Csv, AQuotedFieldReadsBackAsItWas) {
-  rc::check([](const std::string& text) {
+  EXPECT_TRUE(rc::check([](const std::string& text) {
     std::string field = csv_field(text);
     if (!field.empty() && field.front() == '"') {
       RC_ASSERT(field.back() == '"');
@@ -64,11 +64,11 @@ TEST(Csv, AQuotedFieldReadsBackAsItWas) {
       RC_ASSERT(field.find_first_of(",\"\r\n") == std::string::npos);
     }
     RC_ASSERT(field == text);
-  });
+  }));
 }
 
 TEST(Latency, QuantilesRiseAndLieBetweenZeroAndTheMaximum) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     LatencyHistogram latency;
     const auto exponents = *rc::gen::container<std::vector<double>>(between(-8, 5));
     for (const double exponent : exponents) latency.add(std::pow(10, exponent));
@@ -79,11 +79,11 @@ TEST(Latency, QuantilesRiseAndLieBetweenZeroAndTheMaximum) {
       RC_ASSERT(quantile <= latency.max_s());
       previous = quantile;
     }
-  });
+  }));
 }
 
 TEST(GraphG2o, CostsTheSameAsTheMeasuredPoseAtAnyPose) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const Pose measured = arbitrary_pose(10);
     Relation relation;
     relation.measurement = RelativePose{measured, arbitrary_information()};
@@ -92,18 +92,18 @@ TEST(GraphG2o, CostsTheSameAsTheMeasuredPoseAtAnyPose) {
     const Eigen::Vector3d error = to_vector(inverse(edge.measured_a_from_b) * at);
     const double wanted = cost(relation.measurement, at);
     RC_ASSERT(std::abs(0.5 * error.dot(edge.information * error) - wanted) <= 1e-7 * (1 + wanted));
-  });
+  }));
 }
 
 TEST(GraphG2o, AnEdgeReadBackIsTheMeasurement) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const RelativePose measurement{arbitrary_pose(10), arbitrary_information()};
     Relation relation;
     relation.measurement = measurement;
     const RelativePose back = relative_pose(g2o_edge(relation, measurement.a_from_b));
     RC_ASSERT((back.information - measurement.information).norm() <= 1e-9 * measurement.information.norm());
     RC_ASSERT((to_vector(back.a_from_b) - to_vector(measurement.a_from_b)).norm() < 1e-9);
-  });
+  }));
 }
 
 /// A map of one patch: a star of 24 beams of any lengths, some without return.
@@ -118,7 +118,7 @@ MapCopy arbitrary_star_map() {
 }
 
 TEST(Grid, FreeCellsAreThoseWhoseCentreThePatchesFreeSpaceContains) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const MapCopy map = arbitrary_star_map();
     const OccupancyGrid grid = render_island(map, {PatchId{0}}, 0.1);
     const Patch& patch = *map.patches[0];
@@ -132,11 +132,11 @@ TEST(Grid, FreeCellsAreThoseWhoseCentreThePatchesFreeSpaceContains) {
         RC_ASSERT(inside == (grid.pixels[pixel] == OccupancyGrid::free));
       }
     }
-  });
+  }));
 }
 
 TEST(Grid, EveryHitOfASinglePatchIsOccupied) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const MapCopy map = arbitrary_star_map();
     const OccupancyGrid grid = render_island(map, {PatchId{0}}, 0.05);
     for (const ScanPoint& point : map.patches[0]->points) {
@@ -149,7 +149,7 @@ TEST(Grid, EveryHitOfASinglePatchIsOccupied) {
           grid.pixels[top_row * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(column)];
       RC_ASSERT(pixel == OccupancyGrid::occupied);
     }
-  });
+  }));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ using namespace isthmus::testing;
 double between(double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 10001) / 10000.0; }
 
 TEST(MatchScanProperty, TheAnswerDoesNotDependOnTheFrameOfTheLocalMap) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const Pose view{between(-0.5, 0.5), between(-0.5, 0.5), between(-0.3, 0.3)};
     const Pose truth{between(-0.8, 0.8), between(-0.8, 0.8), between(-0.4, 0.4)};
     const Pose frame{between(-50, 50), between(-50, 50), between(-3, 3)};
@@ -27,11 +27,11 @@ TEST(MatchScanProperty, TheAnswerDoesNotDependOnTheFrameOfTheLocalMap) {
     RC_ASSERT(std::abs(back.x - here.local_from_robot.x) < 1e-3);
     RC_ASSERT(std::abs(back.y - here.local_from_robot.y) < 1e-3);
     RC_ASSERT(std::abs(wrap_angle(back.yaw - here.local_from_robot.yaw)) < 1e-3);
-  });
+  }));
 }
 
 TEST(MatchScanProperty, AnyScanIsSurvived) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const PatchPtr patch = patch_from(furnished_room(), PatchId{0}, {});
     Scan scan = scan_from(furnished_room(), {});
     for (float& range : scan.ranges_m) {
@@ -42,7 +42,7 @@ TEST(MatchScanProperty, AnyScanIsSurvived) {
     RC_ASSERT(is_finite(match.local_from_robot));
     RC_ASSERT(match.beam_information.allFinite());
     RC_ASSERT(match.quality.score >= 0 && match.quality.score <= 1);
-  });
+  }));
 }
 
 }  // namespace

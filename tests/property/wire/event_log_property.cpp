@@ -35,7 +35,7 @@ bool in_order(const std::vector<Message>& part, const std::vector<Message>& whol
 }
 
 TEST(EventLogProperty, ReadsWhatLiblcmReads) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const std::vector<Message> messages = random_messages();
     TemporaryDirectory directory;
     write_log(directory / "a.lcm", messages);
@@ -49,11 +49,11 @@ TEST(EventLogProperty, ReadsWhatLiblcmReads) {
       RC_ASSERT(same(message, {event->timestamp, event->channel, {data, data + event->datalen}}));
     }
     RC_ASSERT(oracle.readNextEvent() == nullptr);
-  });
+  }));
 }
 
 TEST(EventLogProperty, ReadsEveryEventThatDamageElsewhereLeftIntact) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const std::vector<Message> messages = random_messages();
     TemporaryDirectory directory;
     write_log(directory / "a.lcm", messages);
@@ -73,11 +73,11 @@ TEST(EventLogProperty, ReadsEveryEventThatDamageElsewhereLeftIntact) {
     }
     if (intact.empty()) return;
     RC_ASSERT(in_order(intact, read_log(directory / "b.lcm").messages));
-  });
+  }));
 }
 
 TEST(EventLogProperty, AccountsForEveryByte) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const std::vector<Message> messages = random_messages();
     TemporaryDirectory directory;
     write_log(directory / "a.lcm", messages);
@@ -94,7 +94,7 @@ TEST(EventLogProperty, AccountsForEveryByte) {
     const std::vector<std::size_t> ends = frame_ends(content.messages);
     const std::size_t read = ends.empty() ? 0 : ends.back();
     RC_ASSERT(read + static_cast<std::size_t>(content.skipped) == bytes.size());
-  });
+  }));
 }
 
 }  // namespace

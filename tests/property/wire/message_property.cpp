@@ -157,7 +157,7 @@ Decoded decode_message(const Message& message) {
 }
 
 TEST(MessageProperty, EveryPlausibleEventComesBackAsItWas) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     const Event event = random_event();
     const Decoded decoded = decode_message(encode(event));
     RC_ASSERT(decoded.reason.empty());
@@ -165,12 +165,12 @@ TEST(MessageProperty, EveryPlausibleEventComesBackAsItWas) {
     RC_ASSERT(decoded.event->receive_utime == event.receive_utime);
     RC_ASSERT(decoded.event->body.index() == event.body.index());
     RC_ASSERT(std::visit(SameBody{event}, decoded.event->body));
-  });
+  }));
 }
 
 // What survives the checks is a valid event: written and read again, it is the same.
 TEST(MessageProperty, DamagedBytesAreRefusedOrReadAsAValidEvent) {
-  rc::check([] {
+  EXPECT_TRUE(rc::check([] {
     Message message = encode(random_event());
     for (int i = *inRange(1, 6); i > 0; --i) {
       const std::size_t at = *inRange<std::size_t>(0, message.bytes.size());
@@ -183,16 +183,16 @@ TEST(MessageProperty, DamagedBytesAreRefusedOrReadAsAValidEvent) {
     const Decoded again = decode_message(encode(*decoded.event));
     RC_ASSERT(again.event.has_value());
     RC_ASSERT(again.event->body.index() == decoded.event->body.index());
-  });
+  }));
 }
 
 TEST(MessageProperty, RandomBytesAreRefused) {
-  rc::check([](const std::vector<std::uint8_t>& bytes) {
+  EXPECT_TRUE(rc::check([](const std::vector<std::uint8_t>& bytes) {
     const auto channel =
         *rc::gen::element<std::string>("R1_ROBOT", "R1_SCAN", "R1_ODOMETRY", "R1_SIGHTING", "ISTHMUS_TAG",
                                        "ISTHMUS_COMMAND", "ISTHMUS_CONFIGURATION");
     RC_ASSERT(!decode(Configuration{}, channel, bytes, 0).event);
-  });
+  }));
 }
 
 }  // namespace

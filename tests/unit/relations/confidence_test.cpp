@@ -131,6 +131,61 @@ TEST(RelativeCovariance, OfDeterminedPatchesKeepsItsDigitsBesideAnUndeterminedOn
   for (const auto& [patch, covariance] : without) EXPECT_TRUE(with.at(patch).isApprox(covariance, 1e-10));
 }
 
+// What is left out must count as if it had never been related.
+TEST(RelativeCovariance, LeavesOutRelationsThatDoNotCount) {
+  std::mt19937 random(3);
+  SmallMap map = random_map(random, 12, 20, 0.05);
+  const auto without = local_relative_covariances(map.graph, map.truth, PatchId{2}, 12);
+  for (int i = 0; i < 6; ++i) {
+    Relation seen = relation(i, i + 6, RelativePose{map.relative(i, i + 6), 1e4 * some_information});
+    seen.origin.kind = OriginKind::sighting;
+    map.graph.add(seen);
+  }
+  const auto no_sighting = [](const Relation& r) { return r.origin.kind != OriginKind::sighting; };
+  const auto all = local_relative_covariances(map.graph, map.truth, PatchId{2}, 12);
+  const auto filtered = local_relative_covariances(map.graph, map.truth, PatchId{2}, 12, no_sighting);
+  ASSERT_EQ(filtered.size(), 11U);
+  for (const auto& [patch, covariance] : without) {
+    EXPECT_TRUE(filtered.at(patch).isApprox(covariance, 1e-9)) << patch.value;
+    EXPECT_LT(all.at(patch).trace(), covariance.trace()) << patch.value;
+  }
+  const auto none = [](const Relation&) { return false; };
+  EXPECT_TRUE(local_relative_covariances(map.graph, map.truth, PatchId{2}, 12, none).empty());
+}
+
+TEST(RelativeCovariance, OfOnePatchAgreesWithTheExactOneWhereAllIsLookedAt) {
+  std::mt19937 random(4);
+  const SmallMap map = random_map(random, 20, 25, 0.05);
+  const std::vector<PatchId> far{PatchId{17}};
+  const auto exact = exact_relative_covariances(map.graph, map.truth, PatchId{3}, far);
+  ASSERT_EQ(exact.size(), 1U);
+  const auto whole = local_relative_covariance(map.graph, map.truth, PatchId{3}, PatchId{17}, 40);
+  ASSERT_TRUE(whole);
+  EXPECT_TRUE(whole->isApprox(exact[0], 1e-9));
+  EXPECT_EQ(local_relative_covariance(map.graph, map.truth, PatchId{3}, PatchId{3}, 40),
+            Eigen::Matrix3d::Zero());
+}
+
+// A chain of 60: five patches about either end say nothing of what lies between; and where they do, they say
+// no more than the whole.
+TEST(RelativeCovariance, OfOnePatchIsNothingOrABoundWhereOnlyTheEndsAreLookedAt) {
+  std::mt19937 random(5);
+  const SmallMap map = random_map(random, 60, 0, 0.05);
+  EXPECT_FALSE(local_relative_covariance(map.graph, map.truth, PatchId{5}, PatchId{55}, 10));
+  const std::vector<PatchId> near{PatchId{12}};
+  const auto exact = exact_relative_covariances(map.graph, map.truth, PatchId{5}, near);
+  const auto local = local_relative_covariance(map.graph, map.truth, PatchId{5}, PatchId{12}, 20);
+  ASSERT_TRUE(local && exact.size() == 1);
+  EXPECT_GE(local->trace(), exact[0].trace() * (1 - 1e-9));
+}
+
+TEST(RelativeCovariance, OfOnePatchOnAnotherIslandIsNothing) {
+  SmallMap map(4);
+  map.graph.add(relation(0, 1, RelativePose{{1, 0, 0}, some_information}));
+  map.graph.add(relation(2, 3, RelativePose{{1, 0, 0}, some_information}));
+  EXPECT_FALSE(local_relative_covariance(map.graph, map.truth, PatchId{0}, PatchId{3}, 10));
+}
+
 TEST(WellDetermined, TestsTheLongerAxisOfTheEllipse) {
   const ConfidenceThreshold threshold{0.5, 0.1};
   const double limit = 0.5 / 1.96;

@@ -145,5 +145,32 @@ TEST(RelationGraph, NearestInGraphGoesByHopsThenById) {
   EXPECT_EQ(graph.hops(PatchId{0}, PatchId{0}, 0), 0);
 }
 
+//   0 === 1 --- 2 === 3 === 4      6
+//               |     |
+//               5 === +            === match, --- odometry
+TEST(RelationGraph, WithinHopsGoesAlongTheRelationsThatCountOnly) {
+  RelationGraph graph = patches(7);
+  const auto join_by = [&](int a, int b, OriginKind kind) {
+    Relation made = relation(a, b, RelativePose{});
+    made.origin.kind = kind;
+    return graph.add(made);
+  };
+  join_by(1, 0, OriginKind::match);
+  join_by(1, 2, OriginKind::odometry);
+  join_by(2, 3, OriginKind::match);
+  join_by(4, 3, OriginKind::match);
+  join_by(2, 5, OriginKind::odometry);
+  join_by(5, 3, OriginKind::match);
+  const auto any = [](const Relation&) { return true; };
+  const auto matches = [](const Relation& r) { return r.origin.kind == OriginKind::match; };
+  EXPECT_EQ(values(graph.within_hops(PatchId{2}, 0, any)), (std::vector<int>{2}));
+  EXPECT_EQ(values(graph.within_hops(PatchId{2}, 1, any)), (std::vector<int>{1, 2, 3, 5}));
+  EXPECT_EQ(values(graph.within_hops(PatchId{2}, 2, any)), (std::vector<int>{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(values(graph.within_hops(PatchId{2}, 1, matches)), (std::vector<int>{2, 3}));
+  EXPECT_EQ(values(graph.within_hops(PatchId{2}, 9, matches)), (std::vector<int>{2, 3, 4, 5}));
+  EXPECT_EQ(values(graph.within_hops(PatchId{1}, 9, matches)), (std::vector<int>{0, 1}));
+  EXPECT_EQ(values(graph.within_hops(PatchId{6}, 9, any)), (std::vector<int>{6}));
+}
+
 }  // namespace
 }  // namespace isthmus

@@ -1,0 +1,189 @@
+// Operators overrule closures: withdraw, forbid, allow, and measured starts. The scenario is two robots that
+// meet (closure 0, a merge) and a while later meet again (closure 1, a loop of the merged island).
+
+#include "tests/scenario/event_sequences.hpp"
+#include "tools/simulate/sightings_campaign.hpp"
+
+namespace isthmus {
+namespace {
+
+const SimulatedRun& meeting() {
+  static const SimulatedRun run = simulate(load_scenario("meeting"), 1);
+  return run;
+}
+
+/// A time of the run, and what the operator says then.
+struct Said {
+  double at_s;
+  std::string verb;
+  std::int64_t closure;
+};
+
+Events overruled(const std::vector<Said>& said) {
+  Events events = meeting().events;
+  for (const auto& [at_s, verb, closure] : said)
+    insert(events, command(after_s(meeting().events, at_s), verb, closure));
+  return events;
+}
+
+constexpr double merged_s = 11.5;  // a moment after closure 0 was accepted
+
+MapCopy forbidden_from_the_beginning() {
+  Events events = meeting().events;
+  events.insert(events.begin(), command(events.front().receive_utime, "forbid", 0));
+  return map_events(events);
+}
+
+void expect_every_patch_on_its_robots_island(const MapCopy& map) {
+  for (const std::string robot : {"R1", "R2"}) EXPECT_EQ(islands_of(map, robot).size(), 1U) << robot;
+}
+
+TEST(Withdraw, RightAfterAcceptancePartsTheIslands) {
+  const std::int64_t then = after_s(meeting().events, merged_s);
+  ASSERT_EQ(state_of(play(meeting().events, then).engine.copy(), 0), "accepted");
+  Played played = play(overruled({{merged_s, "withdraw", 0}}), then);
+  const MapCopy map = played.engine.copy();
+  EXPECT_TRUE(played.drop_reasons.empty());
+  EXPECT_EQ(state_of(map, 0), "withdrawn");
+  EXPECT_EQ(relations_of(map, ClosureId{0}), 0U);
+  EXPECT_EQ(islands(map), 2U);
+  expect_every_patch_on_its_robots_island(map);
+  int forbidden = 0;
+  for (const SightingRecord& record : map.sightings)
+    forbidden += record.verdict == "refused" && record.reason == "forbidden" ? 1 : 0;
+  EXPECT_EQ(forbidden, 5);
+}
+
+// The reference is the run in which the closure was forbidden from the beginning. The difference: which
+// patches were matched with which others while the islands were one, a millimetre of poses.
+TEST(Withdraw, LeavesWhatForbiddingFromTheBeginningLeaves) {
+  const MapCopy reference = forbidden_from_the_beginning();
+  ASSERT_EQ(islands(reference), 2U);
+  for (const double at_s : {merged_s, 12.5, 16.7, 18.0}) {  // the last two while closure 1 is tried out
+    const MapCopy map = map_events(overruled({{at_s, "withdraw", 0}}));
+    EXPECT_EQ(islands(map), 2U) << at_s;
+    EXPECT_EQ(relations_of(map, ClosureId{0}), 0U) << at_s;
+    expect_every_patch_on_its_robots_island(map);
+    const MapDifference difference = compare_patches(map, reference);
+    std::printf("withdrawn at %.1f s: %zu patches, %zu in one map only, at most %.4f m, %.5f rad off\n", at_s,
+                difference.compared, difference.only_in_one, difference.most_m, difference.most_rad);
+    EXPECT_EQ(difference.only_in_one, 0U) << at_s;
+    EXPECT_GT(difference.compared, 60U) << at_s;
+    EXPECT_LT(difference.most_m, 0.01) << at_s;
+    EXPECT_LT(difference.most_rad, 0.002) << at_s;
+  }
+}
+
+// Two closures say the same; the islands part when neither holds them.
+TEST(Withdraw, OfBothClosuresPartsTheIslandsLongAfterwards) {
+  Played played = play(overruled({{40, "withdraw", 0}, {40, "withdraw", 1}}), after_s(meeting().events, 40));
+  const MapCopy map = played.engine.copy();
+  EXPECT_EQ(islands(map), 2U);
+  EXPECT_EQ(relations_of(map, ClosureId{0}) + relations_of(map, ClosureId{1}), 0U);
+  expect_every_patch_on_its_robots_island(map);
+  for (const auto& [id, relation] : map.graph.relations())
+    EXPECT_EQ(map.patches[static_cast<std::size_t>(relation.a.value)]->robot,
+              map.patches[static_cast<std::size_t>(relation.b.value)]->robot);
+}
+
+TEST(Withdraw, IsRefusedForWhatIsNotAccepted) {
+  const std::string plain = map_sha256(map_events(meeting().events));
+  const Events events = overruled({{1, "withdraw", 0},     // not proposed yet
+                                   {10.9, "withdraw", 0},  // on trial
+                                   {30, "withdraw", 17},
+                                   {30, "allow", 17},
+                                   {30, "allow", 0}});  // not forbidden
+  Played played = play(events);
+  played.engine.finish();
+  EXPECT_EQ(played.drop_reasons,
+            (std::vector<std::string>{"no_such_closure", "not_accepted", "no_such_closure", "no_such_closure",
+                                      "not_forbidden"}));
+  EXPECT_EQ(played.engine.copy().counters.dropped.at("no_such_closure"), 3);
+  EXPECT_EQ(map_sha256(played.engine.copy()), plain);
+}
+
+TEST(Withdraw, TwiceIsRefusedTheSecondTime) {
+  Played played = play(overruled({{merged_s, "withdraw", 0}, {12, "withdraw", 0}}));
+  EXPECT_EQ(played.drop_reasons, (std::vector<std::string>{"not_accepted"}));
+}
+
+TEST(Commands, OfAnUnknownVerbAreDroppedAndChangeNothing) {
+  Played played = play(overruled({{30, "fly", 0}}));
+  played.engine.finish();
+  EXPECT_EQ(played.drop_reasons, (std::vector<std::string>{"unknown_verb"}));
+  EXPECT_EQ(map_sha256(played.engine.copy()), map_sha256(map_events(meeting().events)));
+}
+
+TEST(Forbid, BeforehandKeepsTheIslandsApartHoweverOftenTheRobotsMeet) {
+  const MapCopy map = forbidden_from_the_beginning();
+  EXPECT_EQ(islands(map), 2U);
+  ASSERT_FALSE(map.closures.empty());
+  for (const ClosureRecord& closure : map.closures) {
+    EXPECT_EQ(closure.state, "refused");
+    EXPECT_EQ(closure.reason, "forbidden");
+    EXPECT_EQ(relations_of(map, closure.id), 0U);
+  }
+  for (const SightingRecord& record : map.sightings) EXPECT_EQ(record.verdict, "refused");
+  EXPECT_EQ(map_sha256(map), map_sha256(forbidden_from_the_beginning()));
+}
+
+TEST(Forbid, OfWhatIsOnTrialEndsTheTrial) {
+  const MapCopy map = map_events(overruled({{10.9, "forbid", 0}}));
+  EXPECT_EQ(state_of(map, 0), "refused");
+  EXPECT_EQ(closure_of(map, 0).reason, "forbidden");
+  EXPECT_EQ(islands(map), 2U);
+}
+
+TEST(Forbid, OfAnAcceptedClosureWithdrawsIt) {
+  const MapCopy withdrawn = map_events(overruled({{merged_s, "withdraw", 0}}));
+  const MapCopy forbidden = map_events(overruled({{merged_s, "forbid", 0}}));
+  EXPECT_EQ(state_of(forbidden, 0), "withdrawn");
+  EXPECT_EQ(map_sha256(forbidden), map_sha256(withdrawn));
+}
+
+TEST(Allow, AfterAWithdrawalMergesAgain) {
+  for (const double again_s : {14.0, 59.0}) {
+    const MapCopy map = map_events(overruled({{12, "withdraw", 0}, {again_s, "allow", 0}}));
+    EXPECT_EQ(islands(map), 1U) << again_s;
+    std::vector<TrueRelation> inter = sample_relations(meeting().truth, 1);
+    std::erase_if(inter, [](const TrueRelation& r) { return r.robot1 == r.robot2; });
+    const RelationComparison error = compare(inter, map, map);
+    EXPECT_EQ(error.missing, 0U) << again_s;
+    EXPECT_LT(error.mean_m, 0.06) << again_s;
+  }
+}
+
+TEST(Allow, AfterForbiddingBeforehandMerges) {
+  EXPECT_EQ(islands(map_events(overruled({{0, "forbid", 0}, {30, "allow", 0}}))), 1U);
+  // And so early that nothing was forbidden yet, it is as if nothing had been said.
+  EXPECT_EQ(map_sha256(map_events(overruled({{0, "forbid", 0}, {5, "allow", 0}}))),
+            map_sha256(map_events(meeting().events)));
+}
+
+TEST(MeasuredStart, MergesTwoRobotsThatNeverSeeOneAnother) {
+  Events deaf = meeting().events;
+  std::erase_if(deaf, [](const Event& e) { return std::holds_alternative<SightingEvent>(e.body); });
+  const Pose with_from_robot = ominus(meeting().truth.at(1).poses.front().world_from_robot,
+                                      meeting().truth.at(0).poses.front().world_from_robot);
+  Configuration configuration;
+  configuration.robots["R2"].robot.robot = "R2";
+  configuration.robots["R2"].start = MeasuredStart{"R1", with_from_robot, {0.05, 0.05, 0.02}};
+  const MapCopy map = map_events(deaf, configuration);
+  EXPECT_EQ(islands(map), 1U);
+  ASSERT_EQ(map.closures.size(), 1U);
+  EXPECT_EQ(map.closures[0].kind, "merge");
+  EXPECT_EQ(map.closures[0].state, "accepted");
+  EXPECT_EQ(map.closures[0].reason, "measured_start");
+  int starts = 0;
+  for (const auto& [id, relation] : map.graph.relations())
+    starts += relation.origin.kind == OriginKind::start ? 1 : 0;
+  EXPECT_EQ(starts, 1);
+  std::vector<TrueRelation> inter = sample_relations(meeting().truth, 1);
+  std::erase_if(inter, [](const TrueRelation& r) { return r.robot1 == r.robot2; });
+  const RelationComparison error = compare(inter, map, map);
+  EXPECT_EQ(error.missing, 0U);
+  EXPECT_LT(error.mean_m, 0.05);
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,93 @@
+// Teams that find one another: by one camera alone, by tags, after long laps in opposite directions, and
+// though three sightings in ten are false.
+
+#include "tests/scenario/event_sequences.hpp"
+#include "tools/simulate/sightings_campaign.hpp"
+
+namespace isthmus {
+namespace {
+
+double inter_error_m(const SimulatedMap& simulated) {
+  std::vector<TrueRelation> relations = sample_relations(simulated.run.truth, 1);
+  std::erase_if(relations, [](const TrueRelation& r) { return r.robot1 == r.robot2; });
+  const RelationComparison error = compare(relations, simulated.map, simulated.map);
+  EXPECT_GT(error.compared, 30U);
+  EXPECT_EQ(error.missing, 0U);
+  return error.mean_m;
+}
+
+TEST(SimulatedTeams, OneCameraIsEnoughToMergeTwoRobots) {
+  const SimulatedMap one_way = map_scenario("one_way");
+  for (const SightingRecord& record : one_way.map.sightings) EXPECT_EQ(record.sighting.robot, "R1");
+  EXPECT_EQ(islands(one_way.map), 1U);
+  EXPECT_EQ(state_of(one_way.map, 0), "accepted");
+  EXPECT_EQ(closure_of(one_way.map, 0).kind, "merge");
+  EXPECT_GE(judge_sightings(one_way.run, one_way.map.sightings).true_share(), 0.95);
+  EXPECT_LT(inter_error_m(one_way), 0.05);
+  EXPECT_LT(judge_trajectories(one_way).mean_m, 0.03);
+}
+
+TEST(SimulatedTeams, TagsAreMappedAndJoinTheTeam) {
+  const SimulatedMap tags = map_scenario("tags");
+  EXPECT_EQ(islands(tags.map), 1U);
+  ASSERT_EQ(tags.map.tags.size(), 6U);
+  for (const TagRecord& tag : tags.map.tags) EXPECT_TRUE(tag.placed) << tag.barcode;
+  EXPECT_GE(judge_sightings(tags.run, tags.map.sightings).true_share(), 0.95);
+  EXPECT_LT(inter_error_m(tags), 0.05);
+
+  // Distances between tags are free of frames.
+  const std::vector<TagPlan>& truth = load_scenario("tags").tags;
+  double sum_m = 0;
+  int pairs = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j, ++pairs) {
+      const double true_m = (truth[i].position - truth[j].position).norm();
+      ASSERT_EQ(tags.map.tags[i].barcode, truth[i].barcode);
+      const double mapped_m = (tags.map.tags[i].position - tags.map.tags[j].position).norm();
+      EXPECT_NEAR(mapped_m, true_m, 0.3) << truth[i].barcode << " and " << truth[j].barcode;
+      sum_m += std::abs(mapped_m - true_m);
+    }
+  std::printf("tags: distances between them off by %.3f m on average\n", sum_m / pairs);
+  EXPECT_LT(sum_m / pairs, 0.1);
+}
+
+// The paper's double spiral: three laps each in opposite directions, then the first meeting.
+TEST(SimulatedTeams, OneMeetingCollapsesADoubleSpiral) {
+  const SimulatedMap spiral = map_scenario("double_spiral");
+  EXPECT_EQ(islands(spiral.map), 1U);
+  const ClosureRecord merge = closure_of(spiral.map, 0);
+  EXPECT_EQ(merge.kind, "merge");
+  EXPECT_EQ(merge.state, "accepted");
+  EXPECT_GT(merge.patches_touched, 80) << "all along the laps";
+  EXPECT_GE(judge_sightings(spiral.run, spiral.map.sightings).true_share(), 0.95);
+  const TrajectoryError error = judge_trajectories(spiral);
+  std::printf("double spiral: %zu patches, %d touched; intra mean %.4f m, at most %.3f m\n",
+              spiral.map.patches.size(), merge.patches_touched, error.mean_m, error.most_m);
+  EXPECT_LT(error.mean_m, 0.03);
+  EXPECT_LT(error.most_m, 0.2);
+  EXPECT_LT(inter_error_m(spiral), 0.05);
+}
+
+class FalseSightings : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(FalseSightings, ThreeInTenAreAllRefusedAndTheTrueOnesUsed) {
+  const SimulatedMap spoilt = map_scenario("meeting", {"false_sightings=0.3"}, GetParam());
+  const SightingScore score = judge_sightings(spoilt.run, spoilt.map.sightings);
+  EXPECT_GT(score.false_ones, 20U);
+  EXPECT_EQ(score.false_accepted, 0U);
+  EXPECT_GE(score.true_share(), 0.95);
+  EXPECT_EQ(islands(spoilt.map), 1U);
+  for (const SightingRecord& record : spoilt.map.sightings)
+    if (record.verdict == "refused") {
+      EXPECT_NE(record.reason, "");
+    }
+  std::printf("seed %lu: %zu of %zu true accepted, %zu of %zu false; intra %.4f m, inter %.4f m\n",
+              GetParam(), score.true_accepted, score.true_ones, score.false_accepted, score.false_ones,
+              judge_trajectories(spoilt).mean_m, inter_error_m(spoilt));
+  EXPECT_LT(inter_error_m(spoilt), 0.25);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, FalseSightings, testing::Values(1, 2, 3));
+
+}  // namespace
+}  // namespace isthmus
