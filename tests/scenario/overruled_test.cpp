@@ -107,6 +107,37 @@ TEST(Withdraw, TwiceIsRefusedTheSecondTime) {
   EXPECT_EQ(played.drop_reasons, (std::vector<std::string>{"not_accepted"}));
 }
 
+TEST(Drop, TakesARobotsDataOutAndAllowBringsItBack) {
+  const auto said = [](double at_s, const std::string& verb, const std::string& robot) {
+    const std::int64_t utime = after_s(meeting().events, at_s);
+    return Event{utime, CommandEvent{utime, verb, -1, robot}};
+  };
+  Events events = meeting().events;
+  insert(events, said(40, "drop", "R2"));
+  Played dropped = play(events, after_s(meeting().events, 40.05));
+  EXPECT_TRUE(dropped.drop_reasons.empty());
+  const MapCopy without = dropped.engine.copy();
+  ASSERT_FALSE(without.left_out.empty());
+  for (const PatchId id : without.left_out) {
+    EXPECT_EQ(without.patches[static_cast<std::size_t>(id.value)]->robot, "R2");
+    EXPECT_TRUE(without.graph.of(id).empty());
+  }
+  EXPECT_EQ(islands_of(without, "R1").size(), 1U);
+
+  insert(events, said(40.1, "allow", "R2"));
+  insert(events, said(40.2, "allow", "R2"));
+  insert(events, said(40.3, "drop", "R9"));
+  Played back = play(events, after_s(meeting().events, 40.35));
+  EXPECT_EQ(back.drop_reasons, (std::vector<std::string>{"not_dropped", "unknown_robot"}));
+  const MapCopy with = back.engine.copy();
+  EXPECT_TRUE(with.left_out.empty());
+  EXPECT_EQ(with.graph.island(PatchId{0}), with.graph.island(without.left_out.front()));
+
+  // The rest of the run: R2 goes on, and the robots' maps are one again.
+  const MapCopy whole = map_events(events);
+  EXPECT_EQ(islands(whole), 1U);
+}
+
 TEST(Commands, OfAnUnknownVerbAreDroppedAndChangeNothing) {
   Played played = play(overruled({{30, "fly", 0}}));
   played.engine.finish();
