@@ -84,7 +84,7 @@ void Closures::forget_robot(World world, const std::string& robot) {
     return true;
   };
   std::erase_if(pool_, is_its);
-  std::erase_if(unplaced_, [&](const Unplaced& unplaced) { return is_its(unplaced.evidence); });
+  std::erase_if(unplaced_, is_its);
 }
 
 }  // namespace isthmus

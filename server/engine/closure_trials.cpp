@@ -118,7 +118,7 @@ void Closures::thin(const std::vector<Group>& groups, World world) {
     const std::size_t size = group.members.size();
     for (std::size_t k = 0; k < size; ++k) {
       const std::size_t i = group.members[k];
-      const bool old = !group.merge && world.now_utime - pool_[i].sighting.utime > 2 * meeting_us;
+      const bool old = !group.merge && world.now_utime - pool_[i].receive_utime > 2 * meeting_us;
       if (old || k + most_waiting < size) gone.insert(i);
     }
   }
@@ -136,8 +136,13 @@ void Closures::thin(const std::vector<Group>& groups, World world) {
 
 void Closures::propose(World world) {
   if (trial_) return;
-  for (const Group& group : groups(world))
+  for (const Group& group : groups(world)) {
+    const std::size_t waiting = pool_.size();
     if (propose(world, group)) return;
+    if (pool_.size() == waiting) continue;
+    pool_changed_ = true;  // it was refused at once: the groups are no longer these
+    return;
+  }
 }
 
 bool Closures::propose(World world, const Group& group) {

@@ -57,8 +57,9 @@ void Closures::take(const SightingEvent& sighting, const std::string& target, bo
   evidence.sighting = sighting;
   evidence.target = target;
   evidence.is_tag = tag;
+  evidence.receive_utime = now_utime;
   records_.push_back({sighting, "waiting", "not_placed_yet", {}});
-  unplaced_.push_back({std::move(evidence), now_utime});
+  unplaced_.push_back(std::move(evidence));
 }
 
 void Closures::refuse(const SightingEvent& sighting, const std::string& reason) {
@@ -100,17 +101,17 @@ std::string Closures::place(World world, Evidence& evidence, bool waited) const 
 }
 
 void Closures::place_sightings(World world) {
-  std::deque<Unplaced> still;
+  std::deque<Evidence> still;
   std::vector<Evidence> placed;
-  for (Unplaced& unplaced : unplaced_) {
+  for (Evidence& unplaced : unplaced_) {
     const bool waited = world.no_more_waiting || world.now_utime > unplaced.receive_utime + placing_wait_us;
-    const std::string reason = place(world, unplaced.evidence, waited);
+    const std::string reason = place(world, unplaced, waited);
     if (reason == "wait") {
       still.push_back(std::move(unplaced));
     } else if (!reason.empty()) {
-      verdict(unplaced.evidence, "refused", reason);
+      verdict(unplaced, "refused", reason);
     } else {
-      placed.push_back(std::move(unplaced.evidence));
+      placed.push_back(std::move(unplaced));
     }
   }
   unplaced_ = std::move(still);
@@ -253,8 +254,9 @@ void Closures::finish(World world) {
       trial_->finish(world.now_utime);
       end_trial(world);
     }
+    pool_changed_ = false;
     propose(world);
-  } while (trial_);
+  } while (trial_ || pool_changed_);
   for (const Evidence& evidence : pool_) verdict(evidence, "refused", evidence.doubt);
   pool_.clear();
 }

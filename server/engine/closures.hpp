@@ -60,10 +60,6 @@ class Closures {
   std::vector<PatchId> take_changed() { return std::exchange(changed_, {}); }
 
  private:
-  struct Unplaced {
-    Evidence evidence;
-    std::int64_t receive_utime = 0;
-  };
   /// What a closure says, by which another is known to say the same: the pose of a patch of one chart as
   /// seen from one of the other.
   struct Likeness {
@@ -112,7 +108,7 @@ class Closures {
   void put_off(World world, ClosureId id);
 
   std::vector<SightingRecord> records_;
-  std::deque<Unplaced> unplaced_;
+  std::deque<Evidence> unplaced_;
   std::vector<Evidence> pool_;
   bool pool_changed_ = false;
   std::map<std::string, int> tried_;  ///< by group: the support of the trial that was refused

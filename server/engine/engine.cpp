@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -19,7 +20,8 @@ namespace {
 
 constexpr std::int64_t odometry_wait_us = 200'000;  // a scan waits so long, in event time, for its odometry
 constexpr std::int64_t backward_us = 1'000'000;     // stamps may go back by so much
-constexpr int most_stale_scans = 10;                // then the robot's clock was set back: a new session
+constexpr std::int64_t teammate_stamp_us = 1'000'000;
+constexpr int most_stale_scans = 10;  // then the robot's clock was set back: a new session
 
 bool has_a_value(const Scan& scan) { return !scan.ranges_m.empty() && scan.bearing_step_rad != 0; }
 
@@ -174,9 +176,12 @@ Outcome Engine::State::take(const SightingEvent& event) {
   const std::string target = worn != robots.end() ? worn->first : "TAG " + std::to_string(event.barcode);
   if (worn != robots.end()) {
     Robot& seer = robots.at(event.robot);
+    // One with a stamp of another time says nothing of who stands there now.
+    const bool now =
+        !seer.odometry.empty() && std::abs(event.utime - seer.odometry.newest_utime()) <= teammate_stamp_us;
     std::optional<Pose> odometry = seer.odometry.at(event.utime);
     if (!odometry) odometry = seer.odometry.newest();
-    if (odometry) note_teammate(seer, event, target, *odometry);
+    if (now) note_teammate(seer, event, target, *odometry);
   }
   closures.take(event, target, worn == robots.end(), counters.last_receive_utime);
   return {};
@@ -189,6 +194,10 @@ Outcome Engine::State::take(const CommandEvent& event) {
   }
   if (event.verb == "send_map") return {};
   std::string reason = "unknown_verb";
+  const bool on_closure =
+      event.verb == "withdraw" || event.verb == "forbid" || (event.verb == "allow" && event.robot.empty());
+  if (on_closure && (event.closure < 0 || event.closure > std::numeric_limits<std::int32_t>::max()))
+    return {drop("", "no_such_closure"), {}};
   if (event.verb == "withdraw" || event.verb == "forbid") {
     reason = closures.forbid(world(), ClosureId{static_cast<std::int32_t>(event.closure)},
                              event.verb == "withdraw");

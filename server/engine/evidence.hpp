@@ -19,6 +19,7 @@ PatchPtr make_tag_patch(PatchId id, std::int32_t barcode, std::int64_t utime);
 /// A sighting with the places on the manifold that it ties together.
 struct Evidence {
   std::size_t record = 0;  ///< its place among all sightings
+  std::int64_t receive_utime = 0;
   SightingEvent sighting;
   PastPlace observer;
   std::string target;  ///< a robot's name, or "TAG n"
