@@ -191,6 +191,11 @@ std::optional<Alignment> best_alignment(std::span<const ChartSighting> sightings
     if (supporters == alignment.supporters || supporters.size() < alignment.supporters.size()) break;
     alignment = refine(sightings, std::move(supporters), alignment.first_from_second);
   }
+  // Its supporters are those that agree with it as it is now.
+  std::vector<std::size_t> still = supporters_of(sightings, alignment.first_from_second);
+  if (still.size() < alignment.supporters.size())
+    alignment = refine(sightings, std::move(still), alignment.first_from_second);
+  if (alignment.supporters.size() < 2) return std::nullopt;
   return alignment;
 }
 

@@ -134,6 +134,11 @@ Outcome Engine::State::take(const OdometryEvent& event) {
   robot->odometry.add(event.utime, event.odom_from_robot);
   Outcome outcome;
   if (!has_no_laser(*robot)) return outcome;
+  if (robot->place && event.utime < robot->place->utime - backward_us) {
+    if (++robot->stale_scans < most_stale_scans) return {drop(event.robot, "stale_stamp"), {}};
+    robot->place.reset();
+  }
+  robot->stale_scans = 0;
   if (auto done = take_odometry(map, *robot, event.odom_from_robot, event.utime, configuration.engine))
     settle(*robot, std::move(*done), event.odom_from_robot, outcome);
   return outcome;

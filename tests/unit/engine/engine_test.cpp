@@ -156,6 +156,23 @@ TEST(Engine, SightingsAreValidated) {
   EXPECT_EQ(map.sightings[2].reason, "sees_itself");
 }
 
+// One stamp from the past is dropped and counted; a clock that was set back begins a new session.
+TEST(Engine, ARobotWithoutALaserWhoseClockIsSetBackBeginsAnew) {
+  Engine engine;
+  RobotEvent blind;
+  blind.robot = "R1";
+  blind.laser.range_min_m = blind.laser.range_max_m = 0;
+  engine.handle(at(start_utime, blind));
+  const auto drive_at = [&](std::int64_t utime) {
+    return engine.handle(at(utime, OdometryEvent{"R1", utime, Pose{}})).drop_reason;
+  };
+  EXPECT_EQ(drive_at(start_utime), "");
+  for (int i = 0; i < 9; ++i) EXPECT_EQ(drive_at(start_utime - 60'000'000 + i * 100'000), "stale_stamp");
+  EXPECT_EQ(engine.copy().sessions.size(), 1U);
+  EXPECT_EQ(drive_at(start_utime - 59'000'000), "");
+  EXPECT_EQ(engine.copy().sessions.size(), 2U);
+}
+
 TEST(Engine, TwoRobotsCannotWearOneBarcode) {
   Engine engine;
   engine.handle(robot("R1", 1));
