@@ -9,9 +9,6 @@
 namespace isthmus {
 namespace {
 
-// What stamps, mounts and odometry leave open, whatever the sigmas say.
-constexpr double floor_m = 0.05;
-constexpr double floor_rad = 0.03;
 constexpr double least_baseline_m = 0.4;
 
 // A residual of range and bearing, whitened, by (x, y, yaw) of first_from_second.
@@ -48,7 +45,7 @@ Residual residual_of(const ChartSighting& s, const Pose& first_from_second) {
   Eigen::Matrix<double, 2, 3> by_observer;
   by_observer << -1, 0, seen.y(), 0, -1, -seen.x();
   Eigen::Matrix2d covariance = by_observer * s.observer_covariance * by_observer.transpose();
-  covariance.diagonal().array() += s.target_variance + floor_m * floor_m;
+  covariance.diagonal().array() += s.target_variance + sighting_floor_m * sighting_floor_m;
 
   Residual residual;
   const auto add = [&](const Eigen::Vector2d& direction, double off, double variance, double scale) {
@@ -60,7 +57,7 @@ Residual residual_of(const ChartSighting& s, const Pose& first_from_second) {
     add(radial, range - s.range_m, s.range_sigma_m * s.range_sigma_m + radial.dot(covariance * radial), 1);
   if (s.has_bearing())
     add(across, wrap_angle(std::atan2(seen.y(), seen.x()) - s.bearing_rad),
-        s.bearing_sigma_rad * s.bearing_sigma_rad + floor_rad * floor_rad +
+        s.bearing_sigma_rad * s.bearing_sigma_rad + sighting_floor_rad * sighting_floor_rad +
             across.dot(covariance * across) / (range * range),
         1 / range);
   return residual;

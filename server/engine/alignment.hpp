@@ -9,6 +9,10 @@
 
 namespace isthmus {
 
+/// What stamps, mounts and odometry leave open in a sighting, whatever its sigmas say.
+inline constexpr double sighting_floor_m = 0.05;
+inline constexpr double sighting_floor_rad = 0.03;
+
 /// A sighting between two charts (planes that are each true to themselves): one holds the observer, the other
 /// what it saw. A sigma of +infinity: that part was not measured.
 struct ChartSighting {

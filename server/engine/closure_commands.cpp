@@ -6,20 +6,6 @@
 
 namespace isthmus {
 
-// Neither accepted nor refused: as if it had not been proposed yet. Its sightings wait for more.
-void Closures::put_off(World world, ClosureId id) {
-  const auto found = closures_.find(id);
-  for (Evidence& evidence : found->second.evidence) {
-    evidence.doubt = "too_little_support";
-    verdict(evidence, "waiting", evidence.doubt);
-    pool_.push_back(std::move(evidence));
-  }
-  std::ranges::stable_sort(pool_, {}, &Evidence::record);
-  closures_.erase(found);
-  if (id.value + 1 == next_id_) --next_id_;
-  consider_pool_again(world);
-}
-
 std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   const auto found = closures_.find(id);
   if (found == closures_.end()) {

@@ -357,4 +357,18 @@ void Closures::end_trial(World world) {
   consider_pool_again(world);
 }
 
+// Neither accepted nor refused: as if it had not been proposed yet. Its sightings wait for more.
+void Closures::put_off(World world, ClosureId id) {
+  const auto found = closures_.find(id);
+  for (Evidence& evidence : found->second.evidence) {
+    evidence.doubt = "too_little_support";
+    verdict(evidence, "waiting", evidence.doubt);
+    pool_.push_back(std::move(evidence));
+  }
+  std::ranges::stable_sort(pool_, {}, &Evidence::record);
+  closures_.erase(found);
+  if (id.value + 1 == next_id_) --next_id_;
+  consider_pool_again(world);
+}
+
 }  // namespace isthmus

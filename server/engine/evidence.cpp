@@ -6,9 +6,6 @@
 namespace isthmus {
 namespace {
 
-// What stamps, mounts and odometry leave open, whatever the sigmas say.
-constexpr double floor_m = 0.05;
-constexpr double floor_rad = 0.03;
 // Successive sightings err together (a camera's calibration, a blurred code, a late stamp), and each is a
 // relation of its own.
 constexpr double correlation = 2;  // factor on sigmas
@@ -130,9 +127,9 @@ std::optional<Relation> sighting_relation(const Map& map, const Evidence& eviden
   const Pose& a_from_observer = evidence.observer.pose.patch_from_object;
   const Eigen::Vector2d point_b = position(evidence.target_place->pose.patch_from_object);
   const Eigen::Matrix3d own = in_own_axes(evidence.observer.covariance, a_from_observer.yaw);
-  const double variance =
-      position_variance(evidence.target_place->covariance) + position_variance(own) + floor_m * floor_m;
-  const double yaw_variance = own(2, 2) + floor_rad * floor_rad;
+  const double variance = position_variance(evidence.target_place->covariance) + position_variance(own) +
+                          sighting_floor_m * sighting_floor_m;
+  const double yaw_variance = own(2, 2) + sighting_floor_rad * sighting_floor_rad;
   const bool has_range = std::isfinite(s.range_sigma_m);
   const bool has_bearing = std::isfinite(s.bearing_sigma_rad);
   const double range_sigma = correlation * std::sqrt(s.range_sigma_m * s.range_sigma_m + variance);
