@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -26,6 +28,8 @@ struct TeamGate {
   int robots;
   double mean_m;  ///< of the relations between robots
 };
+
+std::ostream& operator<<(std::ostream& stream, const TeamGate& gate) { return stream << gate.set; }
 
 constexpr TeamGate gates[] = {
     {"fr079-3", 3, 0.06}, {"intel-2", 2, 0.06}, {"intel-2-double", 2, 0.06}, {"intel-4", 4, 0.06}};

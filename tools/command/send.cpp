@@ -13,33 +13,30 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct StatusListener {
-  bool heard = false;
-
-  /// Looks at the type only: a message's counts are not to be trusted by a generated decoder.
-  void handle(const lcm::ReceiveBuffer* buffer, const std::string&) noexcept {
-    const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
-    heard = heard || (bytes.size() >= 8 && read_int64(bytes) == status_t::getHash());
-  }
-};
+/// Looks at the type only: a message's counts are not to be trusted by a generated decoder.
+void note_status(const lcm_recv_buf_t* buffer, const char*, void* heard) noexcept {
+  const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+  if (bytes.size() >= 8 && read_int64(bytes) == status_t::getHash()) *static_cast<bool*>(heard) = true;
+}
 
 }  // namespace
 
 bool send_order(lcm::LCM& lcm, const CommandEvent& order, std::chrono::milliseconds wait) {
-  StatusListener listener;
-  lcm::Subscription* subscription = lcm.subscribe("ISTHMUS_STATUS", &StatusListener::handle, &listener);
+  bool heard = false;
+  lcm_t* link = lcm.getUnderlyingLCM();
+  lcm_subscription_t* subscription = lcm_subscribe(link, "ISTHMUS_STATUS", note_status, &heard);
   const Message message = encode(Event{order.utime, order});
   const auto size = static_cast<unsigned>(message.bytes.size());
   if (lcm.publish(message.channel, message.bytes.data(), size) != 0) {
     throw std::runtime_error("the network refused the message");
   }
   const Clock::time_point end = Clock::now() + wait;
-  while (!listener.heard) {
+  while (!heard) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     if (left <= 0 || lcm.handleTimeout(static_cast<int>(left)) <= 0) break;
   }
-  lcm.unsubscribe(subscription);
-  return listener.heard;
+  lcm_unsubscribe(link, subscription);
+  return heard;
 }
 
 }  // namespace isthmus

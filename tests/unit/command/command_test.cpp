@@ -46,30 +46,29 @@ TEST(Order, SaysWhatItIs) {
   EXPECT_EQ(to_text({0, "send_map", -1, ""}), "send_map");
 }
 
-/// What is published on ISTHMUS_COMMAND, decoded as the server does.
+/// Decodes what is published on ISTHMUS_COMMAND as the server does, and answers with a status.
 struct Server {
+  lcm::LCM& lcm;
   std::vector<CommandEvent> orders;
 
-  void handle(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-    const auto* data = static_cast<const std::uint8_t*>(buffer->data);
-    const Decoded decoded = decode(Configuration{}, channel, {data, buffer->data_size}, 1);
+  static void handle(const lcm_recv_buf_t* buffer, const char* channel, void* self) {
+    static_cast<Server*>(self)->take(channel,
+                                     {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size});
+  }
+
+  void take(const std::string& channel, std::span<const std::uint8_t> bytes_of_order) {
+    const Decoded decoded = decode(Configuration{}, channel, bytes_of_order, 1);
     ASSERT_TRUE(decoded.event) << decoded.reason;
     orders.push_back(std::get<CommandEvent>(decoded.event->body));
+    const auto bytes = encoded(status_t{});
+    lcm.publish("ISTHMUS_STATUS", bytes.data(), static_cast<unsigned>(bytes.size()));
   }
 };
 
 TEST(SendOrder, ReachesTheServerAndHearsItsStatus) {
   lcm::LCM lcm("memq://");
-  Server server;
-  lcm.subscribe("ISTHMUS_COMMAND", &Server::handle, &server);
-  struct Answer {
-    lcm::LCM& lcm;
-    void handle(const lcm::ReceiveBuffer*, const std::string&) {
-      const auto bytes = encoded(status_t{});
-      lcm.publish("ISTHMUS_STATUS", bytes.data(), static_cast<unsigned>(bytes.size()));
-    }
-  } answer{lcm};
-  lcm.subscribe("ISTHMUS_COMMAND", &Answer::handle, &answer);
+  Server server{lcm, {}};
+  lcm_subscribe(lcm.getUnderlyingLCM(), "ISTHMUS_COMMAND", &Server::handle, &server);
   EXPECT_TRUE(send_order(lcm, {7, "forbid", 3, ""}, milliseconds(2000)));
   ASSERT_EQ(server.orders.size(), 1U);
   EXPECT_EQ(server.orders[0].utime, 7);
