@@ -53,7 +53,7 @@ class Tools:
 
     def replay(self, name, log, *truth):
         """Maps and evaluates one log, and removes it; returns (summary of the run, evaluation)."""
-        summary = json.loads(self.run("replay", log, "--output", self.folder(name), "--json"))
+        summary = json.loads(self.run("replay", log, "--refine", "--output", self.folder(name), "--json"))
         os.remove(log)
         return summary, json.loads(self.run("evaluate", *truth, "--output", self.folder(name), "--json"))
 

@@ -39,6 +39,7 @@ struct Engine::State {
   std::set<std::int32_t> tags;  // declared barcodes
   Counters counters;
   std::set<std::string> starts_related;
+  bool refine_asked = false;  ///< when all is woven, all is to be fitted
   struct Dropped {
     std::vector<Relation> relations;
     PatchId end;  // patches made since are not meant
@@ -91,7 +92,7 @@ struct Engine::State {
   std::string drop_data(const std::string& name);
   std::string take_back_drop(const std::string& name);
   std::vector<TagRecord> tag_records() const;
-  void refine_all();
+  void fit_all();
 };
 
 Outcome Engine::State::take(const ConfigurationEvent& event) {
@@ -194,7 +195,8 @@ Outcome Engine::State::take(const SightingEvent& event) {
 
 Outcome Engine::State::take(const CommandEvent& event) {
   if (event.verb == "refine") {
-    for (const std::vector<PatchId>& island : map.graph().islands()) settling.request(island.front());
+    weaving.weave_all(map);
+    refine_asked = true;
     return {};
   }
   if (event.verb == "send_map") return {};
@@ -359,7 +361,7 @@ std::vector<TagRecord> Engine::State::tag_records() const {
   return all;
 }
 
-void Engine::State::refine_all() {
+void Engine::State::fit_all() {
   for (const std::vector<PatchId>& island : map.graph().islands()) {
     map.refit_island(island.front());
   }
@@ -384,6 +386,10 @@ Outcome Engine::handle(const Event& event) {
     state.settling.request(patch);
   }
   state.weaving.advance(state.map, state.configuration.engine, counters.last_receive_utime);
+  if (state.refine_asked && !state.weaving.busy()) {
+    state.refine_asked = false;
+    state.map_changed(state.map.graph().islands());
+  }
   state.settling.advance(state.map, counters.last_receive_utime);
   return outcome;
 }
@@ -400,7 +406,7 @@ Outcome Engine::finish() {
   }
   state_->closures.finish(state_->world());
   state_->weaving.finish(state_->map, state_->configuration.engine);
-  state_->refine_all();
+  state_->fit_all();
   return outcome;
 }
 

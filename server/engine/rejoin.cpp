@@ -8,6 +8,7 @@
 
 #include "scanmatch/correlative.hpp"
 #include "scanmatch/match_relations.hpp"
+#include "scanmatch/score_profile.hpp"
 
 namespace isthmus {
 namespace {
@@ -130,12 +131,16 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
   const CorrelativeResult search = search_window(local, query.points, window);
   if (search.score <= 0 || search.exhausted) return found;
   if (!found.certain && search.second_score > ambiguous_share * search.score) return found;
-  const Match match =
-      match_scan(local, query.points, {search.local_from_robot, 0.01 * information}, options.match);
+  Match match = match_scan(local, query.points, {search.local_from_robot, 0.01 * information}, options.match);
   if (!fits(match, query) || (!found.certain && match.quality.degenerate)) return found;
   Eigen::Vector3d innovation = to_vector(match.local_from_robot) - to_vector(anchor_from_robot);
   innovation.z() = wrap_angle(innovation.z());
   if (innovation.dot(information * innovation) > most_surprise) return found;
+
+  constexpr double looked_along_m = 0.6;
+  const double spread_m =
+      spread_of_match(local, query.points, match, std::min(widest_m, looked_along_m), options.match);
+  widen(match, spread_m, relation_sigma_m(match.quality, options.relations), options.match);
 
   const Pose map_from_anchor = map.manifold().pose(anchor->patch);
   const Pose before = map_from_anchor * anchor_from_robot;

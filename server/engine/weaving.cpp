@@ -17,6 +17,11 @@ void Weaving::stands_on(const std::string& robot, PatchId patch) {
   propagation_.enqueue(patch);
 }
 
+void Weaving::weave_all(const Map& map) {
+  propagation_.forget_visits();
+  for (const PatchPtr& patch : map.manifold().patches()) propagation_.enqueue(patch->id);
+}
+
 void Weaving::advance(Map& map, const EngineOptions& options, std::int64_t now_utime) {
   const std::int64_t passed = std::clamp<std::int64_t>(now_utime - last_utime_, 0, 1'000'000);
   last_utime_ = now_utime;

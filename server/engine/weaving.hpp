@@ -14,6 +14,8 @@ namespace isthmus {
 class Weaving {
  public:
   void stands_on(const std::string& robot, PatchId patch);
+  /// Every patch of the map, wherever robots stand.
+  void weave_all(const Map& map);
   /// Islands have merged or parted: what was compared in vain may fit now.
   void map_changed() { propagation_.forget_visits(); }
 

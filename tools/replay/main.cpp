@@ -16,6 +16,7 @@ struct Arguments {
   std::string config_file;
   std::vector<std::int32_t> forbid;
   double until_s = std::numeric_limits<double>::infinity();
+  bool refine = false;
   bool json = false;
 };
 
@@ -24,6 +25,7 @@ void run(const Arguments& arguments) {
   options.config_file = arguments.config_file;
   for (const std::int32_t id : arguments.forbid) options.forbid.push_back({id});
   options.until_s = arguments.until_s;
+  options.refine = arguments.refine;
   options.warn = [](const std::string& warning) {
     std::fprintf(stderr, "isthmus-replay: %s\n", warning.c_str());
   };
@@ -32,7 +34,7 @@ void run(const Arguments& arguments) {
     options.progress = [&](double share) { progress.update(share); };
     return replay(arguments.log, options);
   }();
-  const MapCopy map = result.engine.copy();
+  const MapCopy map = result.map();
   write_outputs(map, result.cost, arguments.output);
   std::fputs((arguments.json ? summary_json(result, map) : summary_text(result, map)).c_str(), stdout);
 }
@@ -50,6 +52,8 @@ int main(int argc, char** argv) {
                  "read no further than so many seconds of event time after the log's first event")
       ->type_name("SECONDS")
       ->check(CLI::NonNegativeNumber);
+  app.add_flag("--refine", arguments.refine,
+               "at the end, match and fit the whole map once more and match every scan with it");
   app.add_flag("--json", arguments.json, "print the summary as JSON");
   try {
     app.parse(argc, argv);

@@ -1,11 +1,13 @@
 #include "tools/replay/replay.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
+#include "server/engine/refinement.hpp"
 #include "server/wire/event_log.hpp"
 
 namespace isthmus {
@@ -41,7 +43,7 @@ Configuration read_configuration(const std::string& file) {
 class Replay {
  public:
   Replay(const std::string& path, const ReplayOptions& options)
-      : options_(options), reader_(path), own_configuration_(options.config_file.empty()) {
+      : options_(options), path_(path), reader_(path), own_configuration_(options.config_file.empty()) {
     if (!own_configuration_) result_.engine = Engine(read_configuration(options.config_file));
   }
 
@@ -51,7 +53,9 @@ class Replay {
     read();
     begin(0);
     const Clock::time_point finish = Clock::now();
+    if (options_.refine) command("refine");
     result_.engine.finish();
+    if (options_.refine) refine();
     result_.cost.finish_s = seconds_since(finish);
     result_.cost.wall_s = seconds_since(start);
     result_.cost.cpu_s = cpu_now_s() - cpu_start_s;
@@ -104,16 +108,36 @@ class Replay {
   void begin(std::int64_t receive_utime) {
     if (begun_) return;
     begun_ = true;
-    for (const ClosureId closure : options_.forbid) {
-      CommandEvent command;
-      command.verb = "forbid";
-      command.closure = closure.value;
-      result_.engine.handle({receive_utime, command});
+    last_receive_utime_ = receive_utime;
+    for (const ClosureId closure : options_.forbid) command("forbid", closure.value);
+  }
+
+  void command(const std::string& verb, std::int64_t closure = -1) {
+    CommandEvent command;
+    command.verb = verb;
+    command.closure = closure;
+    result_.engine.handle({last_receive_utime_, command});
+  }
+
+  /// Reads the log once more, as far as it was read.
+  void refine() {
+    Refinement refinement(result_.engine.copy(), result_.engine.configuration());
+    EventLogReader reader(path_);
+    for (std::int64_t i = 0; i < result_.messages; ++i) {
+      const std::optional<Message> message = reader.next();
+      if (!message) break;
+      const Decoded decoded =
+          decode(result_.engine.configuration(), message->channel, message->bytes, message->utime);
+      if (decoded.event) refinement.take(*decoded.event);
+      if (options_.progress) options_.progress(reader.progress());
     }
+    result_.refined = refinement.finish();
+    result_.scans_refined = refinement.refined();
   }
 
   void handle(const Event& event) {
     if (!first_utime_) first_utime_ = event.receive_utime;
+    last_receive_utime_ = std::max(last_receive_utime_, event.receive_utime);
     const double cpu_s = timed([&] { result_.engine.handle(event); });
     since_scan_s_ += cpu_s;
     if (!std::holds_alternative<ScanEvent>(event.body)) return;
@@ -143,15 +167,23 @@ class Replay {
   }
 
   const ReplayOptions& options_;
+  const std::string& path_;
   EventLogReader reader_;
   bool own_configuration_;
   bool begun_ = false;
   std::optional<std::int64_t> first_utime_;  ///< of the first event
+  std::int64_t last_receive_utime_ = 0;
   double since_scan_s_ = 0;
   ReplayResult result_;
 };
 
 }  // namespace
+
+MapCopy ReplayResult::map() const {
+  MapCopy map = engine.copy();
+  if (refined) map.trajectory = refined;
+  return map;
+}
 
 ReplayResult replay(const std::string& path, const ReplayOptions& options) {
   return Replay(path, options).run();

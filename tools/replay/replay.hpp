@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,18 +18,26 @@ struct ReplayOptions {
   std::vector<ClosureId> forbid;  ///< closures that must not be made
   /// Reading stops at the first event so long after the log's first; what was read is finished as a log is.
   double until_s = std::numeric_limits<double>::infinity();
+  /// The whole map is matched and fitted once more at the end, as by the command `refine`, and then every
+  /// scan is matched with it (Refinement), in a second pass over the log.
+  bool refine = false;
   std::function<void(double)> progress;
   std::function<void(const std::string&)> warn;  ///< told of damaged parts of the log
 };
 
 struct ReplayResult {
   Engine engine;
+  std::shared_ptr<const TrajectoryStore> refined;  ///< the trajectory after the second pass; none without one
+  std::size_t scans_refined = 0;
   RunCost cost;
   LatencyHistogram event_cpu;      ///< CPU time per event: what the latency is on an idle machine
   CostProfile scan_cost;           ///< CPU time of the engine from one scan to the next
   std::int64_t messages = 0;       ///< read from the log
   std::int64_t ignored = 0;        ///< on channels that are not input
   std::int64_t skipped_bytes = 0;  ///< damaged
+
+  /// The map with the best trajectory there is.
+  MapCopy map() const;
 };
 
 /// Runs the engine over an LCM event log or a journal directory, as fast as it can, to the end or as far as

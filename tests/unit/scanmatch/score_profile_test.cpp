@@ -1,0 +1,71 @@
+#include "scanmatch/score_profile.hpp"
+
+#include <gtest/gtest.h>
+
+#include "scanmatch/match_relations.hpp"
+#include "tests/support/walls.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+// |==u==u==u==u==u==u==|   Door frames every 0.5 m: a step to the next one fits as well but at the ends.
+//       o->
+// |==u==u==u==u==u==u==|
+Walls ribbed_corridor() {
+  Walls walls = corridor();
+  for (int i = -60; i <= 60; ++i) {
+    add_box(walls, 0.5 * i, 0.9, 0.5 * i + 0.1, 1);
+    add_box(walls, 0.5 * i, -1, 0.5 * i + 0.1, -0.9);
+  }
+  return walls;
+}
+
+struct Found {
+  LocalMap map;
+  std::vector<ScanPoint> points;
+  Match match;
+};
+
+Found found_in(const Walls& walls) {
+  Found found;
+  found.map.patches.push_back({patch_from(walls, PatchId{0}, Pose{}), Pose{}});
+  const Pose truth{0.3, 0.1, 0.05};
+  found.points = to_points(scan_from(walls, truth), laser_of());
+  found.match = match_scan(found.map, found.points, {truth, Eigen::Matrix3d::Zero()});
+  return found;
+}
+
+double spread_in(const Found& found) { return spread_of_match(found.map, found.points, found.match, 0.6); }
+
+TEST(SpreadOfMatch, IsSmallWhereAStepAsideFitsWorse) {
+  const Found found = found_in(furnished_room());
+  ASSERT_TRUE(found.match.ok);
+  EXPECT_LT(spread_in(found), 0.02);
+}
+
+TEST(SpreadOfMatch, ReachesOverAllThatFitsAsWell) {
+  EXPECT_GT(spread_in(found_in(corridor())), 0.25) << "of at most 0.6 m either way";
+  EXPECT_GT(spread_in(found_in(ribbed_corridor())), 0.2);
+}
+
+TEST(Widen, RelationsSayTheSpreadAlongAndWhatTheySaidAcross) {
+  Found found = found_in(ribbed_corridor());
+  const auto information_of = [&] {
+    const auto relations = match_relations(found.map, found.points, found.match, PatchId{1}, {});
+    return relations.size() == 1 ? information(relations.front(), found.match.local_from_robot)
+                                 : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+  };
+  const Eigen::Matrix3d before = information_of();
+  const double spread_m = 0.3;
+  widen(found.match, spread_m, relation_sigma_m(found.match.quality, {}));
+  const Eigen::Matrix3d after = information_of();
+  EXPECT_GT(before(0, 0), 10 / (spread_m * spread_m)) << "ribs look like certainty";
+  EXPECT_LT(after(0, 0), 1.5 / (spread_m * spread_m));
+  EXPECT_NEAR(after(1, 1), before(1, 1), 0.02 * before(1, 1));
+  EXPECT_GT(after(2, 2), 0.5 * before(2, 2));
+}
+
+}  // namespace
+}  // namespace isthmus
