@@ -10,6 +10,8 @@
 #include "server/engine/closures.hpp"
 #include "server/engine/footprints.hpp"
 #include "server/engine/mapper.hpp"
+#include "server/engine/records.hpp"
+#include "server/engine/rendezvous.hpp"
 #include "server/engine/settling.hpp"
 #include "server/engine/teammates.hpp"
 #include "server/engine/weaving.hpp"
@@ -36,6 +38,7 @@ struct Engine::State {
   Closures closures;
   Settling settling;
   Weaving weaving;
+  Rendezvous rendezvous;
   std::set<std::int32_t> tags;  // declared barcodes
   Counters counters;
   std::set<std::string> starts_related;
@@ -89,9 +92,12 @@ struct Engine::State {
   void record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot);
   void relate_measured_starts();
   void map_changed(const std::vector<std::vector<PatchId>>& islands);
+  void arrange_meeting();
+  // Hypotheses from scans come from here and are refuted here; nothing makes any yet.
+  static std::vector<UndecidedHypothesis> undecided() { return {}; }
+  static void refute(ClosureId /*hypothesis*/, const std::string& /*reason*/) {}
   std::string drop_data(const std::string& name);
   std::string take_back_drop(const std::string& name);
-  std::vector<TagRecord> tag_records() const;
   void fit_all();
 };
 
@@ -133,6 +139,7 @@ Outcome Engine::State::take(const OdometryEvent& event) {
   Robot* robot = declared(event.robot);
   if (!robot) return {drop(event.robot, "unknown_robot"), {}};
   robot->odometry.add(event.utime, event.odom_from_robot);
+  robot->health.heard_odometry(event.odom_from_robot);
   Outcome outcome;
   if (!has_no_laser(*robot)) return outcome;
   if (robot->place && event.utime < robot->place->utime - backward_us) {
@@ -149,6 +156,7 @@ Outcome Engine::State::take(const ScanEvent& event) {
   Robot* robot = declared(event.robot);
   if (!robot) return {drop(event.robot, "unknown_robot"), {}};
   const Scan& scan = event.scan;
+  robot->health.heard_scan(scan, robot->declaration.laser);
   if (!has_a_value(scan)) return {drop(event.robot, "zero_beams"), {}};
   const bool first = robot->last_scan_utime == 0;
   if (!first && scan.utime == robot->last_scan_utime) return {drop(event.robot, "duplicate_stamp"), {}};
@@ -188,6 +196,7 @@ Outcome Engine::State::take(const SightingEvent& event) {
     std::optional<Pose> odometry = seer.odometry.at(event.utime);
     if (!odometry) odometry = seer.odometry.newest();
     if (now) note_teammate(seer, event, target, *odometry);
+    rendezvous.take_sighting(event.robot, target);
   }
   closures.take(event, target, worn == robots.end(), counters.last_receive_utime);
   return {};
@@ -252,6 +261,9 @@ void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_fr
   if (done.loop_closed) settling.request(done.pose.island);
   if (done.predicted_reason.empty()) weaving.stands_on(robot.declaration.robot, done.pose.pose.patch);
   settle(robot, std::move(done), odom_from_robot, outcome);
+  const auto met_nobody =
+      rendezvous.take_scan(map, robots, robot.declaration.robot, scan, counters.last_receive_utime);
+  if (met_nobody) refute(*met_nobody, "met_nobody");
 }
 
 // Keeps the record of where a robot is now.
@@ -345,20 +357,9 @@ void Engine::State::map_changed(const std::vector<std::vector<PatchId>>& islands
     if (island.size() > 1) settling.request(island.front());
 }
 
-std::vector<TagRecord> Engine::State::tag_records() const {
-  std::map<std::int32_t, TagRecord> records;
-  for (const std::int32_t barcode : tags) records[barcode].barcode = barcode;
-  for (const auto& [barcode, patch] : closures.tags()) {
-    TagRecord& record = records[barcode];
-    record.barcode = barcode;
-    record.patch = patch;
-    record.island = map.graph().island(patch);
-    record.position = {map.manifold().pose(patch).x, map.manifold().pose(patch).y};
-    record.placed = true;
-  }
-  std::vector<TagRecord> all;
-  for (const auto& [barcode, record] : records) all.push_back(record);
-  return all;
+void Engine::State::arrange_meeting() {
+  if (!rendezvous.is_due(counters.last_receive_utime)) return;
+  rendezvous.choose(map, robots, undecided(), counters.last_receive_utime);
 }
 
 void Engine::State::fit_all() {
@@ -391,6 +392,7 @@ Outcome Engine::handle(const Event& event) {
     state.map_changed(state.map.graph().islands());
   }
   state.settling.advance(state.map, counters.last_receive_utime);
+  state.arrange_meeting();
   return outcome;
 }
 
@@ -430,12 +432,14 @@ MapCopy Engine::copy() const {
   copy.trajectory_rows = state.trajectory->size();
   copy.sightings = state.closures.sightings();
   copy.closures = state.closures.closures();
-  copy.tags = state.tag_records();
+  copy.tags = tag_records(state.map, state.tags, state.closures.tags());
   for (const PatchPtr& patch : copy.patches) {
     const auto dropped = state.dropped.find(patch->robot);
     if (dropped != state.dropped.end() && patch->id < dropped->second.end) copy.left_out.push_back(patch->id);
   }
   copy.counters = state.counters;
+  copy.meeting = state.rendezvous.record();
+  copy.health = health_records(state.robots, state.counters);
   return copy;
 }
 

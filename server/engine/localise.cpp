@@ -10,7 +10,7 @@ namespace isthmus {
 namespace {
 
 constexpr double most_speed_m_per_s = 5;
-constexpr double most_turn_rad_per_s = 6;
+constexpr double most_turn_rad_per_s = 3.5;
 
 Eigen::Matrix3d symmetric(const Eigen::Matrix3d& m) { return 0.5 * (m + m.transpose()); }
 

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "patches/patch.hpp"
+#include "patches/manifold.hpp"
 #include "relations/graph.hpp"
 #include "server/engine/event.hpp"
+#include "server/engine/health_warnings.hpp"
 #include "server/engine/trajectory_store.hpp"
 
 namespace isthmus {
@@ -55,6 +57,19 @@ struct ClosureRecord {
   std::int64_t end_utime = 0;
 };
 
+/// Where one robot is to stand at a meeting.
+struct MeetingPlace {
+  std::string robot;
+  ManifoldPose pose;  ///< facing the other robot, if the hypothesis is true
+};
+
+/// A meeting of two robots that would settle a hypothesis.
+struct MeetingRecord {
+  ClosureId closure;  ///< the hypothesis
+  MeetingPlace a;
+  MeetingPlace b;
+};
+
 /// What the engine counted, from its first event on. Keys of the maps are reasons, lower_case.
 struct Counters {
   std::int64_t events = 0;
@@ -66,6 +81,13 @@ struct Counters {
   std::map<std::string, std::map<std::string, std::int64_t>> dropped_by_robot;
   std::int64_t first_receive_utime = 0;
   std::int64_t last_receive_utime = 0;
+};
+
+/// A robot's own data, and what looks wrong with it.
+struct HealthRecord {
+  std::string robot;
+  HealthFigures figures;
+  std::vector<HealthWarning> warnings;
 };
 
 /// A consistent copy of the map, cheap (patches are shared), for exports and publishing off the engine's
@@ -82,6 +104,8 @@ struct MapCopy {
   std::vector<ClosureRecord> closures;
   std::vector<PatchId> left_out;  ///< by id: patches whose robot's data operators have dropped
   Counters counters;
+  std::optional<MeetingRecord> meeting;  ///< to be driven to
+  std::vector<HealthRecord> health;      ///< of declared robots, by name
 };
 
 /// SHA-256, in hex, over patches, accepted relations and closures by id, numbers as the bits of f64.

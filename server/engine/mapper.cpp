@@ -63,6 +63,12 @@ void settle(const Map& map, Robot& robot, const Expectation& expectation, const 
     robot.noise.learn(expectation.step, matched_step,
                       local_from_step.transpose() * placement.match.direction_trust * local_from_step);
   }
+  if (placement.matched) {
+    robot.health.matched(expectation.claimed_step, matched_step,
+                         placement.match.direction_trust.determinant() > 0.8);
+  } else {
+    robot.health.unmatched();
+  }
   place.last_step = matched_step;
   place.since_last_patch.append(expectation.plausible ? expectation.step : matched_step,
                                 robot.noise.covariance(expectation.step));
@@ -113,6 +119,7 @@ ScanOutcome take_scan(Map& map, Robot& robot, const Scan& scan, const Pose& odom
   const Placement placement = place(robot, expectation, robot.local_map, points, options);
   if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
       robot.place->lost_scans + 1 >= most_lost_scans) {
+    robot.health.unmatched();
     begin_island(map, robot, scan, odom_from_robot, options);
     return {answer(map, robot, true), {}, true, false, false};
   }

@@ -11,6 +11,7 @@
 #include "server/engine/odometry_track.hpp"
 #include "server/engine/pose_history.hpp"
 #include "server/engine/rejoin.hpp"
+#include "server/engine/robot_health.hpp"
 #include "server/engine/surroundings.hpp"
 
 namespace isthmus {
@@ -65,6 +66,7 @@ struct Robot {
   bool declared = false;
   OdometryTrack odometry;
   OdometryNoise noise;
+  RobotHealth health;
   std::deque<PendingScan> pending;  ///< scans that wait for odometry
   std::optional<Localisation> place;
   std::int32_t session = -1;

@@ -66,6 +66,43 @@ Json latency_ms(const LatencyHistogram& latency) {
           {"max", 1e3 * latency.max_s()}};
 }
 
+/// What looks wrong, by robot; robots with nothing of the kind are left out.
+Json warnings(const MapCopy& map) {
+  Json object = Json::object();
+  for (const HealthRecord& robot : map.health)
+    for (const HealthWarning& warning : robot.warnings)
+      object[robot.robot].push_back({{"key", warning.key}, {"text", warning.text}});
+  return object;
+}
+
+Json health(const MapCopy& map) {
+  Json object = Json::object();
+  for (const HealthRecord& robot : map.health) {
+    const HealthFigures& f = robot.figures;
+    object[robot.robot] = {{"odometry_messages", f.odometry_messages},
+                           {"odometry_way_m", f.odometry_way_m},
+                           {"scans", f.scans},
+                           {"scans_without_return", f.scans_without_return},
+                           {"scans_with_few_returns", f.scans_with_few_returns},
+                           {"most_beams", f.most_beams},
+                           {"scans_changed", f.scans_changed},
+                           {"scans_changed_still", f.scans_changed_still},
+                           {"scans_matched", f.scans_matched},
+                           {"laser_way_m", f.way.laser},
+                           {"laser_turn_rad", f.turn.laser},
+                           {"odometry_explains_way", f.way.explained()},
+                           {"odometry_explains_turns", f.turn.explained()},
+                           {"way_ratio", f.way.ratio()},
+                           {"turn_ratio", f.turn.ratio()},
+                           {"direction_rad", f.direction_rad},
+                           {"direction_steadiness", f.direction_steadiness},
+                           {"turn_correlation", f.turn_correlation},
+                           {"best_lag_scans", f.best_lag_scans},
+                           {"off_at_best_lag", f.off_at_best_lag}};
+  }
+  return object;
+}
+
 /// A map of counts; an empty one is an object too.
 Json counts(const std::map<std::string, std::int64_t>& by_reason) {
   Json object = Json::object();
@@ -99,6 +136,8 @@ std::string report_json(const MapCopy& map, const RankedIslands& islands, const 
                        {"trajectory_rows", map.trajectory_rows},
                        {"trajectory_rows_parted", count_parted_rows(map)},
                        {"sessions", sessions(map, islands)},
+                       {"warnings", warnings(map)},
+                       {"health", health(map)},
                        {"closures", closures(map)},
                        {"log_duration_s", log_duration_s},
                        {"wall_s", cost.wall_s},

@@ -120,6 +120,8 @@ void LiveServer::publish_status_if_due() {
                               journal_ ? journal_->failures() : 0};
   const std::int64_t utime = options_.clock ? options_.clock() : last_utime_;
   publish_("ISTHMUS_STATUS", encoded(monitor_.status(*map, server, utime, seconds(elapsed))));
+  if (const auto rendezvous = rendezvous_.due(*map, utime, last_status_))
+    publish_("ISTHMUS_RENDEZVOUS", encoded(*rendezvous));
   map_publisher_->offer(map, utime);
 }
 

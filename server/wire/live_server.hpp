@@ -12,6 +12,7 @@
 #include "server/wire/inbox.hpp"
 #include "server/wire/journal.hpp"
 #include "server/wire/map_publisher.hpp"
+#include "server/wire/rendezvous_publisher.hpp"
 #include "server/wire/robot_monitor.hpp"
 
 namespace isthmus {
@@ -61,6 +62,7 @@ class LiveServer {
   Publish publish_;
   Engine engine_;
   RobotMonitor monitor_;
+  RendezvousPublisher rendezvous_;
   LatencyHistogram latency_;
   std::int64_t last_utime_ = 0;  ///< receive times never go back
   std::chrono::steady_clock::time_point start_;

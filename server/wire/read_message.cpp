@@ -20,6 +20,7 @@ constexpr double largest_footprint_m = 100;
 constexpr double largest_range_m = 1e5;
 constexpr double largest_angle_rad = 4 * std::numbers::pi;
 constexpr double smallest_step_rad = 1e-6;
+constexpr double single_beam_step_rad = 0.01;
 /// A full turn, and room for the rounding of a float step times thousands of beams.
 constexpr double largest_field_of_view_rad = 2 * std::numbers::pi + 0.1;
 
@@ -116,7 +117,9 @@ Reading read_message(const bot_core::planar_lidar_t& message, const std::string&
   if (const std::string_view reason = check_ranges(message.ranges); !reason.empty()) return refuse(reason);
   if (!all_finite({message.rad0, message.radstep})) return refuse("not_finite");
   const double bearing0_rad = message.rad0;
-  const double step_rad = message.radstep;
+  // One beam has no step: some say 0.
+  const bool no_step = message.ranges.size() == 1 && message.radstep == 0;
+  const double step_rad = no_step ? single_beam_step_rad : double{message.radstep};
   const double field_of_view_rad = std::abs(step_rad) * static_cast<double>(message.ranges.size() - 1);
   if (!is_plausible_utime(message.utime) || !within(bearing0_rad, largest_angle_rad) ||
       std::abs(step_rad) < smallest_step_rad || field_of_view_rad > largest_field_of_view_rad) {

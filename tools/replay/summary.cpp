@@ -42,6 +42,14 @@ Json quantiles_ms(const LatencyHistogram& times) {
           {"max", 1e3 * times.max_s()}};
 }
 
+/// By robot; robots with nothing wrong are left out.
+Json warnings(const MapCopy& map) {
+  Json object = Json::object();
+  for (const HealthRecord& robot : map.health)
+    for (const HealthWarning& warning : robot.warnings) object[robot.robot].push_back(warning.text);
+  return object;
+}
+
 }  // namespace
 
 std::string summary_text(const ReplayResult& result, const MapCopy& map) {
@@ -64,6 +72,8 @@ std::string summary_text(const ReplayResult& result, const MapCopy& map) {
                1e3 * result.event_cpu.quantile_s(0.99), 1e3 * result.event_cpu.max_s());
   text += line("per scan   %.3f ms CPU in the second tenth, %.3f ms in the last: %.2f times", second_ms,
                last_ms, second_ms > 0 ? last_ms / second_ms : 0.0);
+  for (const HealthRecord& robot : map.health)
+    for (const HealthWarning& warning : robot.warnings) text += "warning    " + warning.text + "\n";
   return text + "map_sha256 " + map_sha256(map) + "\n";
 }
 
@@ -81,6 +91,7 @@ std::string summary_json(const ReplayResult& result, const MapCopy& map) {
                      {"relations", map.graph.relations().size()},
                      {"islands", rank_islands(map).patches.size()},
                      {"closures", map.closures.size()},
+                     {"warnings", warnings(map)},
                      {"log_duration_s", log_duration_s(c)},
                      {"wall_s", cost.wall_s},
                      {"cpu_s", cost.cpu_s},

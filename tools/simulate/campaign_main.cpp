@@ -3,7 +3,9 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <utility>
 
+#include "tools/simulate/closures_campaign.hpp"
 #include "tools/simulate/confidence_campaign.hpp"
 #include "tools/simulate/scenario_file.hpp"
 #include "tools/simulate/sightings_campaign.hpp"
@@ -125,6 +127,46 @@ void sightings_campaign(const Arguments& arguments) {
   if (!arguments.output.empty()) isthmus::write_trials(trials, arguments.output);
 }
 
+void print(const isthmus::ClosureTrial& t) {
+  std::printf("%-10llu %7zu %9zu %9zu %6zu %9zu %7zu %9zu %9.4f\n", static_cast<unsigned long long>(t.seed),
+              t.score.islands, t.closures_accepted, t.score.relations, t.score.wrong.size(),
+              t.score.wrong_closures, t.score.wrong_merges, t.missing, t.mean_error_m);
+  std::fflush(stdout);
+}
+
+void print_worst(std::vector<isthmus::ClosureTrial> trials) {
+  constexpr std::size_t shown = 5;
+  std::ranges::stable_sort(trials, isthmus::is_worse);
+  std::size_t spoilt = 0, wrong = 0;
+  double error_m = 0;
+  for (const isthmus::ClosureTrial& t : trials) {
+    const std::size_t of_it = t.score.wrong_closures + t.score.wrong_merges;
+    wrong += of_it;
+    spoilt += of_it > 0 ? 1U : 0U;
+    error_m += t.mean_error_m / static_cast<double>(trials.size());
+  }
+  std::printf("%zu runs: %zu wrong closures and merges, in %zu of them; mean error %.4f m\n", trials.size(),
+              wrong, spoilt, error_m);
+  std::printf("worst seeds:");
+  for (std::size_t i = 0; i < std::min(shown, trials.size()); ++i)
+    std::printf(" %llu (%zu, %.4f m)", static_cast<unsigned long long>(trials[i].seed),
+                trials[i].score.wrong_closures + trials[i].score.wrong_merges, trials[i].mean_error_m);
+  std::printf("\n");
+}
+
+void closures_campaign(const Arguments& arguments) {
+  for (const std::string& name : arguments.scenarios) {
+    std::printf("%s\n%-10s %7s %9s %9s %6s %9s %7s %9s %9s\n", name.c_str(), "seed", "islands", "accepted",
+                "relations", "wrong", "closures", "merges", "not told", "error m");
+    std::vector<isthmus::ClosureTrial> trials;
+    for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
+      trials.push_back(isthmus::try_closures(load(name, arguments, seed), seed));
+      print(trials.back());
+    }
+    print_worst(std::move(trials));
+  }
+}
+
 std::vector<std::string> campaign_scenarios() {
   std::vector<std::string> names;
   for (const auto& scenario : isthmus::list_scenarios()) {
@@ -155,6 +197,21 @@ void add_sightings(CLI::App& app, Arguments& arguments) {
       ->allow_extra_args(false);
 }
 
+void add_closures(CLI::App& app, Arguments& arguments) {
+  CLI::App* closures = app.add_subcommand(
+      "closures",
+      "Maps runs and counts the relations from scans that are wrong by more than 1 m or 20 degrees, the\n"
+      "closures they come from, and wrong merges; {seed} in --set stands for the run's seed.");
+  closures->add_option("--scenario", arguments.scenarios, "Scenarios to run")
+      ->required()
+      ->allow_extra_args(false);
+  closures->add_option("--seeds", arguments.seeds, "Runs of each scenario")->capture_default_str();
+  closures->add_option("--from", arguments.first_seed, "Seed of the first run")->capture_default_str();
+  closures->add_option("--set", arguments.overrides, "Override a setting of every scenario")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
 void add_confidence(CLI::App& app, Arguments& arguments) {
   app.add_option("--scenario", arguments.scenarios, "Scenarios to run (default: all named campaign_...)")
       ->allow_extra_args(false);
@@ -177,10 +234,13 @@ int main(int argc, char** argv) {
       "islands."};
   add_confidence(app, arguments);
   add_sightings(app, arguments);
+  add_closures(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
     if (app.got_subcommand("sightings")) {
       sightings_campaign(arguments);
+    } else if (app.got_subcommand("closures")) {
+      closures_campaign(arguments);
     } else {
       if (arguments.scenarios.empty()) arguments.scenarios = campaign_scenarios();
       campaign(arguments);

@@ -3,39 +3,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <optional>
 
 #include "relations/confidence.hpp"
 #include "server/engine/engine.hpp"
+#include "tools/simulate/true_patches.hpp"
 
 namespace isthmus {
-namespace {
-
-// The true poses of patches by id; none where the robot is unknown or was somewhere else between its scans.
-struct TruePatch {
-  std::size_t robot = 0;
-  std::size_t stretch = 0;
-  Pose world_from_patch;
-};
-
-std::vector<std::optional<TruePatch>> true_patches(const MapCopy& map, const std::vector<RobotTruth>& truth) {
-  std::map<std::pair<std::string, std::int64_t>, TruePatch> by_stamp;
-  for (std::size_t robot = 0; robot < truth.size(); ++robot) {
-    for (const TruePose& pose : truth[robot].poses) {
-      by_stamp[{truth[robot].robot, pose.utime}] = {robot, pose.stretch, pose.world_from_robot};
-    }
-  }
-  std::vector<std::optional<TruePatch>> patches;
-  for (const PatchPtr& patch : map.patches) {
-    const auto at = by_stamp.find({patch->robot, patch->utime});
-    patches.push_back(at == by_stamp.end() ? std::nullopt : std::optional(at->second));
-  }
-  return patches;
-}
-
-}  // namespace
-
 void ConfidenceTally::add(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
   for (Eigen::Index i = 0; i < 3; ++i) {
     if (std::abs(error[i]) <= 1.96 * std::sqrt(covariance(i, i))) ++within_[static_cast<std::size_t>(i)];

@@ -41,25 +41,28 @@ Laser declared_laser(const LaserPlan& plan) {
 }
 
 Scan take_scan(const LaserPlan& plan, const RayCaster& caster, const Pose& world_from_robot,
-               const std::vector<Body>& bodies, Random& random) {
+               const std::vector<Body>& bodies, Random& random, double shift_rad) {
   const Pose world_from_laser = world_from_robot * plan.laser.robot_from_laser;
   const Vector2d from(world_from_laser.x, world_from_laser.y);
   Scan scan;
   scan.bearing0_rad = -0.5 * plan.field_of_view_rad;
   scan.bearing_step_rad = plan.beams > 1 ? plan.field_of_view_rad / (plan.beams - 1) : 0;
   if (plan.beams == 1) scan.bearing0_rad = 0;
+  scan.bearing0_rad += shift_rad;
   const auto nothing = static_cast<float>(plan.no_return_is_infinite ? infinity : plan.laser.range_max_m);
   for (int i = 0; i < plan.beams; ++i) {
     const double bearing =
         scan.bearing0_rad + i * scan.bearing_step_rad + random.normal(plan.bearing_sigma_rad);
     const double noise_m = random.normal(plan.range_sigma_m);
     const bool dropped = random.chance(plan.dropout_share);
+    // No number is drawn where none is needed: runs without such beams stay as they are.
+    const bool lost = plan.no_return_share > 0 && random.chance(plan.no_return_share);
     const double yaw = world_from_laser.yaw + bearing;
     const double range =
         true_range(plan, caster, from, Vector2d(std::cos(yaw), std::sin(yaw)), bodies) + noise_m;
     if (dropped) {
       scan.ranges_m.push_back(0.0F);
-    } else if (range >= plan.laser.range_max_m) {
+    } else if (lost || range >= plan.laser.range_max_m) {
       scan.ranges_m.push_back(nothing);
     } else {
       scan.ranges_m.push_back(range < plan.laser.range_min_m ? 0.0F : static_cast<float>(range));

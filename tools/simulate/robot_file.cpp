@@ -25,6 +25,8 @@ void read_laser(const Setting* setting, LaserPlan& plan) {
   fields.read_within("range_sigma_m", plan.range_sigma_m, 0, 10);
   fields.read_within("bearing_sigma_rad", plan.bearing_sigma_rad, 0, 1);
   fields.read_within("dropout_share", plan.dropout_share, 0, 1);
+  fields.read_within("no_return_share", plan.no_return_share, 0, 1);
+  fields.read("interlaced", plan.interlaced);
   fields.read_degrees("return_limit_deg", plan.return_limit_rad);
   fields.read("no_return_is_infinite", plan.no_return_is_infinite);
   fields.read_within("scan_lag_s", plan.scan_lag_s, -10, 10);
@@ -41,8 +43,8 @@ void read_odometry(const Setting* setting, OdometryPlan& plan) {
   fields.read_within("angular_share", plan.angular_share, 0, 10);
   fields.read_within("angular_floor_rps", plan.angular_floor_rps, 0, 10);
   fields.read_within("noise_period_s", plan.noise_period_s, 1e-3, largest);
-  fields.read_within("linear_scale", plan.linear_scale, 0, 10);
-  fields.read_within("angular_scale", plan.angular_scale, 0, 10);
+  fields.read_within("linear_scale", plan.linear_scale, -1e4, 1e4);
+  fields.read_within("angular_scale", plan.angular_scale, -1e4, 1e4);
   fields.read_within("linear_scale_sigma", plan.linear_scale_sigma, 0, 1);
   fields.read_within("angular_scale_sigma", plan.angular_scale_sigma, 0, 1);
   fields.read_within("curvature_rpm", plan.curvature_rpm, -10, 10);
@@ -119,6 +121,7 @@ RobotFromFile read_robot(const std::string& name, const Setting& setting, const 
   if (const Setting* start = find("start")) plan.start = as_pose_degrees(*start);
   fields.read("barcode", plan.barcode);
   fields.read("laps", plan.laps);
+  fields.read("silent", plan.silent);
   fields.read_within("start_s", plan.start_s, 0, largest);
   fields.read_within("radius_m", plan.radius_m, 0.01, 10);
   if (const Setting* freezes = fields.find("freezes")) {

@@ -22,6 +22,8 @@ struct LaserPlan {
   double range_sigma_m = 0.003;
   double bearing_sigma_rad = 0.003;                ///< of each beam on its own
   double dropout_share = 0.002;                    ///< beams that report 0
+  double no_return_share = 0;                      ///< beams that do not come back, whatever they meet
+  bool interlaced = false;                         ///< every other scan looks half a step aside
   double return_limit_rad = std::numbers::pi / 2;  ///< beams farther off a wall's normal do not come back
   bool no_return_is_infinite = true;               ///< else the maximum range is reported
   double scan_lag_s = 0;  ///< a scan was taken this long before its stamp (and its odometry)
@@ -35,7 +37,7 @@ struct OdometryPlan {
   double angular_share = 0.05;
   double angular_floor_rps = 0.0017;
   double noise_period_s = 0.2;
-  double linear_scale = 1;  ///< distance reported for a metre driven
+  double linear_scale = 1;  ///< distance reported for a metre driven; 0: none, 1000: in millimetres
   double angular_scale = 1;
   double linear_scale_sigma = 0;  ///< drawn once for each robot and run, added to the scale
   double angular_scale_sigma = 0;
@@ -91,6 +93,7 @@ struct RobotPlan {
   Pose start;          ///< world_from_robot
   double start_s = 0;  ///< it is not there before
   int laps = 1;
+  bool silent = false;         ///< somebody who walks there: others see it, and it sends nothing
   std::vector<TourStep> tour;  ///< driven `laps` times
   std::vector<Freeze> freezes;
   DrivePlan drive;

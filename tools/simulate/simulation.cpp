@@ -64,10 +64,13 @@ World make_world(const Scenario& scenario, std::uint64_t seed) {
     radii_m.push_back(robot.radius_m);
   }
   if (scenario.robots_give_way) give_way(world.paths, radii_m);
-  for (const TruePath& path : world.paths) world.end_s = std::max(world.end_s, path.end_s());
+  for (std::size_t i = 0; i < world.paths.size(); ++i)
+    if (!scenario.robots[i].silent) world.end_s = std::max(world.end_s, world.paths[i].end_s());
   if (scenario.duration_s > 0) world.end_s = scenario.duration_s;
   return world;
 }
+
+int worn_by(const RobotPlan& robot) { return robot.silent ? -1 : robot.barcode; }
 
 // One robot's part of the run.
 class RobotRun {
@@ -161,7 +164,10 @@ class RobotRun {
       const auto body = world_.paths[other].at(taken_s);
       if (body) bodies.push_back({{body->x, body->y}, world_.scenario.robots[other].radius_m});
     }
-    ScanEvent event{plan_.name, take_scan(plan_.laser, world_.caster, pose, bodies, laser_random_)};
+    const LaserPlan& laser = plan_.laser;
+    const bool aside = laser.interlaced && truth_.poses.size() % 2 == 1;
+    const double shift_rad = aside ? 0.5 * laser.field_of_view_rad / std::max(1, laser.beams - 1) : 0;
+    ScanEvent event{plan_.name, take_scan(laser, world_.caster, pose, bodies, laser_random_, shift_rad)};
     event.scan.utime = world_.utime(time_s);
     truth_.poses.push_back({event.scan.utime, stretch, pose});
     add(time_s, Rank::scan, std::move(event));
@@ -183,7 +189,7 @@ class RobotRun {
     for (std::size_t other = 0; other < world_.paths.size(); ++other) {
       const auto target = world_.paths[other].at(time_s);
       if (other != index_ && target)
-        read_code(time_s, pose, {target->x, target->y}, world_.scenario.robots[other].barcode);
+        read_code(time_s, pose, {target->x, target->y}, worn_by(world_.scenario.robots[other]));
     }
     for (const TagPlan& tag : world_.scenario.tags) read_code(time_s, pose, tag.position, tag.barcode);
   }
@@ -210,7 +216,8 @@ class RobotRun {
 
 std::vector<int> all_barcodes(const Scenario& scenario) {
   std::vector<int> barcodes;
-  for (const RobotPlan& robot : scenario.robots) barcodes.push_back(robot.barcode);
+  for (const RobotPlan& robot : scenario.robots)
+    if (!robot.silent) barcodes.push_back(robot.barcode);
   for (const TagPlan& tag : scenario.tags) barcodes.push_back(tag.barcode);
   return barcodes;
 }
@@ -221,9 +228,9 @@ std::optional<Draft> phantom(const World& world, Random& random) {
   for (int tries = 0; tries < 200; ++tries) {
     const std::size_t observer = random.index(robots.size()), target = random.index(robots.size());
     const double time_s = random.uniform(0, world.end_s);
-    if (time_s < robots[observer].camera.from_s) continue;
+    if (time_s < robots[observer].camera.from_s || robots[observer].silent) continue;
     const auto pose = world.paths[observer].at(time_s), other = world.paths[target].at(time_s);
-    if (observer == target || !pose || robots[target].barcode < 0 || robots[observer].camera.rate_hz <= 0)
+    if (observer == target || !pose || worn_by(robots[target]) < 0 || robots[observer].camera.rate_hz <= 0)
       continue;
     const CameraPlan& camera = robots[observer].camera;
     if (other && in_sight(camera, world.caster, *pose, {other->x, other->y})) continue;
@@ -269,6 +276,7 @@ SimulatedRun simulate(const Scenario& scenario, std::uint64_t seed) {
   SimulatedRun run;
   std::vector<Draft> drafts;
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+    if (scenario.robots[i].silent) continue;
     run.truth.push_back({scenario.robots[i].name, {}});
     RobotRun(world, i, drafts, run.truth.back()).record();
   }

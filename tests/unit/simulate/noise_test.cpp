@@ -131,6 +131,26 @@ TEST(Laser, DropoutsComeToTheirShare) {
   EXPECT_NEAR(dropped, 1810, 200);
 }
 
+TEST(Laser, NoReturnsComeToTheirShare) {
+  LaserPlan plan = perfect_laser();
+  plan.no_return_share = 0.12;
+  Random random(1, "laser");
+  const RayCaster caster(wall_at_4_m());
+  int lost = 0;
+  for (int i = 0; i < 100; ++i)
+    lost += std::isinf(take_scan(plan, caster, {}, {}, random).ranges_m[90]) ? 1 : 0;
+  EXPECT_NEAR(lost, 12, 9);
+}
+
+TEST(Laser, AScanTurnedAsideSaysSo) {
+  Random random(1, "laser");
+  const RayCaster caster(wall_at_4_m());
+  const double aside = 0.1;
+  const Scan scan = take_scan(perfect_laser(), caster, {}, {}, random, aside);
+  EXPECT_NEAR(scan.bearing0_rad, -0.5 * std::numbers::pi + aside, 1e-12);
+  EXPECT_NEAR(scan.ranges_m[90], 4 / std::cos(aside), 1e-6);
+}
+
 TEST(Laser, SeesOtherRobotsInFrontOfTheWallOnly) {
   Random random(1, "laser");
   const RayCaster caster(wall_at_4_m());

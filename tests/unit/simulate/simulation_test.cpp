@@ -71,6 +71,34 @@ TEST(Simulation, TruthHasAPoseForEachScan) {
   for (std::size_t i = 0; i < scans.size(); ++i) EXPECT_EQ(run.truth[0].poses[i].utime, scans[i].scan.utime);
 }
 
+// As in logs of some lasers: every other scan looks between the beams of the one before.
+TEST(Simulation, InterlacedScansAlternateByHalfAStep) {
+  const auto scans = all<ScanEvent>(simulate(load_scenario("loop", {"laser.interlaced=true"}), 1), "R1");
+  for (std::size_t i = 0; i + 1 < scans.size(); ++i) {
+    const double aside = scans[i + 1].scan.bearing0_rad - scans[i].scan.bearing0_rad;
+    EXPECT_NEAR(std::abs(aside), 0.5 * scans[i].scan.bearing_step_rad, 1e-12);
+  }
+}
+
+// Others see them as bodies; they send nothing and are not seen by cameras.
+TEST(Simulation, SilentOnesSendNothing) {
+  const SimulatedRun run =
+      simulate(load_scenario("meeting", {"robots.R2.silent=true", "laser.range_sigma_m=0"}), 1);
+  EXPECT_EQ(run.truth.size(), 1U);
+  EXPECT_TRUE(all<ScanEvent>(run, "R2").empty());
+  EXPECT_TRUE(all<SightingEvent>(run, "R1").empty());
+  const SimulatedRun alone = simulate(
+      load_scenario("meeting", {"robots.R2.silent=true", "laser.range_sigma_m=0", "bodies_visible=false"}),
+      1);
+  const auto with = all<ScanEvent>(run, "R1"), without = all<ScanEvent>(alone, "R1");
+  ASSERT_EQ(with.size(), without.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < with.size(); ++i)
+    different += with[i].scan.ranges_m != without[i].scan.ranges_m ? 1 : 0;
+  EXPECT_GT(different, 5U);
+  EXPECT_LT(different, with.size() * 9 / 10);
+}
+
 TEST(Simulation, SeedsDiffer) {
   const Scenario scenario = load_scenario("hall");
   EXPECT_NE(all<ScanEvent>(simulate(scenario, 1), "R1")[20].scan.ranges_m,

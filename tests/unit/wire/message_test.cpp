@@ -154,6 +154,9 @@ TEST(Decode, RefusesScansThatCannotBe) {
   EXPECT_EQ(reason(changed([](auto& scan) { scan.radstep = 0; })), "absurd_value");
   EXPECT_EQ(reason(changed([](auto& scan) { scan.radstep = 4; })), "absurd_value");
   EXPECT_EQ(reason(changed([](auto& scan) { scan.rad0 = 1e9F; })), "absurd_value");
+  bot_core::planar_lidar_t one_beam = scan_of({1});
+  one_beam.radstep = 0;
+  EXPECT_EQ(reason(one_beam), "") << "the report says that there is but one";
   EXPECT_EQ(reason(changed([](auto& scan) { scan.radstep = -0.1F; })), "");
 }
 

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "patches/ids.hpp"
+#include "patches/pose.hpp"
+
+namespace isthmus {
+
+/// A hypothesis from scans that nothing has decided yet: how two patches lie to one another, were it true.
+struct UndecidedHypothesis {
+  ClosureId id;
+  PatchId first;  ///< of the older chart
+  PatchId second;
+  Pose first_from_second;
+  int support = 0;  ///< pairwise-consistent finds
+  /// What deciding it would be worth: patches that would come to be joined, times its likelihood.
+  double value = 0;
+};
+
+}  // namespace isthmus
