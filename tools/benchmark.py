@@ -81,13 +81,14 @@ def team_sets(data):
         robots = ["--robots", folder + "robots.csv"]
         for log in sorted(glob.glob(folder + "*.clf.gz")):
             robots += ["--robot", name_of(log, ".clf.gz") + "=" + log]
-        for ending, sightings in (("", "sightings.csv"), ("+false", "sightings_with_outliers.csv")):
-            yield name + ending, [*robots, "--sightings", folder + sightings], folder + "relations.csv"
+        for ending, sightings in (("", "sightings.csv"), ("+false", "sightings_with_outliers.csv"), ("+unseen", None)):
+            seen = ["--sightings", folder + sightings] if sightings else []
+            yield name + ending, [*robots, *seen], folder + "relations.csv"
 
 
 def false_sightings(folder, ending):
-    """What tells a set's false sightings: stamp, observer and barcode; none in the clean set."""
-    if not ending:
+    """What tells a set's false sightings: stamp, observer and barcode; none in the other sets."""
+    if ending != "false":
         return set()
     with open(os.path.join(folder, "outliers.csv"), newline="") as file:
         return {(row["utime_us"], row["observer"].upper(), row["barcode"]) for row in csv.DictReader(file)}
@@ -128,7 +129,7 @@ def simulated(tools, name):
     log, truth = tools.folder(name) + ".lcm", tools.folder(name) + "-truth"
     tools.run("simulate", "--scenario", name, "--seed", "1", "-o", log, "--truth", truth)
     summary, evaluation = tools.replay(name, log, "--truth", truth)
-    return meeting_cells(tools, name, summary, evaluation["relations"], false_sightings(truth, "+false"))
+    return meeting_cells(tools, name, summary, evaluation["relations"], false_sightings(truth, "false"))
 
 
 def mrclam_sets(data):
