@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 namespace isthmus {
 namespace {
@@ -11,17 +12,14 @@ namespace {
 // cells to the upper right: a bound for every shift within that block.
 class FitPyramid {
  public:
-  FitPyramid(const LocalMap& map, const Pose& centre, double half_extent_m, const CorrelativeOptions& options,
-             int levels)
+  FitPyramid(std::span<const Eigen::Vector2d> map, const Pose& centre, double half_extent_m,
+             const CorrelativeOptions& options, int levels)
       : cell_m_(options.cell_m),
         origin_(centre.x - half_extent_m, centre.y - half_extent_m),
         size_(static_cast<int>(2 * half_extent_m / options.cell_m) + 1) {
     levels_.emplace_back(static_cast<std::size_t>(size_ * size_), std::uint8_t{0});
     const int blur = static_cast<int>(std::ceil(2.5 * options.blur_m / cell_m_));
-    for (const LocalPatch& local : map.patches) {
-      for (const ScanPoint& point : local.patch->points)
-        stamp(local.local_from_patch * point.position, blur, options.blur_m);
-    }
+    for (const Eigen::Vector2d& point : map) stamp(point, blur, options.blur_m);
     for (int level = 1; level <= levels; ++level) levels_.push_back(widen(levels_.back(), 1 << (level - 1)));
   }
 
@@ -83,7 +81,7 @@ struct Shift {
 
 class Search {
  public:
-  Search(const LocalMap& map, std::span<const ScanPoint> points, const SearchWindow& window,
+  Search(std::span<const Eigen::Vector2d> map, std::span<const ScanPoint> points, const SearchWindow& window,
          const CorrelativeOptions& options)
       : window_(window),
         options_(options),
@@ -103,12 +101,9 @@ class Search {
     CorrelativeResult result;
     result.local_from_robot = window_.centre;
     if (beams_.empty()) return result;
-    const int half_yaw = static_cast<int>(std::ceil(window_.half_yaw_rad / options_.yaw_step_rad));
-    // From the middle outwards: the best is likely near the prediction and prunes the rest.
-    for (int k = 0; k <= 2 * half_yaw && !exhausted_; ++k) {
-      const int step = (k % 2 == 1 ? 1 : -1) * ((k + 1) / 2);
-      search_yaw(step * options_.yaw_step_rad);
-    }
+    search_yaws();
+    result.exhausted = exhausted_;
+    result.evaluations = evaluations_;
     if (answers_.empty()) return result;
     const auto best = std::max_element(answers_.begin(), answers_.end(),
                                        [](const Answer& a, const Answer& b) { return a.score < b.score; });
@@ -119,9 +114,10 @@ class Search {
       const Pose apart = ominus(pose_of(answer), pose_of(*best));
       if (std::hypot(apart.x, apart.y) < options_.apart_m && std::abs(apart.yaw) < options_.apart_rad)
         continue;
-      result.second_score = std::max(result.second_score, answer.score / unit);
+      if (answer.score / unit <= result.second_score) continue;
+      result.second_score = answer.score / unit;
+      result.second_local_from_robot = pose_of(answer);
     }
-    result.exhausted = exhausted_;
     return result;
   }
 
@@ -138,19 +134,45 @@ class Search {
             wrap_angle(window_.centre.yaw + answer.yaw_offset)};
   }
 
-  void search_yaw(double yaw_offset) {
+  // A block of shifts at one yaw.
+  struct Block {
+    double yaw_offset = 0;
+    Shift shift;
+  };
+
+  // The most promising blocks of all yaws first: what they hold prunes the others. Equal ones from the middle
+  // outwards.
+  void search_yaws() {
+    best_score_ = static_cast<int>(options_.least_score / options_.second_share * 255.0 *
+                                   static_cast<double>(beams_.size()));
+    const int half_yaw = static_cast<int>(std::ceil(window_.half_yaw_rad / options_.yaw_step_rad));
+    std::vector<Block> blocks;
+    for (int k = 0; k <= 2 * half_yaw && !exhausted_; ++k) {
+      const double yaw_offset = (k % 2 == 1 ? 1 : -1) * ((k + 1) / 2) * options_.yaw_step_rad;
+      if (std::abs(yaw_offset) > std::numbers::pi + options_.yaw_step_rad / 2) break;
+      turn_to(yaw_offset);
+      const int width = 1 << top_;
+      for (int y = -half_y_; y <= half_y_; y += width)
+        for (int x = -half_x_; x <= half_x_; x += width)
+          blocks.push_back({yaw_offset, evaluated(top_, x, y)});
+    }
+    std::stable_sort(blocks.begin(), blocks.end(),
+                     [](const Block& a, const Block& b) { return a.shift.score > b.shift.score; });
+    for (const Block& block : blocks) {
+      if (exhausted_ || block.shift.score <= options_.second_share * best_score_) return;
+      turn_to(block.yaw_offset);
+      std::vector<Shift> nodes{block.shift};
+      descend(top_, nodes, block.yaw_offset);
+    }
+  }
+
+  void turn_to(double yaw_offset) {
     cells_.clear();
     for (const Eigen::Vector2d& beam : beams_) {
       const Eigen::Vector2d end = rotate(window_.centre.yaw + yaw_offset, beam);
       cells_.push_back(
           {pyramid_.cell_x(window_.centre.x + end.x()), pyramid_.cell_y(window_.centre.y + end.y()), 0});
     }
-    std::vector<Shift> nodes;
-    const int width = 1 << top_;
-    for (int y = -half_y_; y <= half_y_; y += width) {
-      for (int x = -half_x_; x <= half_x_; x += width) nodes.push_back(evaluated(top_, x, y));
-    }
-    descend(top_, nodes, yaw_offset);
   }
 
   Shift evaluated(int level, int x, int y) {
@@ -201,7 +223,17 @@ class Search {
 
 CorrelativeResult search_window(const LocalMap& local_map, std::span<const ScanPoint> points,
                                 const SearchWindow& window, const CorrelativeOptions& options) {
-  return Search(local_map, points, window, options).run();
+  std::vector<Eigen::Vector2d> local_points;
+  for (const LocalPatch& local : local_map.patches)
+    for (const ScanPoint& point : local.patch->points)
+      local_points.push_back(local.local_from_patch * point.position);
+  return search_window(local_points, points, window, options);
+}
+
+CorrelativeResult search_window(std::span<const Eigen::Vector2d> local_points,
+                                std::span<const ScanPoint> points, const SearchWindow& window,
+                                const CorrelativeOptions& options) {
+  return Search(local_points, points, window, options).run();
 }
 
 }  // namespace isthmus

@@ -24,6 +24,7 @@ struct CorrelativeOptions {
   double apart_m = 0.5;           ///< a second answer is at least so far from the best in position
   double apart_rad = 0.26;        ///< or in yaw
   double second_share = 0.8;      ///< answers below this share of the best are not looked for
+  double least_score = 0;         ///< nor those below this
   long max_evaluations = 40'000;  ///< of all beams at one pose; when spent, the best so far is returned
 };
 
@@ -31,7 +32,9 @@ struct CorrelativeResult {
   Pose local_from_robot;
   double score = 0;         ///< mean over the beams of a fit from 0 to 1
   double second_score = 0;  ///< of the best answer well apart from it, 0: none near the best: the ambiguity
-  bool exhausted = false;   ///< the cap on work was reached
+  Pose second_local_from_robot;  ///< that answer, where there is one
+  bool exhausted = false;        ///< the cap on work was reached
+  long evaluations = 0;          ///< the work it took
 };
 
 /// Correlative search by branch and bound over a pyramid of maximum grids: the pose of the window at which
@@ -39,5 +42,10 @@ struct CorrelativeResult {
 /// from.
 CorrelativeResult search_window(const LocalMap& local_map, std::span<const ScanPoint> points,
                                 const SearchWindow& window, const CorrelativeOptions& options = {});
+
+/// The same in a map that is but points, given in `local`.
+CorrelativeResult search_window(std::span<const Eigen::Vector2d> local_points,
+                                std::span<const ScanPoint> points, const SearchWindow& window,
+                                const CorrelativeOptions& options = {});
 
 }  // namespace isthmus

@@ -20,10 +20,14 @@ std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   if (closure.record.state == "accepted") {
     if (trial_) {  // it was begun on a map that will no longer be
       Closure& other = closures_.at(trial_->proposal().id);
-      other.record.state = "refused";
-      other.record.reason = "map_changed";
-      std::ranges::copy(other.evidence, std::back_inserter(pool_));
       trial_.reset();
+      if (other.from_scans) {
+        put_off(world, other.record.id);
+      } else {
+        other.record.state = "refused";
+        other.record.reason = "map_changed";
+        std::ranges::copy(other.evidence, std::back_inserter(pool_));
+      }
     }
     withdraw(world.map, id, world.robots);
     changed_ = {closure.likeness.first, closure.likeness.second};
@@ -32,6 +36,7 @@ std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
     closure.record.state = "refused";
   }
   closure.record.reason = "forbidden";
+  if (closure.from_scans) rule(closure);
   for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", "forbidden", id);
   std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "refused"; });
   tried_.clear();
@@ -47,6 +52,7 @@ std::string Closures::allow(ClosureId id) {
   closure.forbidden = false;
   forbidden_.erase(id);
   closure.record.reason = "allowed_again";
+  if (closure.from_scans) rulings_.push_back({id, "waiting", closure.record.reason, 0});
   for (Evidence& evidence : closure.evidence) {
     verdict(evidence, "waiting", "allowed_again");
     pool_.push_back(std::move(evidence));

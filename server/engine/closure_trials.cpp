@@ -251,8 +251,7 @@ void Closures::begin_trial(World world, const Group& group, const Alignment& ali
                     alignment.first_from_second,
                     {},
                     static_cast<int>(supporters.size()),
-                    alignment.two_way,
-                    false};
+                    alignment.two_way};
   for (const Evidence& evidence : supporters)
     if (auto relation = sighting_relation(world.map, evidence, id)) proposal.relations.push_back(*relation);
   Closure closure;
@@ -330,18 +329,23 @@ void Closures::work(World world) {
 
 void Closures::end_trial(World world) {
   const std::unique_ptr<Trial> trial = std::move(trial_);
-  if (trial->undecided()) return put_off(world, trial->proposal().id);
   Closure& closure = closures_.at(trial->proposal().id);
+  if (trial->undecided() && !closure.from_scans) return put_off(world, trial->proposal().id);
   ClosureRecord& record = closure.record;
   record.patches_touched = trial->patches_touched();
   record.work_steps = trial->work_steps();
   record.end_utime = world.now_utime;
+  if (trial->undecided()) {
+    record.reason = trial->refusal();
+    return rule(closure, trial->patches_touched());
+  }
   if (trial->accepted()) {
     trial->commit(world.map);
     changed_.push_back(trial->proposal().older);
     record.state = "accepted";
     const std::string reason = trial->proposal().merge ? "merged_islands" : "closed_loop";
     for (const Evidence& evidence : closure.evidence) verdict(evidence, "accepted", reason, record.id);
+    if (closure.from_scans) record.reason = "from_scans";
     tried_.clear();
     looked_at_.clear();
   } else {
@@ -354,12 +358,17 @@ void Closures::end_trial(World world) {
     }
     std::ranges::stable_sort(pool_, {}, &Evidence::record);
   }
+  if (closure.from_scans) rule(closure);
   consider_pool_again(world);
 }
 
 // Neither accepted nor refused: as if it had not been proposed yet. Its sightings wait for more.
 void Closures::put_off(World world, ClosureId id) {
   const auto found = closures_.find(id);
+  if (found->second.from_scans) {
+    found->second.record.reason = "map_changed";
+    return rule(found->second);
+  }
   for (Evidence& evidence : found->second.evidence) {
     evidence.doubt = "too_little_support";
     verdict(evidence, "waiting", evidence.doubt);

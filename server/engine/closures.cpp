@@ -250,15 +250,18 @@ void Closures::finish(World world) {
   place_sightings(world);
   place_tags(world);
   do {
-    if (trial_) {
-      trial_->finish(world.now_utime);
-      end_trial(world);
-    }
+    end_trial_now(world);
     pool_changed_ = false;
     propose(world);
   } while (trial_ || pool_changed_);
   for (const Evidence& evidence : pool_) verdict(evidence, "refused", evidence.doubt);
   pool_.clear();
+}
+
+void Closures::end_trial_now(World world) {
+  if (!trial_) return;
+  trial_->finish(world.now_utime);
+  end_trial(world);
 }
 
 std::vector<ClosureRecord> Closures::closures() const {

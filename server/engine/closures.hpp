@@ -23,6 +23,21 @@ struct World {
   bool no_more_waiting = false;
 };
 
+/// A closure that scans propose (hypotheses.hpp): how a patch of one chart lies to one of another, by several
+/// finds that agree.
+struct ScanProposal {
+  ClosureId id;   ///< of a record there is already; invalid: a new one
+  PatchId first;  ///< of the older island, in a merge
+  PatchId second;
+  Pose first_from_second;
+  std::vector<Relation> relations;  ///< of the finds; their origin is still to be given
+  int finds = 0;
+  double way_m = 0;  ///< of a loop: what lies between its ends, over the map
+  /// The map hardly says where one lies to the other: buildings that repeat themselves are to be feared.
+  bool cautious = false;
+  std::vector<std::string> robots;
+};
+
 /// From sightings to closures (seed 001, IV-B and IV-C): places each sighting on the manifold, judges it by
 /// the map, gathers what the map cannot judge until several agree, tries them out beside the map, and keeps
 /// the record. What is undecided waits, at no harm.
@@ -40,6 +55,25 @@ class Closures {
   void advance(World world);
   /// The same to the end, as if nothing more will come.
   void finish(World world);
+  /// Whether something is on trial: one thing at a time.
+  bool on_trial() const { return trial_ != nullptr; }
+  /// The running trial to its end.
+  void end_trial_now(World world);
+
+  /// What scans say goes the same way, through the same trial and record. There must be none on trial.
+  ClosureId propose_from_scans(World world, const ScanProposal& proposal);
+  /// Keeps record of what is not worth a trial yet.
+  ClosureId note_from_scans(World world, const ScanProposal& proposal, const std::string& reason);
+  void refuse_from_scans(ClosureId id, const std::string& reason);
+  /// What became of a closure that scans proposed: "accepted", "refused", or "waiting" for more support.
+  struct Ruling {
+    ClosureId id;
+    std::string state;
+    std::string reason;
+    double value = 0;  ///< of one that waits: patches that would come to be joined
+  };
+  std::vector<Ruling> take_rulings() { return std::exchange(rulings_, {}); }
+
   bool has_work() const { return !unplaced_.empty() || trial_ != nullptr || !to_refit_.empty(); }
 
   /// Operators: no closure of this id, or like it, from now on; an accepted one is taken back. Returns why
@@ -72,6 +106,7 @@ class Closures {
     std::vector<Evidence> evidence;
     Likeness likeness;
     bool forbidden = false;
+    bool from_scans = false;
   };
   /// Sightings between the same two charts.
   struct Group {
@@ -106,6 +141,7 @@ class Closures {
   void work(World world);
   void end_trial(World world);
   void put_off(World world, ClosureId id);
+  void rule(const Closure& closure, double value = 0);
 
   std::vector<SightingRecord> records_;
   std::deque<Evidence> unplaced_;
@@ -124,6 +160,7 @@ class Closures {
   std::int64_t credit_us_ = 0;
   std::int64_t last_utime_ = 0;
   std::vector<PatchId> changed_;
+  std::vector<Ruling> rulings_;
 };
 
 }  // namespace isthmus

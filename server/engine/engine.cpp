@@ -9,6 +9,7 @@
 
 #include "server/engine/closures.hpp"
 #include "server/engine/footprints.hpp"
+#include "server/engine/hypotheses.hpp"
 #include "server/engine/mapper.hpp"
 #include "server/engine/records.hpp"
 #include "server/engine/rendezvous.hpp"
@@ -36,6 +37,7 @@ struct Engine::State {
   std::vector<Session> sessions;
   std::shared_ptr<TrajectoryStore> trajectory = std::make_shared<TrajectoryStore>();
   Closures closures;
+  Hypotheses hypotheses;
   Settling settling;
   Weaving weaving;
   Rendezvous rendezvous;
@@ -93,9 +95,6 @@ struct Engine::State {
   void relate_measured_starts();
   void map_changed(const std::vector<std::vector<PatchId>>& islands);
   void arrange_meeting();
-  // Hypotheses from scans come from here and are refuted here; nothing makes any yet.
-  static std::vector<UndecidedHypothesis> undecided() { return {}; }
-  static void refute(ClosureId /*hypothesis*/, const std::string& /*reason*/) {}
   std::string drop_data(const std::string& name);
   std::string take_back_drop(const std::string& name);
   void fit_all();
@@ -263,7 +262,7 @@ void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_fr
   settle(robot, std::move(done), odom_from_robot, outcome);
   const auto met_nobody =
       rendezvous.take_scan(map, robots, robot.declaration.robot, scan, counters.last_receive_utime);
-  if (met_nobody) refute(*met_nobody, "met_nobody");
+  if (met_nobody) hypotheses.refute(*met_nobody, "met_nobody");
 }
 
 // Keeps the record of where a robot is now.
@@ -328,6 +327,7 @@ std::string Engine::State::drop_data(const std::string& name) {
   Robot* robot = declared(name);
   if (!robot) return "unknown_robot";
   closures.forget_robot(world(), name);
+  hypotheses.forget_robot(map, name);
   const std::vector<Relation> taken = take_out(map, name, robots);
   Dropped& kept = dropped[name];
   kept.relations.insert(kept.relations.end(), taken.begin(), taken.end());
@@ -359,7 +359,7 @@ void Engine::State::map_changed(const std::vector<std::vector<PatchId>>& islands
 
 void Engine::State::arrange_meeting() {
   if (!rendezvous.is_due(counters.last_receive_utime)) return;
-  rendezvous.choose(map, robots, undecided(), counters.last_receive_utime);
+  rendezvous.choose(map, robots, hypotheses.undecided(), counters.last_receive_utime);
 }
 
 void Engine::State::fit_all() {
@@ -381,6 +381,7 @@ Outcome Engine::handle(const Event& event) {
   Outcome outcome = std::visit([&](const auto& body) { return state.take(body); }, event.body);
   for (auto& [name, robot] : state.robots) state.answer_pending(robot, outcome, false);
   state.closures.advance(state.world());
+  state.hypotheses.advance(state.world(), state.closures);
   for (const PatchId patch : state.closures.take_changed()) {
     state.settling.map_changed();
     state.weaving.map_changed();
@@ -406,6 +407,7 @@ Outcome Engine::finish() {
   for (auto& [name, robot] : state_->robots) {
     if (robot.place) state_->record(robot, robot.place->pose, robot.place->odom_from_robot);
   }
+  state_->hypotheses.finish(state_->world(), state_->closures);
   state_->closures.finish(state_->world());
   state_->weaving.finish(state_->map, state_->configuration.engine);
   state_->fit_all();
@@ -413,7 +415,9 @@ Outcome Engine::finish() {
 }
 
 bool Engine::has_queued_work() const {
-  if (state_->closures.has_work() || state_->settling.busy() || state_->weaving.busy()) return true;
+  if (state_->closures.has_work() || state_->hypotheses.has_work() || state_->settling.busy() ||
+      state_->weaving.busy())
+    return true;
   return std::any_of(state_->robots.begin(), state_->robots.end(),
                      [](const auto& entry) { return !entry.second.pending.empty(); });
 }

@@ -39,6 +39,9 @@ class Propagation {
   /// Those of a patch's side of the seam, by id.
   std::vector<PatchId> same_side(const Map& map, PatchId patch) const;
 
+  /// The graph without the change.
+  const RelationGraph& before() const { return *before_; }
+
   int steps() const { return steps_; }
   const std::vector<PatchId>& matched() const { return matched_; }  ///< in order, each once
   const std::vector<PatchId>& unmatched() const {

@@ -20,6 +20,7 @@ constexpr double most_surprise = 16;        // chi² of three: 0.1 %
 constexpr double ambiguous_share = 0.88;    // a second answer at this share of the best: who knows which
 constexpr double certain_half_width_m = 0.6;
 constexpr double widest_window_m = 6;
+constexpr double widest_window_rad = 0.7;
 constexpr double window_sigmas = 2.5;
 constexpr int enough_agreeing = 3;
 constexpr double enough_way_m = 2;
@@ -101,6 +102,11 @@ double half_width(double variance, double most) {
   return std::min(most, window_sigmas * std::sqrt(variance));
 }
 
+bool within_window(const Eigen::Matrix3d& covariance) {
+  const auto fits = [&](int i, double most) { return window_sigmas * std::sqrt(covariance(i, i)) <= most; };
+  return fits(0, widest_window_m) && fits(1, widest_window_m) && fits(2, widest_window_rad);
+}
+
 }  // namespace
 
 Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
@@ -119,8 +125,10 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
   // A slip of the past is in no covariance, and here is the last chance to mend it.
   covariance.diagonal() += Eigen::Vector3d(0.04, 0.04, 1e-3);
   const Eigen::Matrix3d information = covariance.inverse();
+  if (query.whole_window && !within_window(covariance)) return found;
   const SearchWindow window{anchor_from_robot, half_width(covariance(0, 0), widest_window_m),
-                            half_width(covariance(1, 1), widest_window_m), half_width(covariance(2, 2), 0.7)};
+                            half_width(covariance(1, 1), widest_window_m),
+                            half_width(covariance(2, 2), widest_window_rad)};
   const double widest_m = std::max(window.half_x_m, window.half_y_m);
   found.certain = widest_m <= certain_half_width_m;
 
@@ -164,6 +172,7 @@ Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const 
   query.among = [&](const Determined& determined) { return is_loose(determined, unpaired); };
   query.patch = new_patch;
   query.origin = {OriginKind::match, {}};
+  query.whole_window = true;
   return find_loop(map, surroundings, query, options);
 }
 

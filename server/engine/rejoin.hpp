@@ -26,6 +26,7 @@ struct LoopQuery {
   std::function<bool(const Determined&)> among;  ///< the patches to match it with, all others left out
   PatchId patch;                                 ///< whose scan it is
   Origin origin;                                 ///< of the relations
+  bool whole_window = false;  ///< only where the window searched holds all that the covariance allows
   bool partly_known = false;  ///< what the scan sees need not all be there: judged by the part that is
 };
 
@@ -37,7 +38,8 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
 
 /// Looks for patches that are determined relative to the robot, but not firmly, where a scan placed at
 /// `local_from_robot` lies (eq. 12's own loops), or that belong to its local map, should overlap the scan,
-/// and were not found in it (`unpaired`).
+/// and were not found in it (`unpaired`). Where the window would have to be wider than can be searched at
+/// once, and what is found in it might be an alias of what lies outside, hypotheses.hpp looks instead.
 Rejoin find_rejoin(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
                    std::span<const ScanPoint> points, std::span<const PatchId> unpaired, PatchId new_patch,
                    const EngineOptions& options);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "relations/confidence.hpp"
+#include "server/engine/seam.hpp"
 
 namespace isthmus {
 namespace {
@@ -18,6 +19,14 @@ constexpr double least_matched_share = 0.4;  // of the patches that were compare
 constexpr int few_compared = 3;              // so few prove nothing
 constexpr int enough_support_two_way = 4;    // sightings, where scans cannot tell
 constexpr int enough_support_one_way = 6;
+constexpr double most_find_cost = 3;     // mean chi² of the finds' relations after the fit, of three
+constexpr int few_matched_scans = 4;     // patches, where scans are all there is
+constexpr int enough_matched = 12;       // asks for so many patches
+constexpr double enough_way_m = 15;      // over so much of the way
+constexpr double enough_loop_way_m = 7;  // of which a loop needs less,
+constexpr double enough_width_m = 2;     // not all along one corridor,
+constexpr double enough_own_m = 5;       // and for maps that go on beyond what they share
+constexpr std::size_t most_matched_scans = 150;
 constexpr std::size_t first_queue = 80;  // patches around the closure
 constexpr std::size_t growth = 3;        // a whole fit each time the seam has grown so many times
 
@@ -74,12 +83,13 @@ void Trial::end_fit() {
   map_.adopt(result.patches, result.poses);
   if (stage_ != Stage::start) return;
   const Relation& first = proposal_.relations.front();
-  if (gate_before_ && result.covariance && proposal_.supporters < strong_support && !proposal_.measured) {
+  const bool strong = proposal_.supporters >= strong_support && !proposal_.from_scans;
+  if (gate_before_ && result.covariance && !strong && !proposal_.measured) {
     const Pose after = ominus(map_.manifold().pose(first.b), map_.manifold().pose(first.a));
     Eigen::Vector3d jump = to_vector(after) - to_vector(*gate_before_);
     jump.z() = wrap_angle(jump.z());
     Eigen::Matrix3d covariance = *result.covariance;
-    covariance.diagonal() += Eigen::Vector3d(0.01, 0.01, 0.001);
+    covariance.diagonal() += proposal_.beyond_covariance;
     if (jump.dot(covariance.inverse() * jump) > most_gate) {
       refusal_ = "implausible_jump";
       stage_ = Stage::done;
@@ -111,18 +121,24 @@ bool Trial::step(std::int64_t now_utime) {
 }
 
 void Trial::propagate(std::int64_t now_utime) {
-  if (!propagation_.done()) {
+  // A few dozen places that match tell as much as a thousand: the rest is woven where robots come
+  // (weaving.hpp).
+  const bool enough = proposal_.from_scans && propagation_.matched().size() >= most_matched_scans;
+  if (!propagation_.done() && !enough) {
     propagation_.step(map_, options_);
-    if (propagation_.matched().size() >= std::max<std::size_t>(4, growth * matched_at_fit_))
+    if (!proposal_.from_scans &&
+        propagation_.matched().size() >= std::max<std::size_t>(4, growth * matched_at_fit_))
       begin_fit(now_utime, false);
     return;
   }
-  if (stage_ == Stage::propagate) {
+  if (stage_ == Stage::propagate && !enough) {
     stage_ = Stage::last_propagate;
     propagation_.retry();
   } else {
     stage_ = Stage::judge;
   }
+  // Finds are as exact as matches: the fit that began the trial has brought everything near to its place.
+  if (proposal_.from_scans) return;
   if (propagation_.matched().size() > matched_at_fit_ || stage_ == Stage::judge) begin_fit(now_utime, false);
 }
 
@@ -172,6 +188,24 @@ double Trial::mean_contradiction() const {
   return pairs > 0 ? sum / pairs : 0;
 }
 
+double Trial::own_contradiction() const {
+  constexpr int most_pairs = 300;
+  double sum = 0;
+  int pairs = 0;
+  const Manifold& manifold = map_.manifold();
+  for (const PatchId a : propagation_.matched()) {
+    for (const PatchId b : propagation_.before().neighbours(a)) {
+      if (pairs >= most_pairs) break;
+      const auto share =
+          contradiction(manifold.patch(a), manifold.patch(b), ominus(manifold.pose(b), manifold.pose(a)));
+      if (!share) continue;
+      sum += *share;
+      ++pairs;
+    }
+  }
+  return pairs > 0 ? sum / pairs : 0;
+}
+
 double Trial::sighting_cost() const {
   double sum = 0;
   int rows = 0;
@@ -184,9 +218,19 @@ double Trial::sighting_cost() const {
   return rows > 0 ? sum / rows : 0;
 }
 
+double Trial::find_cost() const {
+  double sum = 0;
+  for (const Relation& relation : proposal_.relations) {
+    const Pose a_from_b = ominus(map_.manifold().pose(relation.b), map_.manifold().pose(relation.a));
+    sum += std::min(chi_squared(relation.measurement, a_from_b), 50.0);
+  }
+  return sum / static_cast<double>(proposal_.relations.size());
+}
+
 void Trial::judge() {
   stage_ = Stage::done;
   if (proposal_.measured) return;
+  if (proposal_.from_scans) return judge_scans();
   const auto matched = static_cast<int>(propagation_.matched().size());
   const int compared = matched + static_cast<int>(propagation_.unmatched().size());
   const int enough = proposal_.two_way ? enough_support_two_way : enough_support_one_way;
@@ -198,6 +242,39 @@ void Trial::judge() {
     refusal_ = "scans_disagree";
   } else if (matched < few_compared && proposal_.supporters < enough) {
     undecided_ = true;
+  }
+}
+
+// Where nobody has seen anybody, buildings that repeat themselves are to be feared.
+void Trial::judge_scans() {
+  const std::vector<PatchId>& matched = propagation_.matched();
+  const auto count = static_cast<int>(matched.size());
+  const int compared = count + static_cast<int>(propagation_.unmatched().size());
+  const auto undecided = [&](const std::string& why) {
+    undecided_ = true;
+    refusal_ = why;
+  };
+  if (find_cost() > most_find_cost) {
+    refusal_ = "finds_disagree";
+  } else if (mean_contradiction() > most_contradiction + own_contradiction()) {
+    refusal_ = "walls_in_free_space";
+  } else if (compared >= few_compared && count < least_matched_share * compared) {
+    refusal_ = "scans_disagree";
+  } else if (count < few_matched_scans) {
+    undecided("too_little_support");
+  } else if (proposal_.merge || proposal_.cautious) {
+    const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
+    const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
+    const Seam its = seam(map_, island, is_younger, matched);
+    if (proposal_.merge && its.border_contradiction > most_contradiction + own_contradiction()) {
+      refusal_ = "walls_in_free_space";
+    } else if (count < enough_matched || its.way_m < (proposal_.merge ? enough_way_m : enough_loop_way_m)) {
+      undecided("too_little_support");
+    } else if (its.width_m < enough_width_m) {
+      undecided("one_corridor");
+    } else if (proposal_.merge && std::min(its.own_first_m, its.own_second_m) < enough_own_m) {
+      undecided("nothing_beyond_the_seam");
+    }
   }
 }
 

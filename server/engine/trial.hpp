@@ -10,16 +10,21 @@
 
 namespace isthmus {
 
-/// A closure that several sightings propose: how the patches of one chart lie to those of another.
+/// A closure that several sightings, or finds of scans, propose: how the patches of one chart lie to those of
+/// another.
 struct Proposal {
   ClosureId id;
   bool merge = false;               ///< of two islands; else a loop on one
   IslandId older;                   ///< whose frame stays
   IslandId younger;                 ///< of a merge
   Pose older_from_younger;          ///< of a merge: the rough alignment
-  std::vector<Relation> relations;  ///< of the sightings, with this closure as their origin
+  std::vector<Relation> relations;  ///< of the sightings or finds, with this closure as their origin
   int supporters = 0;
   bool two_way = false;
+  bool from_scans = false;  ///< relations are of scans that agree, nobody has seen anybody
+  /// What the map may err by beyond its covariance, where the loop closes: variances of x, y, yaw.
+  Eigen::Vector3d beyond_covariance = {0.01, 0.01, 0.001};
+  bool cautious = false;  ///< only where much agrees, and not along one corridor
   bool measured = false;  ///< placed by the operators themselves: no test can refuse it
 };
 
@@ -41,7 +46,7 @@ class Trial {
   bool accepted() const { return done() && !undecided_ && refusal_.empty(); }
   /// Nothing spoke against it, but too little for it: more sightings may come.
   bool undecided() const { return done() && undecided_; }
-  /// Why it was refused; empty where it was accepted.
+  /// Why it was refused or is undecided; empty where it was accepted.
   const std::string& refusal() const { return refusal_; }
   const Proposal& proposal() const { return proposal_; }
   int patches_touched() const { return static_cast<int>(propagation_.matched().size()); }
@@ -57,10 +62,16 @@ class Trial {
   void end_fit();
   void propagate(std::int64_t now_utime);
   void judge();
+  void judge_scans();
   /// Mean share of hits of one side deep in the other's free space.
   double mean_contradiction() const;
   /// Mean χ² per residual of the sightings that proposed it, after the fit.
   double sighting_cost() const;
+  /// Mean χ² of the relations of finds above what each alone costs, after the fit: how far they pull at one
+  /// another.
+  double find_cost() const;
+  /// What patches of one side contradict each other: people, glass, and maps that bend.
+  double own_contradiction() const;
 
   EngineOptions options_;
   Proposal proposal_;

@@ -50,10 +50,7 @@ void withdraw(Map& map, ClosureId closure, std::map<std::string, Robot>& robots)
       map.relate(relation);
   }
   refit();
-  for (auto& [name, robot] : robots) {
-    put_back(map, robot);
-    robot.rejoins.clear();
-  }
+  for (auto& [name, robot] : robots) put_back(map, robot);
 }
 
 std::vector<Relation> take_out(Map& map, const std::string& robot, std::map<std::string, Robot>& robots) {

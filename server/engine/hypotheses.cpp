@@ -1,0 +1,167 @@
+#include "server/engine/hypotheses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace isthmus {
+namespace {
+
+constexpr double query_every_m = 2;
+constexpr double piece_way_m = 8;
+constexpr double least_piece_way_m = 5;
+constexpr std::size_t most_queries = 8;
+constexpr double least_score = 0.5;
+constexpr double least_score_anywhere = 0.6;  // on islands where nothing says where to look
+constexpr double ambiguous_share = 0.88;      // FINDINGS 3: at 0.95 an aliased corridor got in
+constexpr double apart_m = 1;
+constexpr double apart_rad = 0.26;
+constexpr double work_share = 0.02;  // of the time that passes
+constexpr std::int64_t most_credit_us = 10'000;
+constexpr std::int64_t least_price_us = 1'000;  // nominal, of one step
+constexpr double price_per_evaluation_us = 0.1;
+constexpr double price_per_patch_us = 5;
+
+}  // namespace
+
+void Hypotheses::advance(World world, Closures& closures) {
+  hear(world, closures);
+  follow(world);
+  work(world);
+  if (pool_changed_ && !closures.on_trial()) pool_changed_ = propose(world, closures);
+}
+
+void Hypotheses::finish(World world, Closures& closures) {
+  closures.end_trial_now(world);
+  hear(world, closures);
+  follow(world);
+  while (has_work()) step(world);
+  // The maps are as large now as they will be: what was undecided may be plain.
+  for (auto& [id, hypothesis] : hypotheses_) hypothesis.tried = 0;
+  while (propose(world, closures)) {
+    closures.end_trial_now(world);
+    hear(world, closures);
+  }
+}
+
+// Keeps each robot's way, and asks where it is every few metres of it.
+void Hypotheses::follow(World world) {
+  for (const auto& [name, robot] : world.robots) {
+    if (!robot.place) continue;
+    const PatchId patch = robot.place->last_patch;
+    PatchId& newest = newest_[name];
+    if (patch == newest) continue;
+    newest = patch;
+    if (!world.map.manifold().patch(patch).points.empty()) note_patch(world, name, patch);
+  }
+}
+
+void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch) {
+  Way& way = ways_[robot];
+  const Manifold& manifold = world.map.manifold();
+  double step_m = 0;
+  if (!way.newest_first.empty()) {
+    const PatchId before = way.newest_first.front();
+    if (world.map.graph().island(before) == world.map.graph().island(patch)) {
+      const Pose moved = ominus(manifold.pose(patch), manifold.pose(before));
+      step_m = std::hypot(moved.x, moved.y);
+    } else {
+      way = {};
+    }
+  }
+  for (double& from_newest : way.from_newest_m) from_newest += step_m;
+  way.newest_first.push_front(patch);
+  way.from_newest_m.push_front(0);
+  while (way.from_newest_m.back() > piece_way_m) {
+    way.newest_first.pop_back();
+    way.from_newest_m.pop_back();
+  }
+  way.since_query_m += step_m;
+  if (way.since_query_m < query_every_m || way.from_newest_m.back() < least_piece_way_m) return;
+  way.since_query_m = 0;
+  Query query;
+  query.newest_first.assign(way.newest_first.begin(), way.newest_first.end());
+  query.robot = robot;
+  queue_.push_back(std::move(query));
+  ++counts_.queries;
+  if (queue_.size() > most_queries) {
+    queue_.pop_front();
+    ++counts_.queries_dropped;
+  }
+}
+
+void Hypotheses::work(World world) {
+  const std::int64_t passed = std::clamp<std::int64_t>(world.now_utime - last_utime_, 0, 1'000'000);
+  last_utime_ = world.now_utime;
+  credit_us_ = std::min(most_credit_us,
+                        credit_us_ + static_cast<std::int64_t>(work_share * static_cast<double>(passed)));
+  if (credit_us_ > 0 && has_work()) credit_us_ -= step(world);
+}
+
+std::int64_t Hypotheses::step(World world) {
+  if (!query_) {
+    query_ = std::move(queue_.front());
+    queue_.pop_front();
+  }
+  if (!query_->begun) return begin(world, *query_);
+  if (query_->next < query_->places.size()) return search_next(world, *query_);
+  const std::int64_t price = decide(world, *query_);
+  query_.reset();
+  return price;
+}
+
+std::int64_t Hypotheses::begin(World world, Query& query) {
+  query.begun = true;
+  const PatchId newest = query.newest_first.front();
+  query.places = places_on_own_island(world.map, newest);
+  std::ranges::copy(places_on_other_islands(world.map, newest), std::back_inserter(query.places));
+  if (!query.places.empty()) query.piece = piece_of_way(world.map, query.newest_first);
+  return least_price_us +
+         static_cast<std::int64_t>(price_per_patch_us * static_cast<double>(world.map.manifold().size()));
+}
+
+std::int64_t Hypotheses::search_next(World world, Query& query) {
+  const PlaceCandidate& place = query.places[query.next++];
+  ++counts_.places_searched;
+  const PlaceSearch search = search_place(
+      place_around(world.map, place.anchor, world.options), query.piece, place.window,
+      std::max(place.way_m > 0 ? least_score : least_score_anywhere, ambiguous_share * query.best_score));
+  query.exhausted = query.exhausted || search.exhausted;
+  for (const PlaceAnswer& answer : search.answers) {
+    query.best_score = std::max(query.best_score, answer.score);
+    query.answers.push_back(answer);
+    query.answers.back().way_m = place.way_m;
+    query.answers.back().sigma_m = place.sigma_m;
+  }
+  return least_price_us +
+         static_cast<std::int64_t>(price_per_evaluation_us * static_cast<double>(search.evaluations));
+}
+
+// Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
+bool Hypotheses::unique(const Map& map, const Query& query) const {
+  const PlaceAnswer& best = query.answers.front();
+  const Pose best_map_from_piece = map.manifold().pose(best.anchor) * best.anchor_from_piece;
+  return std::ranges::none_of(query.answers, [&](const PlaceAnswer& other) {
+    if (other.score < ambiguous_share * best.score) return false;
+    if (map.graph().island(other.anchor) != map.graph().island(best.anchor)) return true;
+    const Pose off = ominus(map.manifold().pose(other.anchor) * other.anchor_from_piece, best_map_from_piece);
+    return std::hypot(off.x, off.y) > apart_m || std::abs(off.yaw) > apart_rad;
+  });
+}
+
+std::int64_t Hypotheses::decide(World world, Query& query) {
+  std::ranges::stable_sort(query.answers, std::ranges::greater{}, &PlaceAnswer::score);
+  if (query.answers.empty()) return 0;
+  if (query.exhausted || !unique(world.map, query)) {
+    ++counts_.ambiguous;
+    return 0;
+  }
+  const PlaceAnswer& best = query.answers.front();
+  std::optional<Find> find =
+      refine(place_around(world.map, best.anchor, world.options), query.piece, best, world.options);
+  if (find) take(world, query.robot, std::move(*find));
+  return 5 * least_price_us;
+}
+
+}  // namespace isthmus

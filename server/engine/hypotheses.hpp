@@ -1,0 +1,107 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/engine/closures.hpp"
+#include "server/engine/consistency.hpp"
+#include "server/engine/place_candidates.hpp"
+#include "server/engine/undecided.hpp"
+
+namespace isthmus {
+
+/// What the search for hypotheses did.
+struct HypothesisCounts {
+  std::int64_t queries = 0;
+  std::int64_t queries_dropped = 0;  ///< that never got their turn
+  std::int64_t places_searched = 0;
+  std::int64_t ambiguous = 0;  ///< queries that fit two places about as well
+  std::int64_t finds = 0;
+  std::int64_t proposed = 0;
+};
+
+/// Loops and merges that scans alone suggest, closed lazily: every few metres of a robot's way, what it saw
+/// last is searched for at the places where it may have been before, on its own island within the relative
+/// covariance and on others anywhere. What is found there, once and only once, waits until several finds
+/// agree all around the loops that they form; those are proposed to the closures, which try them out beside
+/// the map. Searching is done in bounded steps on credit that grows with time, so no event waits long for it.
+class Hypotheses {
+ public:
+  void advance(World world, Closures& closures);
+  /// All that is left, as if nothing more will come.
+  void finish(World world, Closures& closures);
+  bool has_work() const { return !queue_.empty() || query_.has_value(); }
+
+  /// A robot's data is taken out.
+  void forget_robot(const Map& map, const std::string& robot);
+
+  std::vector<UndecidedHypothesis> undecided() const;
+  /// Something else has shown it to be false.
+  void refute(ClosureId id, const std::string& reason);
+
+  const HypothesisCounts& counts() const { return counts_; }
+
+ private:
+  /// A robot's way on its newest patches.
+  struct Way {
+    std::deque<PatchId> newest_first;
+    std::deque<double> from_newest_m;
+    double since_query_m = 0;
+  };
+  struct Query {
+    std::vector<PatchId> newest_first;
+    std::string robot;
+    bool begun = false;
+    RigidPiece piece;
+    std::vector<PlaceCandidate> places;
+    std::size_t next = 0;
+    std::vector<PlaceAnswer> answers;
+    double best_score = 0;
+    bool exhausted = false;
+  };
+  struct Waiting {
+    Find find;
+    std::string robot;
+    ClosureId hypothesis;  ///< that it has been proposed with, if any
+  };
+  struct Hypothesis {
+    UndecidedHypothesis says;
+    int tried = 0;  ///< finds when it was last on trial
+    bool undecided = false;
+  };
+
+  void follow(World world);
+  void note_patch(World world, const std::string& robot, PatchId patch);
+  void work(World world);
+  /// One bounded piece of the search; what it costs, in nominal microseconds.
+  std::int64_t step(World world);
+  std::int64_t begin(World world, Query& query);
+  std::int64_t search_next(World world, Query& query);
+  std::int64_t decide(World world, Query& query);
+  bool unique(const Map& map, const Query& query) const;
+  void take(World world, const std::string& robot, Find find);
+  bool propose(World world, Closures& closures);
+  bool propose(World world, Closures& closures, const std::vector<std::size_t>& set);
+  std::size_t rivals(const Map& map, const std::vector<std::size_t>& set) const;
+  void hear(World world, Closures& closures);
+  void remove(const std::vector<bool>& gone);
+
+  std::map<std::string, Way> ways_;
+  std::map<std::string, PatchId> newest_;
+  std::deque<Query> queue_;
+  std::optional<Query> query_;
+  std::vector<Waiting> pool_;
+  AgreementTable agreements_;
+  bool pool_changed_ = false;
+  std::map<ClosureId, Hypothesis> hypotheses_;
+  std::map<ClosureId, std::vector<Waiting>> parked_;  ///< finds of closures that may be withdrawn or allowed
+  std::vector<std::pair<ClosureId, std::string>> refuted_;
+  HypothesisCounts counts_;
+  std::int64_t credit_us_ = 0;
+  std::int64_t last_utime_ = 0;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,24 @@
+#include "tests/scenario/simulated_maps.hpp"
+
+namespace isthmus {
+namespace {
+
+// Long thin corridors with a door every 6 m: the first loop comes round 8 m off, so that what looks like the
+// place where the robot is may well be the next door's.
+TEST(SimulatedLongLoop, ScansCloseItWhereItIsAndNowhereElse) {
+  const SimulatedMap loop = map_scenario("long_loop");
+  const auto accepted = std::ranges::count_if(loop.map.closures, [](const ClosureRecord& closure) {
+    return closure.state == "accepted" && closure.reason == "from_scans";
+  });
+  const TrajectoryError error = judge_trajectories(loop);
+  std::printf("long_loop: %td closures, mean error %.4f m, %.5f rad, at most %.3f m\n", accepted,
+              error.mean_m, error.mean_rad, error.most_m);
+  EXPECT_GE(accepted, 2);
+  EXPECT_EQ(error.missing, 0U);
+  EXPECT_LT(error.mean_m, 0.1);
+  EXPECT_LT(error.most_m, 3);
+  EXPECT_EQ(loop.map.graph.islands().size(), 1U);
+}
+
+}  // namespace
+}  // namespace isthmus
