@@ -11,9 +11,9 @@ namespace {
 
 constexpr std::size_t most_waiting = 64;
 constexpr std::size_t enough_finds = 3;
-constexpr double enough_way_m = 4;
+constexpr double enough_way_m = 3;
 constexpr std::size_t agreement_patches = 200;  // nearest in the graph, to know how ends lie to each other
-constexpr double surely_near_m = 1.5;  // a map less sure than this of where a find is asks for caution
+constexpr double surely_near_m = 4;  // a map less sure than this of where a find is asks for caution
 constexpr double rival_m = 6;
 constexpr double mapped_m = 0.15;  // so near to what the map says, a find has nothing to add
 constexpr double mapped_rad = 0.03;

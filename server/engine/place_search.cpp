@@ -17,8 +17,10 @@ constexpr double apart_m = 1;  // FINDINGS 3: what counts as another answer
 constexpr double apart_rad = 0.26;
 constexpr double piece_reach_m = 14;
 constexpr double least_refined_score = 0.45;
-constexpr double most_contradiction = 0.15;  // before the trial has laid the two together
-constexpr double bent_kernel_m = 0.08;       // some metres of way are not quite rigid
+constexpr double least_bent_score = 0.33;   // of the whole, where one scan of it
+constexpr double sure_scan_score = 0.6;     // fits so well
+constexpr double most_contradiction = 0.2;  // before the trial has laid the two together
+constexpr double bent_kernel_m = 0.08;      // some metres of way are not quite rigid
 constexpr int most_points = 250;
 constexpr std::size_t most_carriers = 4;
 
@@ -161,7 +163,7 @@ std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, con
   match_options.max_points = most_points;
   match_options.kernel_m = bent_kernel_m;
   const Match whole = match_at(place, piece.points, answer.anchor_from_piece, match_options);
-  if (!whole.ok || whole.quality.degenerate || whole.quality.score < least_refined_score) return std::nullopt;
+  if (!whole.ok || whole.quality.degenerate || whole.quality.score < least_bent_score) return std::nullopt;
   if (mean_contradiction(place, piece, whole.local_from_robot) > most_contradiction) return std::nullopt;
   // The newest patches may look where the place does not reach: the one that fits best carries the relations.
   std::optional<Match> best;
@@ -175,7 +177,8 @@ std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, con
     best = std::move(match);
     carrier = &seen;
   }
-  if (!best) return std::nullopt;
+  if (!best || (whole.quality.score < least_refined_score && best->quality.score < sure_scan_score))
+    return std::nullopt;
   Find find;
   find.query = carrier->patch->id;
   find.anchor = answer.anchor;

@@ -19,13 +19,14 @@ constexpr double least_matched_share = 0.4;  // of the patches that were compare
 constexpr int few_compared = 3;              // so few prove nothing
 constexpr int enough_support_two_way = 4;    // sightings, where scans cannot tell
 constexpr int enough_support_one_way = 6;
-constexpr double most_find_cost = 3;     // mean chi² of the finds' relations after the fit, of three
-constexpr int few_matched_scans = 4;     // patches, where scans are all there is
-constexpr int enough_matched = 12;       // asks for so many patches
-constexpr double enough_way_m = 15;      // over so much of the way
-constexpr double enough_loop_way_m = 7;  // of which a loop needs less,
-constexpr double enough_width_m = 2;     // not all along one corridor,
-constexpr double enough_own_m = 5;       // and for maps that go on beyond what they share
+constexpr double most_find_cost = 3;      // mean chi² of the finds' relations after the fit, of three
+constexpr int few_matched_scans = 4;      // patches, where scans are all there is
+constexpr int enough_matched = 12;        // asks for so many patches
+constexpr double enough_way_m = 15;       // over so much of the way
+constexpr double enough_loop_way_m = 7;   // of which a loop needs less,
+constexpr double enough_width_m = 2;      // not all along one corridor,
+constexpr double enough_corridor_m = 15;  // of a matched part that is no wider
+constexpr double enough_own_m = 5;        // and for maps that go on beyond what they share
 constexpr std::size_t most_matched_scans = 150;
 constexpr std::size_t first_queue = 80;  // patches around the closure
 constexpr std::size_t growth = 3;        // a whole fit each time the seam has grown so many times
@@ -270,7 +271,7 @@ void Trial::judge_scans() {
       refusal_ = "walls_in_free_space";
     } else if (count < enough_matched || its.way_m < (proposal_.merge ? enough_way_m : enough_loop_way_m)) {
       undecided("too_little_support");
-    } else if (its.width_m < enough_width_m) {
+    } else if (its.width_m < enough_width_m && its.way_m < enough_corridor_m) {
       undecided("one_corridor");
     } else if (proposal_.merge && std::min(its.own_first_m, its.own_second_m) < enough_own_m) {
       undecided("nothing_beyond_the_seam");
