@@ -23,6 +23,13 @@ constexpr std::int64_t least_price_us = 1'000;  // nominal, of one step
 constexpr double price_per_evaluation_us = 0.1;
 constexpr double price_per_patch_us = 5;
 
+bool share_a_patch(const RigidPiece& a, const RigidPiece& b) {
+  return std::ranges::any_of(a.local.patches, [&](const LocalPatch& of_a) {
+    return std::ranges::any_of(b.local.patches,
+                               [&](const LocalPatch& of_b) { return of_a.patch->id == of_b.patch->id; });
+  });
+}
+
 }  // namespace
 
 void Hypotheses::advance(World world, Closures& closures) {
@@ -158,8 +165,10 @@ std::int64_t Hypotheses::decide(World world, Query& query) {
     return 0;
   }
   const PlaceAnswer& best = query.answers.front();
-  std::optional<Find> find =
-      refine(place_around(world.map, best.anchor, world.options), query.piece, best, world.options);
+  const RigidPiece place = place_around(world.map, best.anchor, world.options);
+  // While the query waited, the map may have come to know how the two lie.
+  if (share_a_patch(place, query.piece)) return 0;
+  std::optional<Find> find = refine(place, query.piece, best, world.options);
   if (find) take(world, query.robot, std::move(*find));
   return 5 * least_price_us;
 }
