@@ -26,7 +26,7 @@ double spread_of_match(const LocalMap& local_map, std::span<const ScanPoint> poi
   constexpr double step_m = 0.07;
   constexpr double held = 1e7;
   // How surely a worse fit is a wrong one: beams err together, so their number counts for little.
-  constexpr double sharpness = 60;
+  constexpr double sharpness = 120;
   Eigen::Vector2d unused;
   const Eigen::Vector2d weakest = axes_of(match.beam_information, &unused).col(0);
   MatchOptions coarse = options;

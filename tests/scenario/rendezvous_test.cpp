@@ -176,6 +176,36 @@ TEST(RendezvousScenario, AWrongGuessIsRefutedByMeetingNobody) {
   EXPECT_EQ(met.islands, 2U);
 }
 
+// The same, all of it the engine's own: the search of scans makes the hypothesis, which stays undecided as
+// neither map goes on beyond what they seem to share; the meeting it asks for is driven to; nobody is there.
+TEST(RendezvousScenario, TheEnginesOwnHypothesisIsRefutedWhereItAskedToMeet) {
+  const Scenario scenario = two_wings();
+  const SimulatedRun run = simulate(scenario, 1);
+  Engine engine;
+  for (const Event& event : run.events) engine.handle(event);
+  const MapCopy copy = engine.copy();
+  ASSERT_TRUE(copy.meeting);
+  EXPECT_EQ(copy.graph.islands().size(), 2U);
+  const auto of_meeting = [&](const MapCopy& map) {
+    return *std::ranges::find(map.closures, copy.meeting->closure, &ClosureRecord::id);
+  };
+  EXPECT_EQ(of_meeting(copy).state, "waiting");
+  const auto truth = true_patches(copy, run.truth);
+  Scenario with_meeting = scenario;
+  for (const MeetingPlace& place : {copy.meeting->a, copy.meeting->b}) {
+    const auto robot = std::ranges::find(with_meeting.robots, place.robot, &RobotPlan::name);
+    drive_to(*robot, truth[static_cast<std::size_t>(place.pose.patch.value)]->world_from_patch *
+                         place.pose.patch_from_object);
+  }
+  Engine driven;
+  for (const Event& event : simulate(with_meeting, 1).events) driven.handle(event);
+  driven.finish();
+  const MapCopy after = driven.copy();
+  EXPECT_EQ(of_meeting(after).state, "refused");
+  EXPECT_EQ(of_meeting(after).reason, "met_nobody");
+  EXPECT_EQ(after.graph.islands().size(), 2U);
+}
+
 // Both are in the west wing, and read barcodes only when they go to meet: they see one another, and the
 // sightings merge their islands.
 TEST(RendezvousScenario, ARightGuessIsConfirmedBySightings) {

@@ -58,7 +58,7 @@ TEST(SimulatedTeams, OneMeetingCollapsesADoubleSpiral) {
   const ClosureRecord merge = closure_of(spiral.map, 0);
   EXPECT_EQ(merge.kind, "merge");
   EXPECT_EQ(merge.state, "accepted");
-  EXPECT_GT(merge.patches_touched, 80) << "all along the laps";
+  EXPECT_GT(merge.patches_touched, 40) << "all along the laps there are by then";
   EXPECT_GE(judge_sightings(spiral.run, spiral.map.sightings).true_share(), 0.95);
   const TrajectoryError error = judge_trajectories(spiral);
   std::printf("double spiral: %zu patches, %d touched; intra mean %.4f m, at most %.3f m\n",
