@@ -216,5 +216,30 @@ TEST(MeasuredStart, MergesTwoRobotsThatNeverSeeOneAnother) {
   EXPECT_LT(error.mean_m, 0.05);
 }
 
+// Two robots round one loop, whose maps merge by their scans before they ever see one another.
+TEST(FromScans, AMergeIsWithdrawnAndForbiddenAsOneFromSightingsIs) {
+  const SimulatedRun run = simulate(load_scenario("double_spiral"), 1);
+  const MapCopy merged = map_events(run.events);
+  ASSERT_FALSE(merged.closures.empty());
+  const ClosureRecord& merge = merged.closures.front();
+  ASSERT_EQ(merge.state, "accepted");
+  ASSERT_EQ(merge.reason, "from_scans");
+  EXPECT_GT(relations_of(merged, merge.id), 0U);
+
+  Events withdrawn_events = run.events;
+  insert(withdrawn_events, command(merge.end_utime + 1'000'000, "withdraw", merge.id.value));
+  const MapCopy withdrawn = map_events(withdrawn_events);
+  EXPECT_EQ(state_of(withdrawn, merge.id.value), "withdrawn");
+  EXPECT_EQ(relations_of(withdrawn, merge.id), 0U);
+  EXPECT_EQ(islands(withdrawn), 2U) << "the sightings that follow say the same, which is forbidden";
+
+  Events forbidden_events = run.events;
+  forbidden_events.insert(forbidden_events.begin(),
+                          command(run.events.front().receive_utime, "forbid", merge.id.value));
+  const MapCopy forbidden = map_events(forbidden_events);
+  EXPECT_EQ(state_of(forbidden, merge.id.value), "refused");
+  EXPECT_EQ(islands(forbidden), 2U);
+}
+
 }  // namespace
 }  // namespace isthmus
