@@ -363,9 +363,7 @@ void Engine::State::arrange_meeting() {
 }
 
 void Engine::State::fit_all() {
-  for (const std::vector<PatchId>& island : map.graph().islands()) {
-    map.refit_island(island.front());
-  }
+  for (const std::vector<PatchId>& island : map.graph().islands()) map.refit_island(island.front());
 }
 
 Engine::Engine(Configuration configuration) : state_(std::make_unique<State>(std::move(configuration))) {}
@@ -442,6 +440,7 @@ MapCopy Engine::copy() const {
     if (dropped != state.dropped.end() && patch->id < dropped->second.end) copy.left_out.push_back(patch->id);
   }
   copy.counters = state.counters;
+  copy.hypotheses = state.hypotheses.counts();
   copy.meeting = state.rendezvous.record();
   copy.health = health_records(state.robots, state.counters);
   return copy;

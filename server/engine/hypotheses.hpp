@@ -13,16 +13,6 @@
 
 namespace isthmus {
 
-/// What the search for hypotheses did.
-struct HypothesisCounts {
-  std::int64_t queries = 0;
-  std::int64_t queries_dropped = 0;  ///< that never got their turn
-  std::int64_t places_searched = 0;
-  std::int64_t ambiguous = 0;  ///< queries that fit two places about as well
-  std::int64_t finds = 0;
-  std::int64_t proposed = 0;
-};
-
 /// Loops and merges that scans alone suggest, closed lazily: every few metres of a robot's way, what it saw
 /// last is searched for at the places where it may have been before, on its own island within the relative
 /// covariance and on others anywhere. What is found there, once and only once, waits until several finds

@@ -90,6 +90,16 @@ struct HealthRecord {
   std::vector<HealthWarning> warnings;
 };
 
+/// What the search for hypotheses did.
+struct HypothesisCounts {
+  std::int64_t queries = 0;
+  std::int64_t queries_dropped = 0;  ///< that never got their turn
+  std::int64_t places_searched = 0;
+  std::int64_t ambiguous = 0;  ///< queries that fit two places about as well
+  std::int64_t finds = 0;
+  std::int64_t proposed = 0;
+};
+
 /// A consistent copy of the map, cheap (patches are shared), for exports and publishing off the engine's
 /// thread.
 struct MapCopy {
@@ -104,6 +114,7 @@ struct MapCopy {
   std::vector<ClosureRecord> closures;
   std::vector<PatchId> left_out;  ///< by id: patches whose robot's data operators have dropped
   Counters counters;
+  HypothesisCounts hypotheses;
   std::optional<MeetingRecord> meeting;  ///< to be driven to
   std::vector<HealthRecord> health;      ///< of declared robots, by name
 };

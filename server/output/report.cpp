@@ -34,6 +34,16 @@ Json closures(const MapCopy& map) {
   return list;
 }
 
+/// The search for places that a robot's scans may show again.
+Json hypotheses(const HypothesisCounts& counts) {
+  return {{"queries", counts.queries},
+          {"queries_dropped", counts.queries_dropped},
+          {"places_searched", counts.places_searched},
+          {"ambiguous", counts.ambiguous},
+          {"finds", counts.finds},
+          {"proposed", counts.proposed}};
+}
+
 Json sessions(const MapCopy& map, const RankedIslands& islands) {
   Json list = Json::array();
   for (const Session& session : map.sessions) {
@@ -139,6 +149,7 @@ std::string report_json(const MapCopy& map, const RankedIslands& islands, const 
                        {"warnings", warnings(map)},
                        {"health", health(map)},
                        {"closures", closures(map)},
+                       {"hypotheses", hypotheses(map.hypotheses)},
                        {"log_duration_s", log_duration_s},
                        {"wall_s", cost.wall_s},
                        {"cpu_s", cost.cpu_s},
