@@ -39,8 +39,11 @@ std::optional<ManifoldPose> Manifold::project_back(const Pose& map_from_object,
   bool best_contains = false;
   double best_distance = std::numeric_limits<double>::infinity();
   for (const PatchId id : candidates) {
-    const Pose r = ominus(map_from_object, pose(id));
-    const double distance = std::hypot(r.x, r.y);
+    const Pose& map_from_patch = pose(id);
+    const double distance =
+        std::hypot(map_from_object.x - map_from_patch.x, map_from_object.y - map_from_patch.y);
+    if (best_contains && best_distance <= distance) continue;
+    const Pose r = ominus(map_from_object, map_from_patch);
     const bool contains = distance <= footprint_m || patch(id).star.contains({r.x, r.y});
     if (best && (best_contains > contains || (best_contains == contains && best_distance <= distance)))
       continue;

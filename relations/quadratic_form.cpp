@@ -100,7 +100,11 @@ Eigen::Matrix<double, 5, 3> form_jacobian(const Pose& a_from_b) {
 double QuadraticForm::cost(const Pose& a_from_b) const { return 0.5 * residuals(a_from_b).squaredNorm(); }
 
 Vector5d QuadraticForm::residuals(const Pose& a_from_b) const {
-  return r.triangularView<Eigen::Upper>() * form_variables(a_from_b);
+  const Vector5d v = form_variables(a_from_b);
+  Vector5d e;  // row by row: Eigen's triangular product is for larger ones
+  e << r.row(0).dot(v), r.row(1).tail<4>().dot(v.tail<4>()), r.row(2).tail<3>().dot(v.tail<3>()),
+      r.row(3).tail<2>().dot(v.tail<2>()), r(4, 4) * v(4);
+  return e;
 }
 
 Eigen::Matrix<double, 5, 3> QuadraticForm::jacobian(const Pose& a_from_b) const {

@@ -36,6 +36,12 @@ Pose nearest(const Bearing& measured, const Pose& start) {
                        observer + distance * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
 }
 
+double chi_squared(const Measurement& measurement, double cost) {
+  const auto* correspondences = std::get_if<Correspondences>(&measurement);
+  const double least_cost = correspondences ? correspondences->least.cost : 0;
+  return std::max(0.0, 2 * (cost - least_cost));
+}
+
 }  // namespace
 
 std::string_view name(OriginKind kind) {
@@ -94,9 +100,7 @@ double cost(const Relation& relation, const Pose& a_from_b) {
 }
 
 double chi_squared(const Measurement& measurement, const Pose& a_from_b) {
-  const auto* correspondences = std::get_if<Correspondences>(&measurement);
-  const double least_cost = correspondences ? correspondences->least.cost : 0;
-  return std::max(0.0, 2 * (cost(measurement, a_from_b) - least_cost));
+  return chi_squared(measurement, cost(measurement, a_from_b));
 }
 
 double robust_weight(double chi_squared, double robust_scale) {
@@ -105,14 +109,18 @@ double robust_weight(double chi_squared, double robust_scale) {
 }
 
 Eigen::Matrix3d information(const Measurement& measurement, const Pose& a_from_b) {
+  if (const auto* correspondences = std::get_if<Correspondences>(&measurement))
+    return correspondences->form.information(a_from_b);
   const LinearResidual residual = linearise(measurement, a_from_b);
   return residual.by_a_from_b.transpose() * residual.by_a_from_b;
 }
 
 Eigen::Matrix3d information(const Relation& relation, const Pose& a_from_b) {
-  const Eigen::Matrix3d full = information(relation.measurement, a_from_b);
-  if (relation.robust_scale <= 0) return full;
-  return robust_weight(chi_squared(relation.measurement, a_from_b), relation.robust_scale) * full;
+  if (relation.robust_scale <= 0) return information(relation.measurement, a_from_b);
+  const LinearResidual residual = linearise(relation.measurement, a_from_b);
+  const Eigen::Matrix3d full = residual.by_a_from_b.transpose() * residual.by_a_from_b;
+  const double above_least = chi_squared(relation.measurement, 0.5 * residual.e.squaredNorm());
+  return robust_weight(above_least, relation.robust_scale) * full;
 }
 
 Pose minimiser(const Measurement& measurement, const Pose& start) {

@@ -42,6 +42,18 @@ double robust_weight(double squared, double kernel) {
   return 1 / (ratio * ratio);
 }
 
+// A beam on a line of a patch, in the local frame: what is left of it while it stays paired.
+struct Hit {
+  Eigen::Vector2d normal;    // of the line
+  double offset = 0;         // of the line along its normal
+  Eigen::Vector2d position;  // of the beam's end, in the robot's frame
+  double residual = 0;
+  double weight = 0;
+  int beam = 0;
+  int patch = 0;
+  int line = 0;
+};
+
 class Matcher {
  public:
   Matcher(const LocalMap& map, std::span<const ScanPoint> points, const MatchOptions& options)
@@ -49,96 +61,141 @@ class Matcher {
     for (const LocalPatch& local : map.patches) {
       patch_from_local_.push_back(inverse(local.local_from_patch));
     }
+    hits_.reserve(beams_.size() * map.patches.size());
   }
 
-  // Pairs at a pose and sums the normal equations by (x, y, yaw) of the pose in the local frame.
-  NormalEquations linearise(const Pose& pose, double kernel, std::vector<Pair>* pairs) const {
-    NormalEquations sums;
-    struct Hit {
-      Eigen::Vector3d jacobian;
-      double residual;
-      double weight;
-      int patch;
-      int line;
-    };
-    std::vector<Hit> hits(map_.patches.size());
-    const double min_cosine = std::cos(options_.max_normal_angle_rad);
-    const double gate = std::max(0.1, 3 * kernel);
-    struct Frame {
-      double c, s, x, y;  // patch_from_robot
-      double ux, uy;      // patch axes of the local x axis' direction
-      double vx, vy;
-    };
-    std::vector<Frame> frames(map_.patches.size());
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      const Pose patch_from_robot = patch_from_local_[k] * pose;
-      const double yaw = patch_from_local_[k].yaw;
-      frames[k] = {std::cos(patch_from_robot.yaw),
-                   std::sin(patch_from_robot.yaw),
-                   patch_from_robot.x,
-                   patch_from_robot.y,
-                   std::cos(yaw),
-                   std::sin(yaw),
-                   -std::sin(yaw),
-                   std::cos(yaw)};
+  // Sums the normal equations by (x, y, yaw) of the pose in the local frame. Beams keep the lines that they
+  // were paired with until the pose has moved by what may pair them otherwise.
+  NormalEquations linearise(const Pose& pose, double kernel) {
+    const bool moved = std::hypot(pose.x - paired_at_.x, pose.y - paired_at_.y) > pair_again_m ||
+                       std::abs(wrap_angle(pose.yaw - paired_at_.yaw)) > pair_again_rad;
+    return !paired_ || moved ? linearise_anew(pose, kernel) : sum(pose, kernel);
+  }
+
+  // The same, all beams paired at this pose.
+  NormalEquations linearise_anew(const Pose& pose, double kernel) {
+    pair(pose, kernel);
+    return sum(pose, kernel);
+  }
+
+  // Those that the last sum was made of.
+  std::vector<Pair> pairs() const {
+    std::vector<Pair> pairs;
+    for (const Hit& hit : hits_) {
+      if (hit.weight > 0)
+        pairs.push_back({hit.patch, beams_[static_cast<std::size_t>(hit.beam)].point, hit.line, hit.weight});
     }
-    for (const Beam& beam : beams_) {
-      std::size_t count = 0;
-      double best = 0;
-      double total = 0;
-      for (std::size_t k = 0; k < frames.size(); ++k) {
-        const Frame& f = frames[k];
-        const Eigen::Vector2d arm(f.c * beam.position.x() - f.s * beam.position.y(),
-                                  f.s * beam.position.x() + f.c * beam.position.y());
-        const Eigen::Vector2d at(arm.x() + f.x, arm.y() + f.y);
-        const Patch& patch = *map_.patches[k].patch;
-        const int line = patch.index.nearest(at);
-        if (line < 0) continue;
-        const ScanPoint& target = patch.points[static_cast<std::size_t>(line)];
-        const Eigen::Vector2d offset = at - target.position;
-        const double residual = target.normal.dot(offset);
-        if (std::abs(residual) > gate) continue;
-        const Eigen::Vector2d normal(f.c * beam.normal.x() - f.s * beam.normal.y(),
-                                     f.s * beam.normal.x() + f.c * beam.normal.y());
-        if (beam.normal.squaredNorm() > 0.5 && normal.dot(target.normal) < min_cosine) continue;
-        const double weight = robust_weight(residual * residual, kernel);
-        hits[count++] = {{target.normal.x() * f.ux + target.normal.y() * f.uy,
-                          target.normal.x() * f.vx + target.normal.y() * f.vy,
-                          target.normal.y() * arm.x() - target.normal.x() * arm.y()},
-                         residual,
-                         weight,
-                         static_cast<int>(k),
-                         line};
-        best = std::max(best, weight);
-        total += weight;
-      }
-      if (count == 0) continue;
-      ++sums.paired;
-      sums.weight_sum += best;
-      const double share = 1.0 / static_cast<double>(count);
-      double inlying = 0;
-      for (std::size_t i = 0; i < count; ++i) {
-        const Hit& hit = hits[i];
-        const double weight = hit.weight * share;
-        sums.h.noalias() += weight * hit.jacobian * hit.jacobian.transpose();
-        sums.g.noalias() += weight * hit.residual * hit.jacobian;
-        sums.squared_sum += weight * hit.residual * hit.residual;
-        sums.squared_weight += weight;
-        inlying = std::max(inlying, std::abs(hit.residual) < options_.kernel_m ? 1.0 : 0.0);
-        if (pairs) pairs->push_back({hit.patch, beam.point, hit.line, weight});
-      }
-      sums.inliers += inlying > 0 ? 1 : 0;
-    }
-    return sums;
+    return pairs;
   }
 
   int beams() const { return static_cast<int>(beams_.size()); }
 
  private:
+  // A tenth of the index's cell: few beams would find another line.
+  static constexpr double pair_again_m = 0.01;
+  static constexpr double pair_again_rad = 0.003;
+
+  static double gate(double kernel) { return std::max(0.1, 3 * kernel); }
+
+  void pair(const Pose& pose, double kernel) {
+    paired_ = true;
+    paired_at_ = pose;
+    hits_.clear();
+    const double min_cosine = std::cos(options_.max_normal_angle_rad);
+    const double most_off = gate(kernel);
+    struct Frame {
+      const Patch* patch;
+      double c, s, x, y;      // patch_from_robot
+      double lc, ls, lx, ly;  // local_from_patch
+    };
+    std::vector<Frame> frames(map_.patches.size());
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const Pose patch_from_robot = patch_from_local_[k] * pose;
+      const Pose& back = map_.patches[k].local_from_patch;
+      frames[k] = {map_.patches[k].patch.get(),
+                   std::cos(patch_from_robot.yaw),
+                   std::sin(patch_from_robot.yaw),
+                   patch_from_robot.x,
+                   patch_from_robot.y,
+                   std::cos(back.yaw),
+                   std::sin(back.yaw),
+                   back.x,
+                   back.y};
+    }
+    for (std::size_t i = 0; i < beams_.size(); ++i) {
+      const Beam& beam = beams_[i];
+      const Eigen::Vector2d& p = beam.position;
+      const bool has_normal = beam.normal.squaredNorm() > 0.5;
+      for (std::size_t k = 0; k < frames.size(); ++k) {
+        const Frame& f = frames[k];
+        const Eigen::Vector2d at(f.c * p.x() - f.s * p.y() + f.x, f.s * p.x() + f.c * p.y() + f.y);
+        const int line = f.patch->index.nearest(at);
+        if (line < 0) continue;
+        const ScanPoint& target = f.patch->points[static_cast<std::size_t>(line)];
+        if (std::abs(target.normal.dot(at - target.position)) > most_off) continue;
+        const Eigen::Vector2d normal(f.c * beam.normal.x() - f.s * beam.normal.y(),
+                                     f.s * beam.normal.x() + f.c * beam.normal.y());
+        if (has_normal && normal.dot(target.normal) < min_cosine) continue;
+        const Eigen::Vector2d local_normal(f.lc * target.normal.x() - f.ls * target.normal.y(),
+                                           f.ls * target.normal.x() + f.lc * target.normal.y());
+        hits_.push_back(
+            {local_normal,
+             target.normal.dot(target.position) + local_normal.x() * f.lx + local_normal.y() * f.ly, p, 0, 0,
+             static_cast<int>(i), static_cast<int>(k), line});
+      }
+    }
+  }
+
+  NormalEquations sum(const Pose& pose, double kernel) {
+    NormalEquations sums;
+    const double c = std::cos(pose.yaw);
+    const double s = std::sin(pose.yaw);
+    const double most_off = gate(kernel);
+    for (std::size_t first = 0, end = 0; first < hits_.size(); first = end) {
+      const Eigen::Vector2d& p = hits_[first].position;
+      const Eigen::Vector2d arm(c * p.x() - s * p.y(), s * p.x() + c * p.y());
+      const double x = arm.x() + pose.x;
+      const double y = arm.y() + pose.y;
+      int count = 0;
+      double best = 0;
+      double least_off = most_off;
+      for (end = first; end < hits_.size() && hits_[end].beam == hits_[first].beam; ++end) {
+        Hit& hit = hits_[end];
+        hit.residual = hit.normal.x() * x + hit.normal.y() * y - hit.offset;
+        hit.weight = 0;
+        if (std::abs(hit.residual) > most_off) continue;
+        hit.weight = robust_weight(hit.residual * hit.residual, kernel);
+        best = std::max(best, hit.weight);
+        least_off = std::min(least_off, std::abs(hit.residual));
+        ++count;
+      }
+      if (count == 0) continue;
+      ++sums.paired;
+      sums.weight_sum += best;
+      sums.inliers += least_off < options_.kernel_m ? 1 : 0;
+      for (std::size_t i = first; i < end; ++i) add(hits_[i], arm, 1.0 / count, sums);
+    }
+    return sums;
+  }
+
+  static void add(Hit& hit, const Eigen::Vector2d& arm, double share, NormalEquations& sums) {
+    hit.weight *= share;
+    const Eigen::Vector3d jacobian(hit.normal.x(), hit.normal.y(),
+                                   hit.normal.y() * arm.x() - hit.normal.x() * arm.y());
+    const Eigen::Vector3d weighted = hit.weight * jacobian;
+    sums.h.noalias() += weighted * jacobian.transpose();
+    sums.g.noalias() += hit.residual * weighted;
+    sums.squared_sum += hit.weight * hit.residual * hit.residual;
+    sums.squared_weight += hit.weight;
+  }
+
   const LocalMap& map_;
   const MatchOptions& options_;
   std::vector<Beam> beams_;
   std::vector<Pose> patch_from_local_;
+  bool paired_ = false;
+  Pose paired_at_;
+  std::vector<Hit> hits_;  // by beam, then by patch
 };
 
 // How the beams' information is spread over the plane's directions, the yaw left free.
@@ -185,12 +242,12 @@ Match match_scan(const LocalMap& local_map, std::span<const ScanPoint> points, c
                  const MatchOptions& options) {
   Match match;
   match.local_from_robot = prediction.local_from_robot;
-  const Matcher matcher(local_map, points, options);
+  Matcher matcher(local_map, points, options);
   Pose pose = prediction.local_from_robot;
   double kernel = std::max(options.start_kernel_m, options.kernel_m);
   const double information_of_unit = 1 / (options.sigma_m * options.sigma_m);
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    const NormalEquations sums = matcher.linearise(pose, kernel, nullptr);
+    const NormalEquations sums = matcher.linearise(pose, kernel);
     if (sums.paired < options.min_pairs) return match;
     Eigen::Matrix3d trust = Eigen::Matrix3d::Identity();
     trust.topLeftCorner<2, 2>() = direction_trust(directions_of(sums), options.thin_direction);
@@ -208,7 +265,8 @@ Match match_scan(const LocalMap& local_map, std::span<const ScanPoint> points, c
     if (settled && kernel <= options.kernel_m) break;
     kernel = std::max(options.kernel_m, settled ? options.kernel_m : 0.6 * kernel);
   }
-  const NormalEquations sums = matcher.linearise(pose, options.kernel_m, &match.pairs);
+  const NormalEquations sums = matcher.linearise_anew(pose, options.kernel_m);
+  match.pairs = matcher.pairs();
   match.local_from_robot = pose;
   const Directions directions = directions_of(sums);
   match.direction_trust = direction_trust(directions, options.thin_direction);

@@ -83,7 +83,7 @@ double uncovered_share(const Star& star, std::span<const LocalPatch> patches_nea
 bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Placement& placement,
                    const Star& star, const EngineOptions& options) {
   struct Near {
-    LocalPatch patch;
+    const Determined* determined;
     double distance_m;
   };
   std::vector<Near> near;
@@ -93,22 +93,24 @@ bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Place
   const Pose& local_from_robot = placement.local_from_robot;
   for (const Determined& determined : surroundings.patches()) {
     if (!determined.firm) continue;
-    const Pose patch_from_robot = ominus(local_from_robot, determined.local_from_patch);
-    const double distance = std::hypot(patch_from_robot.x, patch_from_robot.y);
+    const Pose& local_from_patch = determined.local_from_patch;
+    const double distance =
+        std::hypot(local_from_robot.x - local_from_patch.x, local_from_robot.y - local_from_patch.y);
     if (distance > 2 * options.local_map_reach_m) continue;
-    near.push_back({{map.manifold().shared_patch(determined.patch), determined.local_from_patch}, distance});
-    here = here || (distance < 0.3 * options.patch_spacing_m &&
-                    std::abs(patch_from_robot.yaw) < 0.3 * options.patch_spacing_rad);
+    near.push_back({&determined, distance});
+    const double turned = std::abs(wrap_angle(local_from_robot.yaw - local_from_patch.yaw));
+    here = here || (distance < 0.3 * options.patch_spacing_m && turned < 0.3 * options.patch_spacing_rad);
     near_by = near_by || distance < options.patch_spacing_m;
-    close = close || (distance < options.patch_spacing_m &&
-                      std::abs(patch_from_robot.yaw) < options.patch_spacing_rad);
+    close = close || (distance < options.patch_spacing_m && turned < options.patch_spacing_rad);
   }
   const double score = placement.match.quality.score;
   if (!near_by || (!here && score < options.thin_score)) return true;
   std::sort(near.begin(), near.end(),
             [](const Near& a, const Near& b) { return a.distance_m < b.distance_m; });
   std::vector<LocalPatch> patches;
-  for (const Near& n : near) patches.push_back(n.patch);
+  patches.reserve(near.size());
+  for (const Near& n : near)
+    patches.push_back({map.manifold().shared_patch(n.determined->patch), n.determined->local_from_patch});
   const double uncovered = uncovered_share(star, patches, local_from_robot);
   // Seen from here before, but turned away: worth a patch only if those who looked elsewhere saw less of it.
   if (!close && (score < options.turned_score || uncovered > options.turned_uncovered_share)) return true;

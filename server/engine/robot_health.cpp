@@ -14,6 +14,7 @@ constexpr double most_turn_in_way_rad = 0.5;
 constexpr int most_scans = 20;        // summed up
 constexpr double least_way_m = 0.05;  // less is the trembling of a robot at rest
 constexpr double least_turn_rad = 0.01;
+constexpr double enough_turn_rad = 10;  // to tell odometry's offset by
 constexpr std::int64_t reference_age_us = 500'000;
 constexpr double still_m = 1e-3;
 constexpr double still_rad = 1e-3;
@@ -136,6 +137,22 @@ void RobotHealth::compare_lags(double odometry_rad, double laser_rad) {
   if (turns_kept_ < lags) return;
   for (std::size_t i = 0; i < off_at_lag_.size(); ++i)
     off_at_lag_[i] += std::abs(laser_turns_[most_lag_scans] - odometry_turns_[i]);
+  compare_offsets();
+}
+
+// The same between the scans: odometry is taken to turn evenly from one to the next. Counted in scans and not
+// in seconds, as the stamps of many a log tell when a message was handled, not when it was measured.
+void RobotHealth::compare_offsets() {
+  const double laser_rad = laser_turns_[most_lag_scans];
+  turn_compared_rad_ += std::abs(laser_rad);
+  for (int i = 0; i < offsets; ++i) {
+    const int whole = i / offsets_per_scan;
+    const double share = static_cast<double>(i % offsets_per_scan) / offsets_per_scan;
+    const auto before = static_cast<std::size_t>(most_lag_scans + least_offset_scans + whole);
+    const double odometry_rad = (1 - share) * odometry_turns_[before] +
+                                share * odometry_turns_[std::min<std::size_t>(before + 1, lags - 1)];
+    off_at_offset_[static_cast<std::size_t>(i)] += std::abs(laser_rad - odometry_rad);
+  }
 }
 
 HealthFigures RobotHealth::figures() const {
@@ -149,6 +166,12 @@ HealthFigures RobotHealth::figures() const {
   const double off_at_none = off_at_lag_[most_lag_scans];
   figures.off_at_best_lag = off_at_none > 0 ? *best / off_at_none : 1;
   if (off_at_none <= *best) figures.best_lag_scans = 0;
+  if (turn_compared_rad_ < enough_turn_rad) return figures;
+  const auto offset = std::ranges::min_element(off_at_offset_);
+  const auto tenths = static_cast<double>(offset - off_at_offset_.begin());
+  figures.offset_scans =
+      *offset < off_at_none ? (least_offset_scans * offsets_per_scan + tenths) / offsets_per_scan : 0;
+  figures.off_at_offset = off_at_none > 0 ? std::min(1.0, *offset / off_at_none) : 1;
   return figures;
 }
 

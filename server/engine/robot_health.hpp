@@ -3,6 +3,7 @@
 #include <array>
 #include <complex>
 #include <cstdint>
+#include <optional>
 
 #include "patches/scan.hpp"
 
@@ -43,6 +44,10 @@ struct HealthFigures {
   /// later, and what is off at that shift for each radian that is off at none.
   int best_lag_scans = 0;
   double off_at_best_lag = 1;
+  /// The same to a tenth of a scan; nothing before the robot has turned enough to tell. Where it is negative
+  /// a scan is older than the odometry that comes with it.
+  std::optional<double> offset_scans;
+  double off_at_offset = 1;
 };
 
 /// Gathers what tells whether a robot's sensors agree with one another and with what it declares. Constant
@@ -72,6 +77,10 @@ class RobotHealth {
  private:
   static constexpr int most_lag_scans = 3;
   static constexpr int lags = 2 * most_lag_scans + 1;
+  static constexpr int offsets_per_scan = 10;
+  static constexpr int least_offset_scans = -2;
+  static constexpr int most_offset_scans = 1;
+  static constexpr int offsets = (most_offset_scans - least_offset_scans) * offsets_per_scan + 1;
 
   // Short ways are summed over a few scans, or the trembling of matches at rest would count as motion.
   struct Way {
@@ -88,6 +97,7 @@ class RobotHealth {
   void add_way(const Pose& odometry_step, const Pose& laser_step);
   void add_turn(double odometry_rad, double laser_rad);
   void compare_lags(double odometry_rad, double laser_rad);
+  void compare_offsets();
   void break_off();
 
   void compare_with_reference(const Scan& scan, const Laser& laser);
@@ -107,6 +117,8 @@ class RobotHealth {
   std::array<double, lags> laser_turns_ = {};
   int turns_kept_ = 0;
   std::array<double, lags> off_at_lag_ = {};
+  std::array<double, offsets> off_at_offset_ = {};
+  double turn_compared_rad_ = 0;  // of the laser, in absolute values
 };
 
 }  // namespace isthmus

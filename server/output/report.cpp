@@ -108,7 +108,9 @@ Json health(const MapCopy& map) {
                            {"direction_steadiness", f.direction_steadiness},
                            {"turn_correlation", f.turn_correlation},
                            {"best_lag_scans", f.best_lag_scans},
-                           {"off_at_best_lag", f.off_at_best_lag}};
+                           {"off_at_best_lag", f.off_at_best_lag},
+                           {"offset_scans", f.offset_scans ? Json(*f.offset_scans) : Json()},
+                           {"off_at_offset", f.off_at_offset}};
   }
   return object;
 }

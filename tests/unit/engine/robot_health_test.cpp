@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -119,6 +120,33 @@ TEST(RobotHealth, LateOdometry) {
   EXPECT_EQ(health.figures().best_lag_scans, 3);
   const Keys found = keys(health);
   EXPECT_NE(std::ranges::find(found, "time_offset"), found.end());
+}
+
+// A robot that turns to and fro for so many scans, its odometry so many scans late, both with a little noise.
+RobotHealth driven_late(double late_scans, int scans = 1000) {
+  RobotHealth health;
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0, 0.005);
+  const auto yaw = [](double scan) { return 0.8 * std::sin(0.3 * scan) + 0.5 * std::sin(0.17 * scan); };
+  const auto turn = [&](double scan) { return yaw(scan) - yaw(scan - 1); };
+  for (int i = 0; i < scans; ++i)
+    health.matched({0.1, 0, turn(i - late_scans) + noise(random)}, {0.1, 0, turn(i) + noise(random)}, true);
+  return health;
+}
+
+TEST(RobotHealth, OffsetOfOdometryToATenthOfAScan) {
+  for (const double late_scans : {-1.6, -1.0, -0.6, -0.3, 0.0, 0.3, 0.8}) {
+    const HealthFigures figures = driven_late(late_scans).figures();
+    ASSERT_TRUE(figures.offset_scans);
+    EXPECT_NEAR(*figures.offset_scans, late_scans, 0.11);
+    if (std::abs(late_scans) > 0.2) {
+      EXPECT_LT(figures.off_at_offset, 0.7) << late_scans;
+    }
+  }
+}
+
+TEST(RobotHealth, NoOffsetBeforeTheRobotHasTurnedEnough) {
+  EXPECT_FALSE(driven_late(-0.6, 20).figures().offset_scans);
 }
 
 // In a corridor a match only repeats what odometry says of the way along it.
