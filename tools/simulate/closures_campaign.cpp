@@ -1,5 +1,6 @@
 #include "tools/simulate/closures_campaign.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -37,7 +38,8 @@ Off off(const Pose& said, const Pose& truth) {
 
 std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
 
-// How far what a relation says is from the truth. Directions of which it says nothing are taken as true.
+// How far what a relation says is from the truth. Directions of which it says little are taken as true: what
+// counts is how far it would pull from the truth a pose that is known there to half a metre and ten degrees.
 Off off(const Relation& relation, const Pose& true_a_from_b) {
   if (chi_squared(relation.measurement, true_a_from_b) < excluded) return {};
   Pose said = minimiser(relation.measurement, true_a_from_b);
@@ -45,7 +47,13 @@ Off off(const Relation& relation, const Pose& true_a_from_b) {
   // The minimum nearest to the truth may be another than what the relation means.
   if (correspondences != nullptr && chi_squared(relation.measurement, said) > excluded)
     said = correspondences->least.a_from_b;
-  return off(said, true_a_from_b);
+  const Eigen::Matrix3d pull = information(relation.measurement, said);
+  Eigen::Matrix3d hold = Eigen::Matrix3d::Zero();
+  hold.diagonal() << 1 / (0.5 * 0.5), 1 / (0.5 * 0.5), 1 / (0.17 * 0.17);
+  Eigen::Vector3d difference = to_vector(said) - to_vector(true_a_from_b);
+  difference.z() = wrap_angle(difference.z());
+  const Eigen::Vector3d pulled = (pull + hold).ldlt().solve(pull * difference);
+  return {pulled.head<2>().norm(), std::abs(pulled.z())};
 }
 
 bool is_from_scans(const Relation& relation) {
