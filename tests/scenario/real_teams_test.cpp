@@ -31,7 +31,7 @@ struct TeamGate {
 std::ostream& operator<<(std::ostream& stream, const TeamGate& gate) { return stream << gate.set; }
 
 constexpr TeamGate gates[] = {
-    {"fr079-3", 3, 0.06}, {"intel-2", 2, 0.06}, {"intel-2-double", 2, 0.06}, {"intel-4", 4, 0.06}};
+    {"fr079-3", 3, 0.055}, {"intel-2", 2, 0.03}, {"intel-2-double", 2, 0.03}, {"intel-4", 4, 0.03}};
 
 std::string data_directory() {
   const char* given = std::getenv("ISTHMUS_DATA");
