@@ -1,6 +1,7 @@
 #include "server/engine/configuration.hpp"
 
 #include <toml++/toml.h>
+#include <charconv>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -206,6 +207,37 @@ void read_robots(const toml::table& robots, Configuration& configuration) {
   }
 }
 
+std::map<std::string, AuthKey> read_keys(const toml::table& keys, bool& withheld) {
+  std::map<std::string, AuthKey> read;
+  for (const auto& [name, node] : keys) {
+    const std::string upper = upper_case(name.str());
+    if (!is_robot_name(upper))
+      fail(node, "'" + std::string(name.str()) + "' is no name: letters, digits, '_' and '-', at most 48");
+    const auto text = node.value<std::string>();
+    const bool empty = text && text->empty();
+    const std::optional<AuthKey> key = empty ? AuthKey{} : parse_auth_key(text.value_or(""));
+    if (!key) fail(node, "the key of " + upper + " must be 64 hexadecimal digits in quotes");
+    if (!read.emplace(upper, *key).second) fail(node, upper + " is given twice (names compare without case)");
+    withheld |= empty;
+  }
+  return read;
+}
+
+Authentication read_authentication(const toml::table& table) {
+  TableReader reader(table, " in [auth]");
+  Authentication authentication;
+  if (const toml::table* robots = reader.table("robots"))
+    authentication.robots = read_keys(*robots, authentication.withheld);
+  if (const toml::table* operators = reader.table("operators"))
+    authentication.operators = read_keys(*operators, authentication.withheld);
+  reader.finish();
+  for (const auto& [name, key] : authentication.operators) {
+    if (authentication.robots.contains(name)) fail(table, name + " is both a robot and an operator");
+  }
+  if (!authentication.is_required()) fail(table, "[auth] without a key");
+  return authentication;
+}
+
 Configuration read_configuration(const toml::table& table) {
   TableReader reader(table, "");
   Configuration configuration;
@@ -216,8 +248,16 @@ Configuration read_configuration(const toml::table& table) {
   configuration.any_tag = tags == "any";
   if (const toml::table* engine = reader.table("engine")) read_engine(*engine, configuration.engine);
   if (const toml::table* robots = reader.table("robots")) read_robots(*robots, configuration);
+  if (const toml::table* auth = reader.table("auth"))
+    configuration.authentication = read_authentication(*auth);
   reader.finish();
   return configuration;
+}
+
+std::string text_of(const toml::table& table) {
+  std::ostringstream text;
+  text << table << "\n";
+  return text.str();
 }
 
 std::string error_at(const std::string& file, std::int64_t line, const std::string& reason) {
@@ -240,6 +280,38 @@ std::variant<Configuration, std::string> parse_configuration(const std::string& 
   } catch (const ConfigurationError& error) {
     return error_at(file, error.line, error.what());
   }
+}
+
+std::string without_keys(const std::string& toml) {
+  toml::table table = toml::parse(toml);
+  toml::table* auth = table["auth"].as_table();
+  if (auth == nullptr) return toml;
+  for (auto&& [group, node] : *auth) {
+    if (!node.is_table()) continue;
+    for (auto&& [name, key] : *node.as_table()) {
+      if (key.is_string()) *key.as_string() = "";
+    }
+  }
+  return text_of(table);
+}
+
+bool map_alike(const std::string& toml, const std::string& other) {
+  toml::table table = toml::parse(toml);
+  toml::table other_table = toml::parse(other);
+  table.erase("auth");
+  other_table.erase("auth");
+  return text_of(table) == text_of(other_table);
+}
+
+std::optional<AuthKey> parse_auth_key(const std::string& text) {
+  AuthKey key{};
+  if (text.size() != 2 * key.size()) return std::nullopt;
+  for (std::size_t i = 0; i < key.size(); ++i) {
+    const char* digits = text.data() + 2 * i;
+    const auto [end, error] = std::from_chars(digits, digits + 2, key[i], 16);
+    if (error != std::errc() || end != digits + 2) return std::nullopt;
+  }
+  return key;
 }
 
 }  // namespace isthmus

@@ -17,6 +17,18 @@ bool is_text(std::span<const std::uint8_t> bytes) {
   return std::find(bytes.begin(), bytes.end(), 0) == bytes.end() - 1;
 }
 
+bool take_member(std::span<const std::uint8_t>& rest, const Member& member);
+
+bool take_structs(std::span<const std::uint8_t>& rest, const Member& list, std::int32_t count) {
+  const std::span members(list.of, static_cast<std::size_t>(list.size));
+  for (std::int32_t i = 0; i < count; ++i) {
+    if (!std::all_of(members.begin(), members.end(),
+                     [&](const Member& one) { return take_member(rest, one); }))
+      return false;
+  }
+  return true;
+}
+
 bool take_member(std::span<const std::uint8_t>& rest, const Member& member) {
   if (member.kind == Member::Kind::fixed) return take(rest, member.size);
   if (rest.size() < 4) return false;
@@ -24,6 +36,7 @@ bool take_member(std::span<const std::uint8_t>& rest, const Member& member) {
   const std::int32_t least = member.kind == Member::Kind::text ? 1 : 0;
   if (count < least || count > member.cap) return false;
   take(rest, 4);
+  if (member.kind == Member::Kind::list) return take_structs(rest, member, count);
   const std::int64_t bytes = std::int64_t{count} * member.size;
   if (bytes > static_cast<std::int64_t>(rest.size())) return false;
   if (member.kind == Member::Kind::text && !is_text(rest.first(static_cast<std::size_t>(bytes))))

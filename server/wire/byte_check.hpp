@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -12,10 +13,12 @@ struct Member {
     fixed,  ///< `size` bytes
     array,  ///< an int32 count, at most `cap`, and that many elements of `size` bytes
     text,   ///< an int32 length, at most `cap` with its final NUL, and that many bytes, NUL only at the end
+    list,   ///< an int32 count, at most `cap`, and that many structs of the members `of`, `size` of them
   };
   Kind kind = Kind::fixed;
   std::int32_t size = 0;
   std::int32_t cap = 0;
+  const Member* of = nullptr;
 };
 
 constexpr Member fixed(std::int32_t bytes) { return {Member::Kind::fixed, bytes, 0}; }
@@ -23,6 +26,11 @@ constexpr Member array(std::int32_t element_bytes, std::int32_t most) {
   return {Member::Kind::array, element_bytes, most};
 }
 constexpr Member text(std::int32_t most_bytes) { return {Member::Kind::text, 1, most_bytes}; }
+
+template <std::size_t size>
+constexpr Member list(const std::array<Member, size>& of, std::int32_t most) {
+  return {Member::Kind::list, static_cast<std::int32_t>(size), most, of.data()};
+}
 
 /// Walks the members of a message, before any generated decoder sees it: those trust counts and lengths.
 /// Returns the reason for refusal, "bad_fingerprint" or "bad_length" (a count or length out of bounds, or a

@@ -63,6 +63,9 @@ class LogFileReader {
     return std::nullopt;
   }
 
+  /// On to what follows the event found.
+  void pass(const LogHeader& header) { position_ += header.frame_bytes(); }
+
   /// The event found, and on to what follows it.
   Message take(const LogHeader& header) {
     const auto frame = file_.at(position_, header.frame_bytes());
@@ -71,7 +74,7 @@ class LogFileReader {
     }
     const auto channel = frame.subspan(log_header_bytes, static_cast<std::size_t>(header.channel_bytes));
     const auto data = frame.subspan(log_header_bytes + channel.size());
-    position_ += header.frame_bytes();
+    pass(header);
     return {header.utime, {channel.begin(), channel.end()}, {data.begin(), data.end()}};
   }
 
@@ -167,6 +170,16 @@ double EventLogReader::progress() const {
   const auto current = sizes.begin() + static_cast<std::ptrdiff_t>(state_->current);
   const std::int64_t done = std::accumulate(sizes.begin(), current, state_->file->position());
   return all > 0 ? std::min(1.0, static_cast<double>(done) / static_cast<double>(all)) : 1.0;
+}
+
+LogEnd find_log_end(const std::string& name) {
+  LogFileReader file(name);
+  std::int64_t end = 0;
+  while (const std::optional<LogHeader> header = file.find()) {
+    file.pass(*header);
+    end = file.position();
+  }
+  return {end, file.size() - end};
 }
 
 struct EventLogWriter::State {

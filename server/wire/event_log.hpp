@@ -32,6 +32,15 @@ class EventLogReader {
   std::unique_ptr<State> state_;
 };
 
+/// Where the last intact event of a log file ends, and what follows it.
+struct LogEnd {
+  std::int64_t bytes = 0;
+  std::int64_t torn_bytes = 0;
+};
+
+/// Throws std::runtime_error naming the file and the reason where it cannot be read.
+LogEnd find_log_end(const std::string& file);
+
 /// Writes an LCM event log. `finish` renames the temporary file to its name; without it nothing is left
 /// there.
 class EventLogWriter {

@@ -1,18 +1,20 @@
 #include "server/wire/inbox.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace isthmus {
 namespace {
 
-Message copy_of(std::int64_t utime, const std::string& channel, std::span<const std::uint8_t> bytes) {
-  return {utime, channel, {bytes.begin(), bytes.end()}};
+Message copy_of(std::int64_t utime, const std::string& channel, std::span<const std::uint8_t> bytes,
+                const std::optional<Signature>& signature) {
+  return {utime, channel, {bytes.begin(), bytes.end()}, signature};
 }
 
 }  // namespace
 
 void Inbox::push(const std::string& sender, bool is_scan, std::int64_t utime, const std::string& channel,
-                 std::span<const std::uint8_t> bytes) {
+                 std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature) {
   const std::lock_guard lock(mutex_);
   if (closed_) return;
   const std::string& queue = queue_name(sender);
@@ -24,11 +26,12 @@ void Inbox::push(const std::string& sender, bool is_scan, std::int64_t utime, co
     remove_oldest(senders_[queue]);
     drops_[queue]["queue_full"] += 1;
   }
-  add(queue, is_scan, copy_of(utime, channel, bytes));
+  add(queue, is_scan, copy_of(utime, channel, bytes, signature));
 }
 
 bool Inbox::push_waiting(const std::string& sender, bool is_scan, std::int64_t utime,
-                         const std::string& channel, std::span<const std::uint8_t> bytes) {
+                         const std::string& channel, std::span<const std::uint8_t> bytes,
+                         const std::optional<Signature>& signature) {
   std::unique_lock lock(mutex_);
   const std::string& queue = queue_name(sender);
   if (bytes.size() > limits_.message_bytes) {
@@ -37,8 +40,13 @@ bool Inbox::push_waiting(const std::string& sender, bool is_scan, std::int64_t u
   }
   changed_.wait(lock, [&] { return closed_ || has_room(queue, bytes.size()); });
   if (closed_) return false;
-  add(queue, is_scan, copy_of(utime, channel, bytes));
+  add(queue, is_scan, copy_of(utime, channel, bytes, signature));
   return true;
+}
+
+void Inbox::count_drop(const std::string& sender, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  drops_[queue_name(sender)][reason] += 1;
 }
 
 void Inbox::close() {
@@ -56,7 +64,7 @@ std::optional<Message> Inbox::pop(std::chrono::milliseconds wait) {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, wait, [&] { return closed_ || !entries_.empty(); });
   if (entries_.empty()) return std::nullopt;
-  auto node = entries_.extract(entries_.begin());
+  auto node = entries_.extract(next_key());
   Entry& entry = node.mapped();
   Sender& sender = senders_[entry.sender];
   (entry.is_scan ? sender.scans : sender.others).pop_front();
@@ -76,9 +84,28 @@ std::size_t Inbox::size() const {
   return entries_.size();
 }
 
-const std::string& Inbox::queue_name(const std::string& sender) const {
-  static const std::string shared;
-  return senders_.contains(sender) || senders_.size() < limits_.senders ? sender : shared;
+const std::string& Inbox::queue_name(const std::string& sender) {
+  static const std::string shared = "(others)";
+  if (senders_.contains(sender)) return sender;
+  // Anybody can make up names: only those with something waiting hold a place.
+  if (senders_.size() >= limits_.senders)
+    std::erase_if(senders_, [](const auto& entry) { return entry.second.empty(); });
+  return senders_.size() < limits_.senders ? sender : shared;
+}
+
+/// Of the next sender in turn that has something; of the oldest message otherwise. There must be one.
+std::uint64_t Inbox::next_key() {
+  if (order_ == InboxOrder::arrival) return entries_.begin()->first;
+  const auto has_some = [](const auto& entry) { return !entry.second.empty(); };
+  auto next = std::find_if(senders_.upper_bound(last_served_), senders_.end(), has_some);
+  if (next == senders_.end()) next = std::find_if(senders_.begin(), senders_.end(), has_some);
+  last_served_ = next->first;
+  return next->second.oldest();
+}
+
+std::uint64_t Inbox::Sender::oldest() const {
+  if (scans.empty()) return others.front();
+  return others.empty() ? scans.front() : std::min(scans.front(), others.front());
 }
 
 bool Inbox::has_room(const std::string& sender, std::size_t bytes) const {

@@ -22,30 +22,40 @@ struct InboxLimits {
   std::size_t bytes = 64 * 1024 * 1024;       ///< of each sender
   std::size_t all_bytes = 512 * 1024 * 1024;  ///< of all senders together
   std::size_t message_bytes = 1024 * 1024;    ///< a longer message is none of ours
-  std::size_t senders = 64;                   ///< senders beyond these share one queue
+  std::size_t senders = 64;                   ///< with something waiting; those beyond share one queue
 };
 
-/// Messages in order of arrival, bounded for each sender, so that one robot's flood does not cost another's
-/// messages. Where a sender's queue is full its oldest scan goes first: the next one says nearly the same.
+/// Which message is next: senders in turn, so that one robot's flood or backlog does not delay another's
+/// poses; or the oldest, as a log has them.
+enum class InboxOrder { fair, arrival };
+
+/// Messages of each sender in order of arrival, bounded for each, so that one robot's flood does not cost
+/// another's messages. Where a sender's queue is full its oldest scan goes first: the next one says nearly
+/// the same.
 class Inbox {
  public:
-  explicit Inbox(InboxLimits limits = {}) : limits_(limits) {}
+  explicit Inbox(InboxLimits limits = {}, InboxOrder order = InboxOrder::fair)
+      : limits_(limits), order_(order) {}
 
   /// Copies the message. Any thread.
   void push(const std::string& sender, bool is_scan, std::int64_t utime, const std::string& channel,
-            std::span<const std::uint8_t> bytes);
+            std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature = std::nullopt);
 
   /// The same, but waits while the queue is full instead of dropping; false once closed. For sources that can
   /// wait, such as a log file.
   bool push_waiting(const std::string& sender, bool is_scan, std::int64_t utime, const std::string& channel,
-                    std::span<const std::uint8_t> bytes);
+                    std::span<const std::uint8_t> bytes,
+                    const std::optional<Signature>& signature = std::nullopt);
+
+  /// Counts a message that was refused before it came here.
+  void count_drop(const std::string& sender, const std::string& reason);
 
   /// Nothing more will come: push drops silently from now on.
   void close();
   /// Closed and empty.
   bool finished() const;
 
-  /// The oldest message; nothing after `wait`, or at once when closed and empty.
+  /// The next message; nothing after `wait`, or at once when closed and empty.
   std::optional<Message> pop(std::chrono::milliseconds wait);
 
   /// Messages dropped since the last call, by sender and reason.
@@ -63,14 +73,19 @@ class Inbox {
     std::deque<std::uint64_t> scans;  ///< keys of entries_, rising
     std::deque<std::uint64_t> others;
     std::size_t bytes = 0;
+
+    bool empty() const { return scans.empty() && others.empty(); }
+    std::uint64_t oldest() const;
   };
 
-  const std::string& queue_name(const std::string& sender) const;
+  const std::string& queue_name(const std::string& sender);
+  std::uint64_t next_key();
   bool has_room(const std::string& sender, std::size_t bytes) const;
   void add(const std::string& sender, bool is_scan, Message message);
   void remove_oldest(Sender& sender);
 
   InboxLimits limits_;
+  InboxOrder order_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool closed_ = false;
@@ -78,6 +93,7 @@ class Inbox {
   std::size_t all_bytes_ = 0;
   std::map<std::uint64_t, Entry> entries_;  ///< by arrival
   std::map<std::string, Sender> senders_;
+  std::string last_served_;
   std::map<std::string, std::map<std::string, std::int64_t>> drops_;
 };
 

@@ -6,12 +6,15 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "server/wire/file_bytes.hpp"
+#include "server/wire/journal_directory.hpp"
 #include "server/wire/message.hpp"
+#include "server/wire/signature.hpp"
 
 namespace isthmus {
 
@@ -26,10 +29,19 @@ struct JournalOptions {
 /// each event handed to the kernel as it is appended, so that a crash of this process loses nothing.
 class Journal {
  public:
-  /// Makes the directory where missing, and begins with `first`. Throws std::runtime_error naming the
-  /// directory or file and the reason; a directory that holds a journal already is refused.
-  Journal(std::string directory, const Message& first, JournalOptions options = {});
+  /// Begins a journal, or goes on with the one that the directory holds, in a new segment; the torn tail that
+  /// a crash may have left is cut before. Throws std::runtime_error naming the directory or file and the
+  /// reason.
+  explicit Journal(std::string directory, JournalOptions options = {});
   ~Journal();
+
+  /// The segments that were there before, in order; none for a new journal.
+  const std::vector<std::string>& earlier_segments() const { return directory_.segments(); }
+  std::int64_t torn_bytes() const { return torn_bytes_; }  ///< cut from the end of the last of them
+
+  /// From now on, what is signed is preceded by its counter, and every segment begins with all counters.
+  /// Returns those that the earlier segments hold.
+  SignatureCounters count_signatures();
 
   /// One thread may append. False where the disk refused the event: it is counted and not in the journal; the
   /// next is tried again.
@@ -39,13 +51,17 @@ class Journal {
   std::int64_t failures() const { return failures_; }  ///< events refused; any thread may ask
 
  private:
+  int rotate_if_full(std::int64_t message_bytes);
+  void put_together(const Message& message);
   int write_frame();
+  void put(const Message& message);
   int open_segment();
   void note_result(int error);
   void sync_loop(const std::stop_token& stop);
 
-  std::string directory_;
+  JournalDirectory directory_;
   JournalOptions options_;
+  std::int64_t torn_bytes_ = 0;
   int segment_ = 0;
   std::int64_t next_number_ = 0;
   std::int64_t segment_size_ = 0;
@@ -53,10 +69,13 @@ class Journal {
   bool failing_ = false;
   std::atomic<std::int64_t> failures_ = 0;
   std::vector<std::uint8_t> frame_;
+  std::optional<SignatureCounters> counters_;  ///< none: signatures are not counted
+  bool all_counters_due_ = false;              ///< the segment lacks them yet
 
   std::mutex file_mutex_;  ///< file_ is replaced by the appending thread, read by the syncing one
   FileHandle file_;
   std::atomic<bool> unsynced_ = false;
+  std::atomic<bool> segment_unsynced_ = false;  ///< a new segment's name is not known to be on the disk
   std::condition_variable_any stopped_;
   std::jthread syncer_;
 };

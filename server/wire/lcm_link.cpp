@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "server/wire/channel.hpp"
+#include "server/wire/envelope.hpp"
 #include "server/wire/event_log.hpp"
 
 namespace isthmus {
@@ -43,7 +44,7 @@ std::string quoted(const std::string& channel) {
 /// All inputs in one subscription, or a message on a channel that two of them match would come twice. liblcm
 /// puts the anchors around it.
 std::string input_expression(const Configuration& configuration) {
-  std::string expression = "((?i:.+_(ROBOT|ODOMETRY|SCAN|SIGHTING)|ISTHMUS_(TAG|COMMAND))";
+  std::string expression = "((?i:.+_(ROBOT|ODOMETRY|SCAN|SIGHTING)|ISTHMUS_(TAG|COMMAND|SIGNED))";
   for (const auto& [name, robot] : configuration.robots) {
     for (const std::string& channel : {robot.odometry_channel, robot.scan_channel, robot.sighting_channel}) {
       if (!channel.empty()) expression += "|" + quoted(channel);
@@ -68,24 +69,52 @@ std::string cannot_open(const std::string& url) {
 struct LcmHandler {
   Inbox& inbox;
   Configuration configuration;
+  Authenticator authenticator;
 
   void handle(const lcm::ReceiveBuffer* buffer, const std::string& name) noexcept {
     // Nothing may escape into liblcm, whose next handle() would abort.
     try {
       const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+      if (name == signed_channel) {
+        if (const std::optional<Message> message = opened(buffer->recv_utime, bytes)) put(*message);
+        return;
+      }
       const std::optional<Channel> channel = find_channel(configuration, name);
-      if (channel) inbox.push(channel->robot, channel->input == Input::scan, buffer->recv_utime, name, bytes);
+      if (!channel) return;
+      if (authenticator.is_required()) {
+        inbox.count_drop(channel->robot, "unsigned");
+      } else {
+        inbox.push(channel->robot, channel->input == Input::scan, buffer->recv_utime, name, bytes);
+      }
     } catch (const std::exception& error) {
       std::cerr << "isthmus-server: a message was lost on receipt: " << error.what() << "\n";
     }
   }
 
-  /// False once the inbox is closed.
-  bool put_waiting(const Message& message) {
+  void put(const Message& message) {
     const std::optional<Channel> channel = find_channel(configuration, message.channel);
+    if (!channel) return;
+    inbox.push(channel->robot, channel->input == Input::scan, message.utime, message.channel, message.bytes,
+               message.signature);
+  }
+
+  /// False once the inbox is closed.
+  bool put_waiting(const Message& logged) {
+    if (logged.channel == signed_channel) {
+      const std::optional<Message> message = opened(logged.utime, logged.bytes);
+      return !message || put_waiting(*message);
+    }
+    const std::optional<Channel> channel = find_channel(configuration, logged.channel);
     if (!channel || channel->input == Input::configuration || channel->input == Input::tick) return true;
-    return inbox.push_waiting(channel->robot, channel->input == Input::scan, message.utime, message.channel,
-                              message.bytes);
+    return inbox.push_waiting(channel->robot, channel->input == Input::scan, logged.utime, logged.channel,
+                              logged.bytes, logged.signature);
+  }
+
+  /// What an envelope holds; counts those that are refused.
+  std::optional<Message> opened(std::int64_t utime, std::span<const std::uint8_t> bytes) {
+    Opened envelope = authenticator.open(configuration, utime, bytes);
+    if (!envelope.message) inbox.count_drop(envelope.robot, envelope.reason);
+    return std::move(envelope.message);
   }
 };
 
@@ -102,7 +131,7 @@ std::vector<std::string> lcm_url_warnings(const std::string& url, std::int64_t k
     warnings.push_back(
         "ttl=" + ttl +
         ": messages leave this machine, and come in from others. LCM trusts every sender; use a "
-        "network whose every member you trust.");
+        "network whose every member you trust, or give the robots keys ([auth] in the configuration).");
   }
   const std::int64_t asked = std::atoll(url_option(url, "recv_buf_size").c_str());
   if (kernel_buffer_bytes > 0 && kernel_buffer_bytes < asked) {
@@ -133,8 +162,8 @@ LcmLink::LcmLink(const std::string& url) : log_file_(log_file_of(url)) {
 
 LcmLink::~LcmLink() { stop(); }
 
-void LcmLink::receive_into(Inbox& inbox, const Configuration& configuration) {
-  handler_ = std::make_unique<LcmHandler>(LcmHandler{inbox, configuration});
+void LcmLink::receive_into(Inbox& inbox, const Configuration& configuration, Authenticator authenticator) {
+  handler_ = std::make_unique<LcmHandler>(LcmHandler{inbox, configuration, std::move(authenticator)});
   if (!lcm_) {
     thread_ = std::jthread([this](const std::stop_token& stop) { receive_log(stop); });
     return;

@@ -7,6 +7,7 @@
 #include "server/output/output.hpp"
 #include "server/wire/encoded.hpp"
 #include "server/wire/message.hpp"
+#include "server/wire/metrics.hpp"
 
 namespace isthmus {
 namespace {
@@ -21,6 +22,8 @@ bool is_own(const Event& event) {
          std::holds_alternative<TickEvent>(event.body);
 }
 
+constexpr std::chrono::seconds recovery_report_interval(5);
+
 bool asks_for_map(const Event& event) {
   const auto* command = std::get_if<CommandEvent>(&event.body);
   return command && command->verb == "send_map";
@@ -29,22 +32,60 @@ bool asks_for_map(const Event& event) {
 }  // namespace
 
 LiveServer::LiveServer(LiveOptions options, Inbox& inbox, Publish publish)
-    : options_(std::move(options)), inbox_(inbox), publish_(std::move(publish)) {
+    : options_(std::move(options)),
+      inbox_(inbox),
+      publish_(std::move(publish)),
+      admission_(options_.admission) {
   const auto parsed = parse_configuration(options_.toml, "configuration");
   if (const std::string* error = std::get_if<std::string>(&parsed)) throw std::runtime_error(*error);
+  authentication_ = std::get<Configuration>(parsed).authentication;
+  if (authentication_.withheld) throw std::runtime_error("configuration: a key in [auth] is empty");
+  options_.toml = without_keys(options_.toml);
+  const auto shown = parse_configuration(options_.toml, "configuration without its keys");
+  if (const std::string* error = std::get_if<std::string>(&shown)) throw std::runtime_error(*error);
   start_ = last_event_ = last_status_ = Clock::now();
+  if (!options_.journal_directory.empty())
+    journal_ = std::make_unique<Journal>(options_.journal_directory, options_.journal);
+  if (journal_ && !journal_->earlier_segments().empty())
+    recovery_ = std::make_unique<Recovery>(options_.journal_directory);
+  if (recovery_ && recovery_->has_events()) {
+    begin_recovery();
+  } else {
+    begin();
+  }
+  if (!journal_ && authentication_.is_required())
+    say(LogLevel::warning, "without a journal, what is signed can be taken again after a restart", {});
+  if (journal_ && authentication_.is_required()) counters_ = journal_->count_signatures();
+  map_publisher_ = std::make_unique<MapPublisher>(publish_, options_.map);
+}
+
+void LiveServer::begin() {
   last_utime_ = options_.clock ? options_.clock() : options_.start_utime;
   const Event configuration{last_utime_, ConfigurationEvent{options_.toml}};
-  if (!options_.journal_directory.empty()) {
-    journal_ = std::make_unique<Journal>(options_.journal_directory, encode(configuration), options_.journal);
-  }
+  if (journal_ && !journal_->append(encode(configuration)))
+    throw std::runtime_error(options_.journal_directory + ": the disk refuses the journal's first event");
   take(configuration);
-  map_publisher_ = std::make_unique<MapPublisher>(publish_, options_.map);
+}
+
+void LiveServer::begin_recovery() {
+  recovery_->configure(engine_);
+  const Configuration& configuration = engine_.configuration();
+  if (!options_.toml.empty() && !map_alike(options_.toml, configuration.toml)) {
+    throw std::runtime_error(options_.journal_directory +
+                             ": this journal was begun with another configuration; give that or none, or "
+                             "another directory");
+  }
+  if (options_.toml.empty() && configuration.authentication.withheld) {
+    throw std::runtime_error(options_.journal_directory +
+                             ": this journal's senders sign; give the configuration with their keys");
+  }
 }
 
 LiveServer::~LiveServer() = default;
 
 void LiveServer::run() {
+  if (recovery_ && recovery_->has_events()) recover();
+  recovery_.reset();
   while (!inbox_.finished()) {
     if (std::optional<Message> message = inbox_.pop(options_.tick_interval)) {
       handle(std::move(*message));
@@ -55,9 +96,37 @@ void LiveServer::run() {
     publish_status_if_due();
   }
   publish_poses(engine_.finish());
+  closure_log_.tell(engine_.copy().closures, options_.log);
   map_publisher_.reset();
   journal_.reset();
   if (!options_.output_directory.empty()) write_results();
+}
+
+/// Messages that come meanwhile wait in the inbox.
+void LiveServer::recover() {
+  const std::int64_t torn_bytes = journal_->torn_bytes();
+  say(torn_bytes > 0 ? LogLevel::warning : LogLevel::info, "recovering the journal",
+      {{"directory", options_.journal_directory},
+       {"segments", std::to_string(journal_->earlier_segments().size())},
+       {"torn_bytes_cut", std::to_string(torn_bytes)}});
+  const Clock::time_point start = Clock::now();
+  Clock::time_point told = start;
+  while (const std::optional<Recovered> recovered = recovery_->step(engine_)) {
+    if (recovered->event) admission_.admit(*recovered->event);
+    for (const RobotPose& pose : recovered->outcome.poses) monitor_.answered(pose);
+    if (Clock::now() - told < recovery_report_interval) continue;
+    told = Clock::now();
+    say(LogLevel::info, "recovering",
+        {{"percent", std::to_string(static_cast<int>(100 * recovery_->progress()))}});
+  }
+  monitor_.forget_rates();
+  last_utime_ = recovery_->last_utime();
+  const std::int64_t skipped_bytes = recovery_->skipped_bytes();
+  say(skipped_bytes > 0 ? LogLevel::warning : LogLevel::info, "recovered",
+      {{"events", std::to_string(recovery_->events())},
+       {"damaged_bytes_skipped", std::to_string(skipped_bytes)},
+       {"seconds", std::to_string(seconds(Clock::now() - start))}});
+  closure_log_.tell(engine_.copy().closures, {});  // told when they were new
 }
 
 void LiveServer::handle(Message message) {
@@ -66,6 +135,10 @@ void LiveServer::handle(Message message) {
   if (!decoded.ours) return;
   if (!decoded.event || is_own(*decoded.event)) {
     engine_.count_dropped(decoded.robot, decoded.event ? "bad_channel" : decoded.reason);
+    return;
+  }
+  if (const std::string reason = admission_.admit(*decoded.event); !reason.empty()) {
+    engine_.count_dropped(decoded.robot, reason);
     return;
   }
   last_utime_ = message.utime;
@@ -119,10 +192,17 @@ void LiveServer::publish_status_if_due() {
   const ServerCounters server{static_cast<std::int32_t>(inbox_.size()), journal_ ? journal_->bytes() : 0,
                               journal_ ? journal_->failures() : 0};
   const std::int64_t utime = options_.clock ? options_.clock() : last_utime_;
-  publish_("ISTHMUS_STATUS", encoded(monitor_.status(*map, server, utime, seconds(elapsed))));
+  const status_t status = monitor_.status(*map, server, utime, seconds(elapsed));
+  publish_("ISTHMUS_STATUS", encoded(status));
+  if (options_.metrics) options_.metrics(metrics_text(status));
   if (const auto rendezvous = rendezvous_.due(*map, utime, last_status_))
     publish_("ISTHMUS_RENDEZVOUS", encoded(*rendezvous));
+  closure_log_.tell(map->closures, options_.log);
   map_publisher_->offer(map, utime);
+}
+
+void LiveServer::say(LogLevel level, std::string_view message, const LogFields& fields) const {
+  if (options_.log) options_.log(level, message, fields);
 }
 
 void LiveServer::write_results() {

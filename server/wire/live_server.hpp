@@ -9,17 +9,22 @@
 
 #include "server/engine/engine.hpp"
 #include "server/output/latency.hpp"
+#include "server/wire/admission.hpp"
+#include "server/wire/authenticator.hpp"
+#include "server/wire/closure_log.hpp"
 #include "server/wire/inbox.hpp"
 #include "server/wire/journal.hpp"
+#include "server/wire/log_line.hpp"
 #include "server/wire/map_publisher.hpp"
+#include "server/wire/recovery.hpp"
 #include "server/wire/rendezvous_publisher.hpp"
 #include "server/wire/robot_monitor.hpp"
 
 namespace isthmus {
 
 struct LiveOptions {
-  std::string toml;               ///< the configuration's text; must parse
-  std::string journal_directory;  ///< empty: no journal
+  std::string toml;               ///< the configuration's text; must parse; empty: that of a found journal
+  std::string journal_directory;  ///< empty: no journal; one that holds a journal: it goes on
   std::string output_directory;   ///< empty: nothing is exported
   /// The time of ticks, microseconds; none where the messages carry the time of a log.
   std::function<std::int64_t()> clock;
@@ -28,6 +33,10 @@ struct LiveOptions {
   std::chrono::milliseconds status_interval{1000};
   MapPublisherOptions map;
   JournalOptions journal;
+  AdmissionLimits admission;
+  Log log;
+  /// Takes the metrics with each status; empty: nobody does.
+  std::function<void(std::string metrics)> metrics;
 };
 
 /// The engine at work on what arrives in an inbox: checks and decodes each message, journals it, lets the
@@ -37,17 +46,25 @@ struct LiveOptions {
 /// of the journal gives the same map.
 class LiveServer {
  public:
-  /// Throws std::runtime_error where the configuration is wrong or the journal cannot be begun.
+  /// Throws std::runtime_error where the configuration is wrong or another than the journal's, or the journal
+  /// cannot be begun or read.
   LiveServer(LiveOptions options, Inbox& inbox, Publish publish);
   ~LiveServer();
 
-  /// Until the inbox is closed and empty; then finishes the map and writes the outputs. Throws
+  /// Leads the engine to where the journal that was found ends; then handles what arrives, until the inbox is
+  /// closed and empty; then finishes the map and writes the outputs. Throws
   /// std::runtime_error where those cannot be written.
   void run();
 
   const Engine& engine() const { return engine_; }
 
+  /// Knows the configuration's keys, and what the journal that was found has taken already.
+  Authenticator authenticator() const { return Authenticator(authentication_, counters_); }
+
  private:
+  void begin();
+  void begin_recovery();
+  void recover();
   void handle(Message message);
   void take(const Event& event);
   void journal(const Message& message);
@@ -56,11 +73,15 @@ class LiveServer {
   void count_inbox_drops();
   void publish_status_if_due();
   void write_results();
+  void say(LogLevel level, std::string_view message, const LogFields& fields) const;
 
   LiveOptions options_;
   Inbox& inbox_;
   Publish publish_;
+  Authentication authentication_;
+  SignatureCounters counters_;
   Engine engine_;
+  Admission admission_;
   RobotMonitor monitor_;
   RendezvousPublisher rendezvous_;
   LatencyHistogram latency_;
@@ -68,7 +89,9 @@ class LiveServer {
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point last_event_;
   std::chrono::steady_clock::time_point last_status_;
+  ClosureLog closure_log_;
   std::unique_ptr<Journal> journal_;
+  std::unique_ptr<Recovery> recovery_;  ///< of a journal that was found, until it is done
   std::unique_ptr<MapPublisher> map_publisher_;
 };
 

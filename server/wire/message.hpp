@@ -11,11 +11,19 @@
 
 namespace isthmus {
 
+/// Who signed a message: a robot or an operator, which of its channels, and how far it had counted there.
+struct Signature {
+  std::string sender;
+  std::string channel;
+  std::int64_t counter = 0;
+};
+
 /// A message as LCM carries it.
 struct Message {
   std::int64_t utime = 0;  ///< receive time, the LCM log header's
   std::string channel;
   std::vector<std::uint8_t> bytes;
+  std::optional<Signature> signature = std::nullopt;  ///< of the envelope that it came in, if any
 };
 
 /// What a channel's message became: an event, or the reason why not.

@@ -67,6 +67,10 @@ void RobotMonitor::answered(const RobotPose& pose) {
   entry.scans_matched += pose.matched ? 1 : 0;
 }
 
+void RobotMonitor::forget_rates() {
+  for (auto& [name, robot] : robots_) robot.messages_since = robot.scans_since = 0;
+}
+
 status_t RobotMonitor::status(const MapCopy& map, const ServerCounters& server, std::int64_t utime,
                               double elapsed_s) {
   status_t status{};

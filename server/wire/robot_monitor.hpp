@@ -23,6 +23,9 @@ class RobotMonitor {
   void heard(const std::string& robot, std::int64_t utime);
   void answered(const RobotPose& pose);
 
+  /// What was counted so far was no live traffic: it says nothing of rates.
+  void forget_rates();
+
   /// `elapsed_s` since the status before, for the rates.
   status_t status(const MapCopy& map, const ServerCounters& server, std::int64_t utime, double elapsed_s);
 

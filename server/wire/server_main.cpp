@@ -13,6 +13,7 @@
 #include "server/wire/event_log.hpp"
 #include "server/wire/lcm_link.hpp"
 #include "server/wire/live_server.hpp"
+#include "server/wire/metrics.hpp"
 
 namespace {
 
@@ -23,17 +24,26 @@ struct Arguments {
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string journal_directory;
   std::string output_directory;
-  bool check_config = false;
+  std::string checked_file;
+  std::string log_level = "info";
+  int metrics_port = 0;
 };
 
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--config", arguments.config_file, "TOML configuration; none is needed");
   app.add_option("--lcm-url", arguments.lcm_url, "LCM network, or file://LOG for a log")
       ->capture_default_str();
-  app.add_option("--journal", arguments.journal_directory, "new directory for the record of all events");
+  app.add_option("--journal", arguments.journal_directory,
+                 "directory for the record of all events; what it holds already is mapped again first");
   app.add_option("--output", arguments.output_directory,
                  "directory for maps and trajectories, written at the end");
-  app.add_flag("--check-config", arguments.check_config, "only say whether the configuration is right");
+  app.add_option("--metrics-port", arguments.metrics_port,
+                 "Prometheus metrics at http://127.0.0.1:PORT/metrics; 0: none")
+      ->check(CLI::Range(0, 65535));
+  app.add_option("--check-config", arguments.checked_file, "only say whether this configuration is right");
+  app.add_option("--log-level", arguments.log_level, "least level of what is logged on stderr")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
+      ->capture_default_str();
 }
 
 std::string read_text(const std::string& path) {
@@ -58,12 +68,13 @@ sigset_t block_stop_signals() {
 }
 
 /// Until a signal, the end of the file that is read, or the failure of the server.
-void wait_for_end(const sigset_t& signals, const LcmLink& link, const std::future<void>& server) {
+void wait_for_end(const sigset_t& signals, const LcmLink& link, const std::future<void>& server,
+                  const Log& log) {
   const timespec interval{0, 100'000'000};
   while (sigtimedwait(&signals, nullptr, &interval) < 0) {
     if (link.ended() || server.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return;
   }
-  say("stopping; once more to stop without results");
+  log(LogLevel::info, "stopping; once more to stop without results", {});
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
@@ -78,31 +89,41 @@ std::int64_t first_utime(const std::string& log) {
   return first ? first->utime : 0;
 }
 
-void serve(const Arguments& arguments, const std::string& toml, const Configuration& configuration) {
+void serve(const Arguments& arguments, const std::string& toml) {
+  const Log log = log_to_stderr(*parse_log_level(arguments.log_level));
   const sigset_t signals = block_stop_signals();
   const std::string url = complete_lcm_url(arguments.lcm_url);
-  for (const std::string& warning : lcm_url_warnings(url, kernel_receive_buffer_bytes())) say(warning);
+  for (const std::string& warning : lcm_url_warnings(url, kernel_receive_buffer_bytes()))
+    log(LogLevel::warning, warning, {});
   LcmLink link(url);
-  Inbox inbox;
+  const std::string log_file = log_file_of(url);
+  Inbox inbox({}, log_file.empty() ? InboxOrder::fair : InboxOrder::arrival);
 
   LiveOptions options;
   options.toml = toml;
   options.journal_directory = arguments.journal_directory;
   options.output_directory = arguments.output_directory;
-  if (const std::string log = log_file_of(url); log.empty()) {
+  if (log_file.empty()) {
     options.clock = wall_clock_utime;
   } else {
-    options.start_utime = first_utime(log);
+    options.start_utime = first_utime(log_file);
   }
-  options.journal.report = say;
+  options.journal.report = [&](const std::string& text) { log(LogLevel::warning, text, {}); };
+  options.log = log;
+  std::optional<MetricsServer> metrics;
+  if (arguments.metrics_port > 0) {
+    metrics.emplace(arguments.metrics_port);
+    options.metrics = [&](std::string text) { metrics->set(std::move(text)); };
+  }
   LiveServer server(options, inbox,
                     [&](const auto& channel, const auto& bytes) { link.publish(channel, bytes); });
 
+  const Configuration configuration = server.engine().configuration();
   auto running = std::async(std::launch::async, [&] { server.run(); });
-  link.receive_into(inbox, configuration);
-  say("listening on " + url);
-  wait_for_end(signals, link, running);
-  if (log_file_of(url).empty()) link.stop();  // what was received before is still handled
+  link.receive_into(inbox, configuration, server.authenticator());
+  log(LogLevel::info, "listening", {{"url", url}});
+  wait_for_end(signals, link, running, log);
+  if (log_file.empty()) link.stop();  // what was received before is still handled
   inbox.close();
   link.stop();
   running.get();
@@ -116,10 +137,18 @@ int main(int argc, char** argv) {
   add_options(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
-    const std::string toml = read_text(arguments.config_file);
-    const auto parsed = parse_configuration(toml, arguments.config_file);
+    const bool only_check = !arguments.checked_file.empty();
+    const std::string file = only_check ? arguments.checked_file : arguments.config_file;
+    const std::string toml = read_text(file);
+    const auto parsed = parse_configuration(toml, file);
     if (const std::string* error = std::get_if<std::string>(&parsed)) throw std::runtime_error(*error);
-    if (!arguments.check_config) serve(arguments, toml, std::get<Configuration>(parsed));
+    if (std::get<Configuration>(parsed).authentication.withheld)
+      throw std::runtime_error(file + ": a key in [auth] is empty");
+    if (only_check) {
+      std::cout << file + ": right\n";
+    } else {
+      serve(arguments, toml);
+    }
   } catch (const std::exception& error) {
     say(error.what());
     return 1;

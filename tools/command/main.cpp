@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <lcm/lcm-cpp.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "server/wire/lcm_link.hpp"
@@ -15,6 +16,7 @@ using namespace isthmus;
 
 struct Arguments {
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
+  std::string key_file;
   double wait_s = 2;
   std::string verb;
   std::string what;  ///< a closure's id, or a robot
@@ -54,10 +56,12 @@ void send(const Arguments& arguments) {
   if (!log_file_of(arguments.lcm_url).empty()) {
     throw std::runtime_error(arguments.lcm_url + ": a log takes no commands");
   }
+  std::optional<OperatorKey> key;
+  if (!arguments.key_file.empty()) key = read_operator_key(arguments.key_file);
   lcm::LCM lcm(arguments.lcm_url);
   if (!lcm.good()) throw std::runtime_error("cannot open LCM network " + arguments.lcm_url);
   const std::chrono::milliseconds wait(static_cast<int>(1e3 * arguments.wait_s));
-  const bool heard = send_order(lcm, order, wait);
+  const bool heard = send_order(lcm, order, key, wait);
   std::printf("sent: %s\n", to_text(order).c_str());
   if (!heard && wait.count() > 0) {
     std::fprintf(stderr,
@@ -83,6 +87,7 @@ int main(int argc, char** argv) {
   app.add_option("--wait", arguments.wait_s, "seconds to wait for a sign of a server; 0: none")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
+  app.add_option("--key", arguments.key_file, "file with the operator's name and key, to sign with");
   add_verbs(app, arguments);
   try {
     const auto negative = std::find_if(argv + 1, argv + argc, is_negative_number);

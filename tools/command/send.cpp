@@ -1,11 +1,14 @@
 #include "tools/command/send.hpp"
 
+#include <fstream>
 #include <lcm/lcm-cpp.hpp>
 #include <span>
 #include <stdexcept>
 
 #include "isthmus/status_t.hpp"
+#include "server/engine/robot_name.hpp"
 #include "server/wire/byte_check.hpp"
+#include "server/wire/envelope.hpp"
 #include "server/wire/message.hpp"
 
 namespace isthmus {
@@ -21,11 +24,24 @@ void note_status(const lcm_recv_buf_t* buffer, const char*, void* heard) noexcep
 
 }  // namespace
 
-bool send_order(lcm::LCM& lcm, const CommandEvent& order, std::chrono::milliseconds wait) {
+OperatorKey read_operator_key(const std::string& file) {
+  std::ifstream stream(file);
+  std::string name, digits, more;
+  if (!(stream >> name >> digits) || stream >> more)
+    throw std::runtime_error(file + ": must hold the operator's name and key, and no more");
+  const std::optional<AuthKey> key = parse_auth_key(digits);
+  if (!key) throw std::runtime_error(file + ": the key must be 64 hexadecimal digits");
+  return {upper_case(name), *key};
+}
+
+bool send_order(lcm::LCM& lcm, const CommandEvent& order, const std::optional<OperatorKey>& key,
+                std::chrono::milliseconds wait) {
   bool heard = false;
   lcm_t* link = lcm.getUnderlyingLCM();
   lcm_subscription_t* subscription = lcm_subscribe(link, "ISTHMUS_STATUS", note_status, &heard);
-  const Message message = encode(Event{order.utime, order});
+  Message message = encode(Event{order.utime, order});
+  // The clock counts on from one order to the next, in whatever process.
+  if (key) message = seal(key->key, key->name, order.utime, message);
   const auto size = static_cast<unsigned>(message.bytes.size());
   if (lcm.publish(message.channel, message.bytes.data(), size) != 0) {
     throw std::runtime_error("the network refused the message");

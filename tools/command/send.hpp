@@ -1,7 +1,10 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
+#include <string>
 
+#include "server/engine/configuration.hpp"
 #include "server/engine/event.hpp"
 
 namespace lcm {
@@ -10,8 +13,20 @@ class LCM;
 
 namespace isthmus {
 
-/// Publishes an order on ISTHMUS_COMMAND, and waits for the next ISTHMUS_STATUS: whether one came in that
-/// time, so that some server listens. Throws std::runtime_error where the network does not take the message.
-bool send_order(lcm::LCM& lcm, const CommandEvent& order, std::chrono::milliseconds wait);
+/// What an operator signs orders with.
+struct OperatorKey {
+  std::string name;
+  AuthKey key{};
+};
+
+/// Reads a file of one line: the operator's name and the key in 64 hexadecimal digits. Throws
+/// std::runtime_error naming the file where it holds something else.
+OperatorKey read_operator_key(const std::string& file);
+
+/// Publishes an order on ISTHMUS_COMMAND, in an envelope where there is a key, and waits for the next
+/// ISTHMUS_STATUS: whether one came in that time, so that some server listens. Throws std::runtime_error
+/// where the network does not take the message.
+bool send_order(lcm::LCM& lcm, const CommandEvent& order, const std::optional<OperatorKey>& key,
+                std::chrono::milliseconds wait);
 
 }  // namespace isthmus

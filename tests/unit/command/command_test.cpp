@@ -69,7 +69,7 @@ TEST(SendOrder, ReachesTheServerAndHearsItsStatus) {
   lcm::LCM lcm("memq://");
   Server server{lcm, {}};
   lcm_subscribe(lcm.getUnderlyingLCM(), "ISTHMUS_COMMAND", &Server::handle, &server);
-  EXPECT_TRUE(send_order(lcm, {7, "forbid", 3, ""}, milliseconds(2000)));
+  EXPECT_TRUE(send_order(lcm, {7, "forbid", 3, ""}, std::nullopt, milliseconds(2000)));
   ASSERT_EQ(server.orders.size(), 1U);
   EXPECT_EQ(server.orders[0].utime, 7);
   EXPECT_EQ(server.orders[0].verb, "forbid");
@@ -78,10 +78,24 @@ TEST(SendOrder, ReachesTheServerAndHearsItsStatus) {
 
 TEST(SendOrder, SaysWhereNoServerIsHeard) {
   lcm::LCM lcm("memq://");
-  EXPECT_FALSE(send_order(lcm, {7, "refine", -1, ""}, milliseconds(20)));
+  EXPECT_FALSE(send_order(lcm, {7, "refine", -1, ""}, std::nullopt, milliseconds(20)));
   const std::vector<std::uint8_t> other(30, 0);  // not a status_t
   lcm.publish("ISTHMUS_STATUS", other.data(), 30);
-  EXPECT_FALSE(send_order(lcm, {7, "refine", -1, ""}, milliseconds(20)));
+  EXPECT_FALSE(send_order(lcm, {7, "refine", -1, ""}, std::nullopt, milliseconds(20)));
+}
+
+TEST(OperatorKey, IsReadFromAFileOfOneLine) {
+  TemporaryDirectory directory;
+  const std::string digits = "ab" + std::string(62, '0');
+  const OperatorKey key = read_operator_key(directory.write("key", "alice " + digits + "\n"));
+  EXPECT_EQ(key.name, "ALICE");
+  EXPECT_EQ(key.key[0], 0xAB);
+  const std::string short_file = directory.write("short", "alice ab");
+  EXPECT_EQ(error_of([&] { read_operator_key(short_file); }),
+            short_file + ": the key must be 64 hexadecimal digits");
+  const std::string long_file = directory.write("long", "alice " + digits + " more");
+  EXPECT_EQ(error_of([&] { read_operator_key(long_file); }),
+            long_file + ": must hold the operator's name and key, and no more");
 }
 
 }  // namespace

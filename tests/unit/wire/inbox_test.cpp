@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -27,8 +28,8 @@ std::vector<std::int64_t> pop_all(Inbox& inbox) {
   return utimes;
 }
 
-TEST(Inbox, KeepsTheOrderOfArrivalAcrossRobots) {
-  Inbox inbox;
+TEST(Inbox, KeepsALogsOrderAcrossRobots) {
+  Inbox inbox({}, InboxOrder::arrival);
   push(inbox, "R1", 1, true);
   push(inbox, "R2", 2, false);
   push(inbox, "R1", 3, false);
@@ -36,8 +37,33 @@ TEST(Inbox, KeepsTheOrderOfArrivalAcrossRobots) {
   EXPECT_EQ(pop_all(inbox), (std::vector<std::int64_t>{1, 2, 3, 4}));
 }
 
+//   R1: 1 2 3 4 5 ...   R2: 1001   R3: 1002 1003
+TEST(Inbox, ServesRobotsInTurnSoThatAFloodDelaysNobodyElse) {
+  Inbox inbox;
+  for (int i = 1; i <= 1000; ++i) push(inbox, "R1", i, i % 2 == 0);
+  push(inbox, "R2", 1001, true);
+  push(inbox, "R3", 1002, false);
+  push(inbox, "R3", 1003, true);
+  const std::vector<std::int64_t> popped = pop_all(inbox);
+  ASSERT_EQ(popped.size(), 1003U);
+  EXPECT_EQ((std::vector<std::int64_t>(popped.begin(), popped.begin() + 6)),
+            (std::vector<std::int64_t>{1, 1001, 1002, 2, 1003, 3}));
+  EXPECT_TRUE(std::is_sorted(popped.begin() + 6, popped.end()));
+}
+
+TEST(Inbox, HasAPlaceForARobotAfterAFloodOfNames) {
+  InboxLimits limits = three_messages();
+  limits.senders = 2;
+  Inbox inbox(limits);
+  for (int i = 0; i < 100; ++i) push(inbox, "X" + std::to_string(i), i, true);
+  pop_all(inbox);
+  inbox.take_drops();
+  for (int i = 0; i < 4; ++i) push(inbox, "R1", i, true);
+  EXPECT_TRUE(inbox.take_drops().contains("R1"));
+}
+
 TEST(Inbox, DropsTheOldestScanOfTheRobotThatFloods) {
-  Inbox inbox(three_messages());
+  Inbox inbox(three_messages(), InboxOrder::arrival);
   push(inbox, "R2", 1, true);
   push(inbox, "R1", 2, false);
   push(inbox, "R1", 3, true);

@@ -59,7 +59,7 @@ TEST(LcmLink, CopiesInputChannelsOnceAndNoOthers) {
   LcmLink link("memq://");
   Configuration configuration;
   configuration.robots["R2"].scan_channel = "FRONT+REAR_SCAN";
-  Inbox inbox;
+  Inbox inbox({}, InboxOrder::arrival);
   link.receive_into(inbox, configuration);
   for (const char* channel :
        {"R1_ODOMETRY", "R1_POSE", "ISTHMUS_MAP", "ISTHMUS_TICK", "ISTHMUS_CONFIGURATION", "xISTHMUS_TAG",

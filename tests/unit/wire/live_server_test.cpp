@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <mutex>
 #include <thread>
 
 #include "isthmus/grid_t.hpp"
@@ -15,50 +14,14 @@
 #include "server/wire/encoded.hpp"
 #include "tests/support/box_room.hpp"
 #include "tests/support/log_files.hpp"
+#include "tests/support/published.hpp"
+#include "tests/support/replayed.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace isthmus {
 namespace {
 
 using std::chrono::milliseconds;
-
-/// What the server published, by channel.
-class Published {
- public:
-  Publish sink() {
-    return [this](const std::string& channel, const std::vector<std::uint8_t>& bytes) {
-      const std::lock_guard lock(mutex_);
-      messages_[channel].push_back(bytes);
-    };
-  }
-  template <class T>
-  std::vector<T> of(const std::string& channel) {
-    const std::lock_guard lock(mutex_);
-    std::vector<T> messages;
-    for (const auto& bytes : messages_[channel]) {
-      T message;
-      const int size = static_cast<int>(bytes.size());
-      EXPECT_EQ(message.decode(bytes.data(), 0, size), size) << channel;
-      messages.push_back(message);
-    }
-    return messages;
-  }
-
- private:
-  std::mutex mutex_;
-  std::map<std::string, std::vector<std::vector<std::uint8_t>>> messages_;
-};
-
-LiveOptions quick_options() {
-  LiveOptions options;
-  std::int64_t now = 1'000'000'000;
-  options.clock = [now]() mutable { return now += 1000; };
-  options.status_interval = milliseconds(20);
-  options.tick_interval = milliseconds(5);
-  options.map.grid_interval = milliseconds(0);
-  options.map.chunk_pause = milliseconds(0);
-  return options;
-}
 
 void push(Inbox& inbox, const std::string& robot, const Message& message) {
   inbox.push(robot, message.channel.ends_with("_SCAN"), message.utime, message.channel, message.bytes);
@@ -71,24 +34,6 @@ void drive(Inbox& inbox, const std::string& name, int rounds, milliseconds pause
     for (const Message& message : robot.round(i)) push(inbox, name, message);
     std::this_thread::sleep_for(pause);
   }
-}
-
-/// The map that the journal's events make, and how many there are.
-struct Replayed {
-  std::string sha256;
-  std::size_t events = 0;
-};
-
-Replayed replay(const std::string& journal) {
-  Engine engine;
-  const LogContent content = read_log(journal);
-  for (const Message& message : content.messages) {
-    const Decoded decoded = decode(engine.configuration(), message.channel, message.bytes, message.utime);
-    EXPECT_TRUE(decoded.event) << message.channel << " " << decoded.reason;
-    if (decoded.event) engine.handle(*decoded.event);
-  }
-  engine.finish();
-  return {map_sha256(engine.copy()), content.messages.size()};
 }
 
 TEST(LiveServer, MakesTheMapThatAReplayOfItsJournalMakes) {
@@ -206,6 +151,24 @@ TEST(LiveServer, LeavesAStrangersMessagesToTheEngine) {
   EXPECT_TRUE(map.patches.empty());
   EXPECT_EQ(read_log(directory / "journal").messages.size(), 3U);
   EXPECT_EQ(replay(directory / "journal").sha256, map_sha256(map));
+}
+
+TEST(LiveServer, KeepsTheRobotsAndTagsThatItKnowsAndRefusesMore) {
+  TemporaryDirectory directory;
+  LiveOptions options = quick_options();
+  options.journal_directory = directory / "journal";
+  options.admission = {2, 1};
+  for (int start = 0; start < 2; ++start) {  // what the journal holds counts
+    Published published;
+    Inbox inbox;
+    LiveServer server(options, inbox, published.sink());
+    for (const std::string name : {"R1", "R2", "R3"}) push(inbox, name, BoxRoomRobot(name).introduction());
+    for (const std::int32_t barcode : {7, 7, 8}) push(inbox, "", encode({1, TagEvent{1, barcode}}));
+    inbox.close();
+    server.run();
+    const std::map<std::string, std::int64_t> expected = {{"too_many_robots", 1}, {"too_many_tags", 1}};
+    EXPECT_EQ(server.engine().copy().counters.dropped, expected);
+  }
 }
 
 TEST(LiveServer, GivesReceiveTimesThatNeverGoBack) {

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "server/engine/configuration.hpp"
+#include "server/wire/signature.hpp"
+
+namespace isthmus {
+
+/// An envelope that was opened, or the reason why not.
+struct Opened {
+  std::optional<Message> message;  ///< with its signature
+  std::string robot;               ///< whose message it is or claims to be; empty: no robot's
+  std::string reason;              ///< as in report.json's `dropped`
+};
+
+/// Decides which messages are believed, once the configuration holds keys: those in an envelope whose sender
+/// has a key, signed with it, counting on, and on a channel that is the sender's: a robot's own and tags; for
+/// an operator commands and tags. One thread.
+class Authenticator {
+ public:
+  /// `counters`: what was accepted before is not taken again.
+  explicit Authenticator(Authentication keys = {}, SignatureCounters counters = {});
+
+  bool is_required() const { return keys_.is_required(); }
+
+  Opened open(const Configuration& configuration, std::int64_t utime, std::span<const std::uint8_t> bytes);
+
+ private:
+  const AuthKey* key_of(const std::string& sender) const;
+
+  Authentication keys_;
+  SignatureCounters counters_;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,173 @@
+#include "server/wire/metrics.hpp"
+
+#include <httplib.h>
+
+#include <charconv>
+#include <mutex>
+#include <stdexcept>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+namespace isthmus {
+namespace {
+
+/// A label's value, with what the format gives a meaning escaped.
+std::string escaped(const std::string& value) {
+  std::string text;
+  for (const char c : value) {
+    if (c == '\\' || c == '"') text += '\\';
+    if (c == '\n') {
+      text += "\\n";
+    } else {
+      text += c;
+    }
+  }
+  return text;
+}
+
+std::string label(std::string_view name, const std::string& value) {
+  return std::string(name) + "=\"" + escaped(value) + "\"";
+}
+
+std::string number(std::int64_t value) { return std::to_string(value); }
+
+std::string number(double value) {
+  char text[32];
+  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
+  return {text, end};
+}
+
+class MetricsText {
+ public:
+  void begin(std::string_view name, std::string_view type, std::string_view help) {
+    name_ = "isthmus_" + std::string(name);
+    text_ +=
+        "# HELP " + name_ + " " + std::string(help) + "\n# TYPE " + name_ + " " + std::string(type) + "\n";
+  }
+  template <class Value>
+  void add(Value value, const std::string& labels = "") {
+    text_ += name_ + (labels.empty() ? "" : "{" + labels + "}") + " " + number(value) + "\n";
+  }
+  template <class Value>
+  void counter(std::string_view name, std::string_view help, Value value) {
+    begin(name, "counter", help);
+    add(std::int64_t{value});
+  }
+  template <class Value>
+  void gauge(std::string_view name, std::string_view help, Value value) {
+    begin(name, "gauge", help);
+    add(std::int64_t{value});
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string name_;
+  std::string text_;
+};
+
+void add_map(MetricsText& text, const status_t& status) {
+  text.counter("events_total", "Events taken by the engine.", status.events);
+  text.counter("scans_total", "Scans taken.", status.scans);
+  text.counter("scans_matched_total", "Scans localised by matching.", status.scans_matched);
+  text.gauge("patches", "Patches on the map.", status.patches);
+  text.gauge("relations", "Relations between patches.", status.relations);
+  text.gauge("islands", "Islands of the map.", status.islands);
+  text.begin("closures", "gauge", "Closures and merges, by state.");
+  text.add(std::int64_t{status.closures}, label("state", "accepted"));
+  text.add(std::int64_t{status.closures_refused}, label("state", "refused"));
+  text.add(std::int64_t{status.closures_waiting}, label("state", "waiting"));
+  text.add(std::int64_t{status.closures_withdrawn}, label("state", "withdrawn"));
+  text.counter("sightings_total", "Sightings taken.", status.sightings);
+  text.begin("sightings", "gauge", "Sightings, by what became of them so far.");
+  text.add(status.sightings_accepted, label("verdict", "accepted"));
+  text.add(status.sightings_refused, label("verdict", "refused"));
+  text.add(status.sightings_waiting, label("verdict", "waiting"));
+}
+
+void add_server(MetricsText& text, const status_t& status) {
+  text.gauge("queued_messages", "Messages received and not yet handled.", status.queued);
+  text.counter("journal_bytes_total", "Bytes written to the journal.", status.journal_bytes);
+  text.counter("journal_failures_total", "Events that the disk refused.", status.journal_failures);
+  text.begin("dropped_total", "counter", "Messages of all robots that were dropped, by reason.");
+  for (const count_t& dropped : status.dropped) text.add(dropped.count, label("reason", dropped.reason));
+}
+
+void add_robots(MetricsText& text, const status_t& status) {
+  const auto each = [&](std::string_view name, std::string_view type, std::string_view help, auto value) {
+    text.begin(name, type, help);
+    for (const robot_status_t& robot : status.robots) text.add(value(robot), label("robot", robot.robot));
+  };
+  each("robot_last_heard_seconds", "gauge", "Receive time of a robot's last message, Unix time.",
+       [](const robot_status_t& robot) { return 1e-6 * static_cast<double>(robot.last_heard_utime); });
+  each("robot_message_rate_hertz", "gauge", "Messages of a robot in the last seconds.",
+       [](const robot_status_t& robot) { return robot.message_rate_hz; });
+  each("robot_scan_rate_hertz", "gauge", "Scans of a robot answered in the last seconds.",
+       [](const robot_status_t& robot) { return robot.scan_rate_hz; });
+  each("robot_scans_total", "counter", "Scans of a robot answered.",
+       [](const robot_status_t& robot) { return robot.scans; });
+  each("robot_share_matched", "gauge", "Share of a robot's scans that were matched.",
+       [](const robot_status_t& robot) { return robot.share_matched; });
+  text.begin("robot_dropped_total", "counter", "Messages of a robot that were dropped, by reason.");
+  for (const robot_status_t& robot : status.robots) {
+    for (const count_t& dropped : robot.dropped)
+      text.add(dropped.count, label("robot", robot.robot) + "," + label("reason", dropped.reason));
+  }
+}
+
+}  // namespace
+
+std::string metrics_text(const status_t& status) {
+  MetricsText text;
+  add_map(text, status);
+  add_server(text, status);
+  add_robots(text, status);
+  return text.take();
+}
+
+struct MetricsServer::State {
+  std::mutex mutex;
+  std::string text;
+  httplib::Server server;
+  int port = 0;
+  std::thread thread;
+};
+
+MetricsServer::MetricsServer(int port) : state_(std::make_unique<State>()) {
+  State& state = *state_;
+  state.server.new_task_queue = [] { return new httplib::ThreadPool(1); };  // as its interface wants it
+  // Its own options would let a second server share the port in silence.
+  state.server.set_socket_options([](int socket) {
+    const int yes = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
+  state.server.set_read_timeout(2);
+  state.server.set_write_timeout(2);
+  state.server.set_payload_max_length(1024);
+  state.server.Get("/metrics", [&state](const httplib::Request&, httplib::Response& response) {
+    const std::lock_guard lock(state.mutex);
+    response.set_content(state.text, "text/plain; version=0.0.4");
+  });
+  const std::string here = "127.0.0.1";
+  const bool bound = port == 0 ? (state.port = state.server.bind_to_any_port(here)) > 0
+                               : state.server.bind_to_port(here, port);
+  if (!bound)
+    throw std::runtime_error("metrics: port " + std::to_string(port) + " of 127.0.0.1 cannot be had");
+  if (port != 0) state.port = port;
+  state.thread = std::thread([&state] { state.server.listen_after_bind(); });
+  while (!state.server.is_running()) std::this_thread::yield();  // stop() before that has no effect
+}
+
+MetricsServer::~MetricsServer() {
+  state_->server.stop();
+  state_->thread.join();
+}
+
+int MetricsServer::port() const { return state_->port; }
+
+void MetricsServer::set(std::string text) {
+  const std::lock_guard lock(state_->mutex);
+  state_->text.swap(text);
+}
+
+}  // namespace isthmus

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/wire/message.hpp"
+
+namespace isthmus {
+
+/// How far each sender has counted on each channel that it signs for: by (sender, channel).
+using SignatureCounters = std::map<std::pair<std::string, std::string>, std::int64_t>;
+
+/// The journal's record of counters. `complete`: whoever is not in it has not signed anything yet.
+Message encode_counters(std::int64_t utime, const SignatureCounters& counters, bool complete);
+
+/// Raises `counters` to those in a message that may be such a record; false where it is none, or damaged.
+/// `complete` tells whether it was one of all.
+bool raise_counters(const Message& message, SignatureCounters& counters, bool& complete);
+
+}  // namespace isthmus
