@@ -15,6 +15,10 @@ struct SearchWindow {
   double half_yaw_rad = 0.35;
 };
 
+/// A second answer with this share of the best one's score: who knows which it is. At 0.95 aliased corridors
+/// of real logs get in.
+inline constexpr double ambiguous_share = 0.88;
+
 struct CorrelativeOptions {
   double cell_m = 0.1;
   double yaw_step_rad = 0.0175;

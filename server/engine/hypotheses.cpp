@@ -14,7 +14,6 @@ constexpr double least_piece_way_m = 5;
 constexpr std::size_t most_queries = 8;
 constexpr double least_score = 0.5;
 constexpr double least_score_anywhere = 0.6;  // on islands where nothing says where to look
-constexpr double ambiguous_share = 0.88;      // FINDINGS 3: at 0.95 an aliased corridor got in
 constexpr double apart_m = 1;
 constexpr double apart_rad = 0.26;
 constexpr double work_share = 0.02;  // of the time that passes

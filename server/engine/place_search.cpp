@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "scanmatch/match_relations.hpp"
-#include "server/engine/propagation.hpp"
+#include "server/engine/contradiction.hpp"
 
 namespace isthmus {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 constexpr double place_radius_m = 8;
 constexpr std::size_t most_place_patches = 30;
 constexpr double thin_m = 0.15;
-constexpr double apart_m = 1;  // FINDINGS 3: what counts as another answer
+constexpr double apart_m = 1;  // what counts as another answer
 constexpr double apart_rad = 0.26;
 constexpr double piece_reach_m = 14;
 constexpr double least_refined_score = 0.45;
@@ -85,18 +85,12 @@ CorrelativeOptions fine_options() {
 }
 
 double mean_contradiction(const RigidPiece& place, const RigidPiece& piece, const Pose& place_from_piece) {
-  double sum = 0;
-  int pairs = 0;
-  for (const LocalPatch& seen : piece.local.patches) {
-    for (const LocalPatch& known : place.local.patches) {
-      const Pose known_from_seen = ominus(place_from_piece * seen.local_from_patch, known.local_from_patch);
-      if (const auto share = contradiction(*known.patch, *seen.patch, known_from_seen)) {
-        sum += *share;
-        ++pairs;
-      }
-    }
-  }
-  return pairs > 0 ? sum / pairs : 1;
+  MeanContradiction found;
+  for (const LocalPatch& seen : piece.local.patches)
+    for (const LocalPatch& known : place.local.patches)
+      found.add(*known.patch, *seen.patch,
+                ominus(place_from_piece * seen.local_from_patch, known.local_from_patch));
+  return found.mean(1);
 }
 
 Match match_at(const RigidPiece& place, std::span<const ScanPoint> points, const Pose& place_from_points,

@@ -67,8 +67,4 @@ class Propagation {
   int steps_ = 0;
 };
 
-/// The share of a patch's hits that lie deep in another's free space, seen in both directions: walls where
-/// the other looked through. Nothing where the two hardly look at the same place.
-std::optional<double> contradiction(const Patch& a, const Patch& b, const Pose& a_from_b);
-
 }  // namespace isthmus

@@ -17,7 +17,6 @@ constexpr double rejoin_score = 0.55;
 constexpr double partly_known_score = 0.6;  // of the beams that found something to pair with,
 constexpr double least_paired = 0.35;       // at least this share
 constexpr double most_surprise = 16;        // chi² of three: 0.1 %
-constexpr double ambiguous_share = 0.88;    // a second answer at this share of the best: who knows which
 constexpr double certain_half_width_m = 0.6;
 constexpr double widest_window_m = 6;
 constexpr double widest_window_rad = 0.7;

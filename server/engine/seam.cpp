@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/engine/propagation.hpp"
+#include "server/engine/contradiction.hpp"
 
 namespace isthmus {
 namespace {
@@ -47,18 +47,10 @@ double border_contradiction(const Map& map, std::span<const PatchId> first, std:
     for (const PatchId b : second)
       if ((position(map, a) - position(map, b)).norm() < in_view_m) pairs.emplace_back(a, b);
   const std::size_t stride = std::max<std::size_t>(1, pairs.size() / most_pairs);
-  double sum = 0;
-  int seen = 0;
-  for (std::size_t i = 0; i < pairs.size(); i += stride) {
-    const auto& [a, b] = pairs[i];
-    const Manifold& manifold = map.manifold();
-    const auto share =
-        contradiction(manifold.patch(a), manifold.patch(b), ominus(manifold.pose(b), manifold.pose(a)));
-    if (!share) continue;
-    sum += *share;
-    ++seen;
-  }
-  return seen > 0 ? sum / seen : 0;
+  MeanContradiction found;
+  for (std::size_t i = 0; i < pairs.size(); i += stride)
+    found.add(map.manifold(), pairs[i].first, pairs[i].second);
+  return found.mean();
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "relations/confidence.hpp"
+#include "server/engine/contradiction.hpp"
 #include "server/engine/seam.hpp"
 
 namespace isthmus {
@@ -154,19 +155,13 @@ double Trial::mean_contradiction() const {
   constexpr int most_pairs = 300;
   constexpr int most_unmatched = 8;
   constexpr ConfidenceThreshold nearly_certain = {0.3, 0.05};
-  double sum = 0;
-  int pairs = 0;
-  const Manifold& manifold = map_.manifold();
+  MeanContradiction found;
   for (const PatchId a : propagation_.matched()) {
-    if (pairs >= most_pairs) break;
+    if (found.pairs() >= most_pairs) break;
     const std::vector<PatchId> own = propagation_.same_side(map_, a);
     for (const PatchId b : map_.graph().neighbours(a)) {
       if (std::ranges::binary_search(own, b)) continue;
-      const auto share =
-          contradiction(manifold.patch(a), manifold.patch(b), ominus(manifold.pose(b), manifold.pose(a)));
-      if (!share) continue;
-      sum += *share;
-      ++pairs;
+      found.add(map_.manifold(), a, b);
     }
   }
   // Where nothing matched, only patches whose relative pose is nearly certain can contradict one another.
@@ -179,32 +174,22 @@ double Trial::mean_contradiction() const {
     for (const auto& [b, covariance] : covariances) {
       if (b == a || !well_determined(covariance, nearly_certain) || std::ranges::binary_search(own, b))
         continue;
-      const auto share =
-          contradiction(manifold.patch(a), manifold.patch(b), ominus(manifold.pose(b), manifold.pose(a)));
-      if (!share) continue;
-      sum += *share;
-      ++pairs;
+      found.add(map_.manifold(), a, b);
     }
   }
-  return pairs > 0 ? sum / pairs : 0;
+  return found.mean();
 }
 
 double Trial::own_contradiction() const {
   constexpr int most_pairs = 300;
-  double sum = 0;
-  int pairs = 0;
-  const Manifold& manifold = map_.manifold();
+  MeanContradiction found;
   for (const PatchId a : propagation_.matched()) {
     for (const PatchId b : propagation_.before().neighbours(a)) {
-      if (pairs >= most_pairs) break;
-      const auto share =
-          contradiction(manifold.patch(a), manifold.patch(b), ominus(manifold.pose(b), manifold.pose(a)));
-      if (!share) continue;
-      sum += *share;
-      ++pairs;
+      if (found.pairs() >= most_pairs) break;
+      found.add(map_.manifold(), a, b);
     }
   }
-  return pairs > 0 ? sum / pairs : 0;
+  return found.mean();
 }
 
 double Trial::sighting_cost() const {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/relations.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
@@ -54,14 +55,7 @@ class RendezvousTest : public ::testing::Test {
              of_first ? world_from_patch : Pose{50, 20, 1} * world_from_patch);
   }
 
-  void relate(int a, int b) {
-    Relation relation;
-    relation.a = PatchId{a};
-    relation.b = PatchId{b};
-    relation.kind = RelationKind::odometry;
-    relation.measurement = RelativePose{{1, 0, 0}, Eigen::Matrix3d::Identity()};
-    map_.relate(relation);
-  }
+  void relate(int a, int b) { map_.relate(odometry_between(a, b)); }
 
   void stand(const std::string& robot, int patch, const Pose& patch_from_robot) {
     robots_[robot].place = Localisation{};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/relations.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
@@ -29,15 +30,6 @@ void stand(Robot& robot, int patch, const Pose& patch_from_robot, std::int64_t u
   robot.place = Localisation{};
   robot.place->pose = {PatchId{patch}, patch_from_robot};
   robot.place->utime = utime;
-}
-
-Relation odometry_between(int a, int b) {
-  Relation relation;
-  relation.a = PatchId{a};
-  relation.b = PatchId{b};
-  relation.kind = RelationKind::odometry;
-  relation.measurement = RelativePose{{1, 0, 0}, Eigen::Matrix3d::Identity()};
-  return relation;
 }
 
 Map map_of_two_patches() {
