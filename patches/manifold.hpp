@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "patches/patch.hpp"
@@ -56,6 +57,8 @@ class Manifold {
   /// patch contains what its laser saw as free, and its footprint.
   std::optional<ManifoldPose> project_back(const Pose& map_from_object,
                                            std::span<const PatchId> candidates) const;
+
+  auto members() { return std::tie(patches_, poses_); }
 
  private:
   static std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }

@@ -56,6 +56,29 @@ void RelationGraph::check_ends(const Relation& relation) const {
     throw std::invalid_argument("relation of patch " + text(relation.a) + " with itself");
 }
 
+bool RelationGraph::is_sound() const {
+  std::vector<std::vector<RelationId>> of(of_.size());
+  std::size_t relations = 0;
+  for (std::size_t i = 0; i < stored_.size(); ++i) {
+    if (!stored_[i]) continue;
+    const Relation& relation = *stored_[i];
+    const auto is_here = [&](PatchId end) { return end.valid() && index(end) < of.size(); };
+    if (index(relation.id) != i || !is_here(relation.a) || !is_here(relation.b) || relation.a == relation.b)
+      return false;
+    ++relations;
+    for (const PatchId end : {relation.a, relation.b}) of[index(end)].push_back(relation.id);
+  }
+  if (of != of_ || relations != relation_count_ || island_parent_.size() != of_.size()) return false;
+  // No parent is above its child, or the way to an island's lowest id would not end.
+  for (std::size_t i = 0; i < of_.size(); ++i)
+    if (!island_parent_[i].valid() || index(island_parent_[i]) > i) return false;
+  RelationGraph again = *this;
+  again.find_islands();
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(of_.size()); ++i)
+    if (island(PatchId{i}) != again.island(PatchId{i})) return false;
+  return true;
+}
+
 RelationId RelationGraph::add(Relation relation) {
   check_ends(relation);
   relation.id = RelationId{static_cast<std::int32_t>(stored_.size())};

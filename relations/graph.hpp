@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -100,6 +101,11 @@ class RelationGraph {
 
   /// Rises with every change.
   std::int64_t version() const { return version_; }
+
+  /// Whether it is one that the functions above could have made: of what comes from elsewhere.
+  bool is_sound() const;
+
+  auto members() { return std::tie(stored_, relation_count_, of_, version_, island_parent_); }
 
  private:
   const Relation& stored(RelationId id) const { return *stored_[static_cast<std::size_t>(id.value)]; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "scanmatch/local_map.hpp"
@@ -13,6 +14,8 @@ struct SearchWindow {
   double half_x_m = 0.5;
   double half_y_m = 0.5;
   double half_yaw_rad = 0.35;
+
+  auto members() { return std::tie(centre, half_x_m, half_y_m, half_yaw_rad); }
 };
 
 /// A second answer with this share of the best one's score: who knows which it is. At 0.95 aliased corridors

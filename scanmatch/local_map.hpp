@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tuple>
 #include <vector>
 
 #include "patches/patch.hpp"
@@ -12,11 +13,15 @@ namespace isthmus {
 struct LocalPatch {
   PatchPtr patch;
   Pose local_from_patch;
+
+  auto members() { return std::tie(patch, local_from_patch); }
 };
 
 struct LocalMap {
   PatchId reference;  ///< whose frame `local` is
   std::vector<LocalPatch> patches;
+
+  auto members() { return std::tie(reference, patches); }
 };
 
 }  // namespace isthmus

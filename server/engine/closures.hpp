@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -71,6 +72,8 @@ class Closures {
     std::string state;
     std::string reason;
     double value = 0;  ///< of one that waits: patches that would come to be joined
+
+    auto members() { return std::tie(id, state, reason, value); }
   };
   std::vector<Ruling> take_rulings() { return std::exchange(rulings_, {}); }
 
@@ -93,6 +96,12 @@ class Closures {
   /// A patch of each island that merges, closures and withdrawals have changed since this was last asked.
   std::vector<PatchId> take_changed() { return std::exchange(changed_, {}); }
 
+  auto members() {
+    return std::tie(records_, unplaced_, pool_, pool_changed_, tried_, looked_at_, to_refit_, tag_patches_,
+                    closures_, forbidden_, trial_, weighed_utime_, next_id_, credit_us_, last_utime_,
+                    changed_, rulings_);
+  }
+
  private:
   /// What a closure says, by which another is known to say the same: the pose of a patch of one chart as
   /// seen from one of the other.
@@ -100,6 +109,8 @@ class Closures {
     PatchId first;
     PatchId second;
     Pose first_from_second;
+
+    auto members() { return std::tie(first, second, first_from_second); }
   };
   struct Closure {
     ClosureRecord record;
@@ -107,6 +118,8 @@ class Closures {
     Likeness likeness;
     bool forbidden = false;
     bool from_scans = false;
+
+    auto members() { return std::tie(record, evidence, likeness, forbidden, from_scans); }
   };
   /// Sightings between the same two charts.
   struct Group {

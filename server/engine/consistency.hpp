@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "server/engine/place_search.hpp"
@@ -47,6 +48,8 @@ class AgreementTable {
   std::vector<std::size_t> largest_consistent_with(std::size_t member) const;
   /// Those that are inconsistent with most of a set.
   std::vector<std::size_t> rivals_of(const std::vector<std::size_t>& set) const;
+
+  auto members() { return std::tie(rows_); }
 
  private:
   std::vector<std::vector<Agreement>> rows_;  // of each with those before it

@@ -3,19 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <set>
 #include <utility>
 
-#include "server/engine/closures.hpp"
+#include "server/engine/engine_state.hpp"
 #include "server/engine/footprints.hpp"
-#include "server/engine/hypotheses.hpp"
 #include "server/engine/mapper.hpp"
 #include "server/engine/records.hpp"
-#include "server/engine/rendezvous.hpp"
-#include "server/engine/settling.hpp"
 #include "server/engine/teammates.hpp"
-#include "server/engine/weaving.hpp"
 #include "server/engine/withdrawal.hpp"
 
 namespace isthmus {
@@ -30,75 +24,24 @@ bool has_a_value(const Scan& scan) { return !scan.ranges_m.empty() && scan.beari
 
 }  // namespace
 
-struct Engine::State {
-  Configuration configuration;
-  Map map;
-  std::map<std::string, Robot> robots;
-  std::vector<Session> sessions;
-  std::shared_ptr<TrajectoryStore> trajectory = std::make_shared<TrajectoryStore>();
-  Closures closures;
-  Hypotheses hypotheses;
-  Settling settling;
-  Weaving weaving;
-  Rendezvous rendezvous;
-  std::set<std::int32_t> tags;  // declared barcodes
-  Counters counters;
-  std::set<std::string> starts_related;
-  bool refine_asked = false;  ///< when all is woven, all is to be fitted
-  struct Dropped {
-    std::vector<Relation> relations;
-    PatchId end;  // patches made since are not meant
-  };
-  std::map<std::string, Dropped> dropped;  // by robot
-
-  explicit State(Configuration given) { configure(std::move(given)); }
-
-  void configure(Configuration given) {
-    configuration = std::move(given);
-    robots.clear();
-    for (const auto& [name, robot] : configuration.robots) {
-      robots[name].declaration = robot.robot;
-      robots[name].declared = robot.declared;
-    }
+void Engine::State::configure(Configuration given) {
+  configuration = std::move(given);
+  robots.clear();
+  for (const auto& [name, robot] : configuration.robots) {
+    robots[name].declaration = robot.robot;
+    robots[name].declared = robot.declared;
   }
+}
 
-  World world() { return {map, robots, configuration.engine, counters.last_receive_utime, false}; }
-
-  std::string drop(const std::string& robot, const std::string& reason) {
-    ++counters.dropped[reason];
-    // Anybody can make up names: strangers beyond so many are counted together.
-    constexpr std::size_t most_names = 256;
-    const bool countable = robots.contains(robot) || counters.dropped_by_robot.contains(robot) ||
-                           counters.dropped_by_robot.size() < most_names;
-    if (!robot.empty()) ++counters.dropped_by_robot[countable ? robot : "(others)"][reason];
-    return reason;
-  }
-
-  Robot* declared(const std::string& name) {
-    const auto found = robots.find(name);
-    return found == robots.end() || !found->second.declared ? nullptr : &found->second;
-  }
-
-  Outcome take(const ConfigurationEvent& event);
-  Outcome take(const RobotEvent& event);
-  Outcome take(const TagEvent& event);
-  Outcome take(const OdometryEvent& event);
-  Outcome take(const ScanEvent& event);
-  Outcome take(const SightingEvent& event);
-  Outcome take(const CommandEvent& event);
-  Outcome take(const TickEvent&) { return {}; }
-
-  void answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting);
-  void map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome);
-  void settle(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);
-  void record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot);
-  void relate_measured_starts();
-  void map_changed(const std::vector<std::vector<PatchId>>& islands);
-  void arrange_meeting();
-  std::string drop_data(const std::string& name);
-  std::string take_back_drop(const std::string& name);
-  void fit_all();
-};
+std::string Engine::State::drop(const std::string& robot, const std::string& reason) {
+  ++counters.dropped[reason];
+  // Anybody can make up names: strangers beyond so many are counted together.
+  constexpr std::size_t most_names = 256;
+  const bool countable = robots.contains(robot) || counters.dropped_by_robot.contains(robot) ||
+                         counters.dropped_by_robot.size() < most_names;
+  if (!robot.empty()) ++counters.dropped_by_robot[countable ? robot : "(others)"][reason];
+  return reason;
+}
 
 Outcome Engine::State::take(const ConfigurationEvent& event) {
   if (counters.events > 1) return {drop("", "late_configuration"), {}};

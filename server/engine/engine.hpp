@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "server/engine/configuration.hpp"
 #include "server/engine/event.hpp"
@@ -53,6 +56,12 @@ class Engine {
 
   const Configuration& configuration() const;
   MapCopy copy() const;
+
+  /// All that the engine knows but the rows of its trajectory: what `restore` makes an engine of that goes on
+  /// as this one would. Waits for jobs in other threads.
+  std::vector<std::uint8_t> save() const;
+  /// `trajectory` holds the rows there were. Throws std::runtime_error saying what is wrong with `saved`.
+  static Engine restore(std::span<const std::uint8_t> saved, std::shared_ptr<TrajectoryStore> trajectory);
 
  private:
   struct State;

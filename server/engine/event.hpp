@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <variant>
 
 #include "patches/scan.hpp"
@@ -23,6 +24,8 @@ struct RobotEvent {
   Laser laser;
   double footprint_radius_m = 0.25;
   bool restarted = false;  ///< the robot says that it begins a new session
+
+  auto members() { return std::tie(robot, utime, barcode, laser, footprint_radius_m, restarted); }
 };
 
 struct TagEvent {
@@ -50,6 +53,10 @@ struct SightingEvent {
   double range_sigma_m = 0;
   double bearing_rad = 0;
   double bearing_sigma_rad = 0;
+
+  auto members() {
+    return std::tie(robot, utime, barcode, range_m, range_sigma_m, bearing_rad, bearing_sigma_rad);
+  }
 };
 
 struct CommandEvent {

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "server/engine/alignment.hpp"
@@ -27,6 +28,10 @@ struct Evidence {
   /// Of a tag: where its patch is, once it has one.
   std::optional<PastPlace> target_place;
   std::string doubt = "unsupported";  ///< why it would be refused if nothing more came
+
+  auto members() {
+    return std::tie(record, receive_utime, sighting, observer, target, is_tag, target_place, doubt);
+  }
 };
 
 /// The sighting between the charts of its two ends as the map projects them now. `observer_in_first` is left

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <future>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,8 @@ class FitJob {
     bool ok = false;
     /// Of the second patch relative to the first, before the change (see `confidence_between`).
     std::optional<Eigen::Matrix3d> covariance;
+
+    auto members() { return std::tie(patches, poses, ok, covariance); }
   };
   /// Also computes how well one patch was determined relative to another, in another graph at the same poses.
   struct ConfidenceQuestion {
@@ -29,6 +32,7 @@ class FitJob {
     PatchId b;
   };
 
+  FitJob() = default;  ///< to be read from a snapshot
   FitJob(const Map& map, IslandId island, std::int64_t now_utime,
          std::optional<ConfidenceQuestion> question = {});
 
@@ -38,11 +42,13 @@ class FitJob {
   /// Waits for the result where it is late.
   Result take() { return result_.get(); }
 
+  auto members() { return std::tie(island_, events_left_, due_utime_, result_); }
+
  private:
   IslandId island_;
-  std::int64_t events_left_;
-  std::int64_t due_utime_;
-  std::future<Result> result_;
+  std::int64_t events_left_ = 0;
+  std::int64_t due_utime_ = 0;
+  std::shared_future<Result> result_;
 };
 
 }  // namespace isthmus

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "server/engine/closures.hpp"
@@ -34,12 +35,19 @@ class Hypotheses {
 
   const HypothesisCounts& counts() const { return counts_; }
 
+  auto members() {
+    return std::tie(ways_, newest_, queue_, query_, pool_, agreements_, pool_changed_, hypotheses_, parked_,
+                    refuted_, counts_, credit_us_, last_utime_);
+  }
+
  private:
   /// A robot's way on its newest patches.
   struct Way {
     std::deque<PatchId> newest_first;
     std::deque<double> from_newest_m;
     double since_query_m = 0;
+
+    auto members() { return std::tie(newest_first, from_newest_m, since_query_m); }
   };
   struct Query {
     std::vector<PatchId> newest_first;
@@ -51,16 +59,24 @@ class Hypotheses {
     std::vector<PlaceAnswer> answers;
     double best_score = 0;
     bool exhausted = false;
+
+    auto members() {
+      return std::tie(newest_first, robot, begun, piece, places, next, answers, best_score, exhausted);
+    }
   };
   struct Waiting {
     Find find;
     std::string robot;
     ClosureId hypothesis;  ///< that it has been proposed with, if any
+
+    auto members() { return std::tie(find, robot, hypothesis); }
   };
   struct Hypothesis {
     UndecidedHypothesis says;
     int tried = 0;  ///< finds when it was last on trial
     bool undecided = false;
+
+    auto members() { return std::tie(says, tried, undecided); }
   };
 
   void follow(World world);

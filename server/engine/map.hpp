@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "patches/manifold.hpp"
@@ -34,6 +35,8 @@ class Map {
 
   /// The newest stamp on any of these patches.
   std::int64_t stamp(std::span<const PatchId> patches) const;
+
+  auto members() { return std::tie(manifold_, graph_, stamps_, changes_); }
 
  private:
   void touch(PatchId patch);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "patches/manifold.hpp"
@@ -23,6 +24,8 @@ struct Session {
   std::int64_t from_utime = 0;
   std::int64_t to_utime = 0;  ///< last scan so far
   PatchId first_patch;        ///< none while nothing was mapped
+
+  auto members() { return std::tie(robot, number, from_utime, to_utime, first_patch); }
 };
 
 /// A sighting and what became of it.
@@ -31,6 +34,8 @@ struct SightingRecord {
   std::string verdict;  ///< "accepted", "refused", "waiting"
   std::string reason;
   ClosureId closure;
+
+  auto members() { return std::tie(sighting, verdict, reason, closure); }
 };
 
 struct TagRecord {
@@ -55,12 +60,19 @@ struct ClosureRecord {
   int work_steps = 0;
   std::int64_t start_utime = 0;  ///< event time
   std::int64_t end_utime = 0;
+
+  auto members() {
+    return std::tie(id, kind, state, utime, robots, reason, patches_touched, work_steps, start_utime,
+                    end_utime);
+  }
 };
 
 /// Where one robot is to stand at a meeting.
 struct MeetingPlace {
   std::string robot;
   ManifoldPose pose;  ///< facing the other robot, if the hypothesis is true
+
+  auto members() { return std::tie(robot, pose); }
 };
 
 /// A meeting of two robots that would settle a hypothesis.
@@ -81,6 +93,11 @@ struct Counters {
   std::map<std::string, std::map<std::string, std::int64_t>> dropped_by_robot;
   std::int64_t first_receive_utime = 0;
   std::int64_t last_receive_utime = 0;
+
+  auto members() {
+    return std::tie(events, scans, scans_matched, scans_predicted, sightings, dropped, dropped_by_robot,
+                    first_receive_utime, last_receive_utime);
+  }
 };
 
 /// A robot's own data, and what looks wrong with it.
@@ -98,6 +115,8 @@ struct HypothesisCounts {
   std::int64_t ambiguous = 0;  ///< queries that fit two places about as well
   std::int64_t finds = 0;
   std::int64_t proposed = 0;
+
+  auto members() { return std::tie(queries, queries_dropped, places_searched, ambiguous, finds, proposed); }
 };
 
 /// A consistent copy of the map, cheap (patches are shared), for exports and publishing off the engine's

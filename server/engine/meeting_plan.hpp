@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "server/engine/map.hpp"
 #include "server/engine/map_copy.hpp"
@@ -17,6 +18,8 @@ struct MeetingPlan {
   UndecidedHypothesis hypothesis;
   MeetingPlace a;  ///< on the chart of the hypothesis' first patch
   MeetingPlace b;  ///< and of its second
+
+  auto members() { return std::tie(hypothesis, a, b); }
 };
 
 /// Plans a meeting for a hypothesis between the charts of two robots. Each place is free in its own robot's

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <tuple>
 
 #include "patches/pose.hpp"
 
@@ -28,6 +29,8 @@ class OdometryNoise {
 
   double translation_scale() const { return scale_[0]; }
   double rotation_scale() const { return scale_[1]; }
+
+  auto members() { return std::tie(scale_, path_variance_scale_); }
 
  private:
   std::array<double, 2> scale_ = {1.5, 1.5};  // of standard deviations

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <tuple>
 
 #include "patches/pose.hpp"
 
@@ -25,12 +26,16 @@ class OdometryTrack {
   /// The last sample as it stands.
   std::optional<Pose> newest() const;
 
+  auto members() { return std::tie(samples_); }
+
  private:
   static constexpr std::size_t most_samples = 2000;
 
   struct Sample {
     std::int64_t utime = 0;
     Pose odom_from_robot;
+
+    auto members() { return std::tie(utime, odom_from_robot); }
   };
   std::deque<Sample> samples_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include "scanmatch/correlative.hpp"
@@ -16,6 +17,8 @@ struct PlaceCandidate {
   double way_m = 0;     ///< between the two over the map; 0: on another island
   /// How surely the map has the patch there, in all; infinite on another island.
   double sigma_m = std::numeric_limits<double>::infinity();
+
+  auto members() { return std::tie(anchor, window, way_m, sigma_m); }
 };
 
 /// What maps err beyond their covariance, by the way between two patches: no sensor errs at random only, and

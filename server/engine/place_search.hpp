@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "scanmatch/correlative.hpp"
@@ -12,6 +13,8 @@ namespace isthmus {
 struct RigidPiece {
   LocalMap local;
   std::vector<ScanPoint> points;
+
+  auto members() { return std::tie(local, points); }
 };
 
 /// A place to search: a patch with what is firm relative to it nearby.
@@ -27,6 +30,8 @@ struct PlaceAnswer {
   double score = 0;
   double way_m = 0;  ///< between the two over the map, and how surely (see PlaceCandidate)
   double sigma_m = 0;
+
+  auto members() { return std::tie(anchor, anchor_from_piece, score, way_m, sigma_m); }
 };
 
 /// The pose at which a piece fits a place best and, where there is one, the best well apart from it. Nothing
@@ -48,6 +53,8 @@ struct Find {
   double way_m = 0;
   double sigma_m = 0;
   std::vector<Relation> relations;  ///< of patches of the way with patches of the place
+
+  auto members() { return std::tie(query, anchor, anchor_from_query, score, way_m, sigma_m, relations); }
 };
 
 /// Fits the piece to the place in full, and the scan of one of its patches for the relations. Nothing where

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <tuple>
 
 #include "patches/manifold.hpp"
 #include "server/engine/odometry_noise.hpp"
@@ -17,6 +18,8 @@ struct PastPlace {
   ManifoldPose pose;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of patch_from_robot
   Pose odom_from_robot;
+
+  auto members() { return std::tie(utime, session, pose, covariance, odom_from_robot); }
 };
 
 /// Where one robot was, for sightings, which carry a stamp of their own and may come late. Poses are on the
@@ -31,6 +34,8 @@ class PoseHistory {
   /// not on the map then, or where odometry does not reach.
   std::optional<PastPlace> at(std::int64_t utime, const OdometryTrack& odometry,
                               const OdometryNoise& noise) const;
+
+  auto members() { return std::tie(places_); }
 
  private:
   static constexpr std::size_t most_places = 4000;

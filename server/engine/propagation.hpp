@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,7 @@ namespace isthmus {
 /// determined relative to one another, by whatever means, and lie near, but are not related.
 class Propagation {
  public:
+  Propagation() = default;  ///< to be read from a snapshot
   /// `before` is the graph without the change; none for weaving, where it is the graph as it stands.
   Propagation(std::optional<RelationGraph> before, Origin origin)
       : before_(std::move(before)), origin_(origin) {}
@@ -48,12 +50,16 @@ class Propagation {
     return unmatched_;
   }  ///< compared where they must fit, and did not
 
+  auto members() { return std::tie(before_, origin_, queue_, visits_, matched_, unmatched_, steps_); }
+
  private:
   struct Visits {
     int count = 0;
     bool queued = false;
     bool matched = false;
     bool unmatched = false;
+
+    auto members() { return std::tie(count, queued, matched, unmatched); }
   };
   Visits& visits(PatchId patch);
   std::vector<PatchId> candidates(const Map& map, PatchId patch, const EngineOptions& options) const;

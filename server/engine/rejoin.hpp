@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <functional>
+#include <tuple>
 #include <vector>
 
 #include "server/engine/surroundings.hpp"
@@ -16,6 +17,8 @@ struct Rejoin {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of the new patch before it
   bool certain = false;   ///< the window was narrow: nothing else could have been meant
   bool compared = false;  ///< there was something to compare the scan with
+
+  auto members() { return std::tie(patch, relations, map_from_map, position, certain, compared); }
 };
 
 /// What is being looked for: a scan, placed in the frame of the reference of its surroundings, among some of
@@ -51,6 +54,8 @@ class WaitingRejoins {
   /// those of all that agree with it, once enough of them do over enough of the way. Empty otherwise.
   std::vector<Relation> take(Rejoin found);
   void clear() { waiting_.clear(); }
+
+  auto members() { return std::tie(waiting_); }
 
  private:
   std::deque<Rejoin> waiting_;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 
 #include "server/engine/meeting_plan.hpp"
 
@@ -34,6 +35,8 @@ class Rendezvous {
   /// The same, as it is told.
   std::optional<MeetingRecord> record() const;
 
+  auto members() { return std::tie(meeting_, next_choice_utime_, watch_); }
+
  private:
   std::optional<MeetingPlan> meeting_;
   std::int64_t next_choice_utime_ = 0;
@@ -42,6 +45,8 @@ class Rendezvous {
   struct Watch {
     std::int64_t since_utime = 0;
     std::int64_t last_utime = 0;
+
+    auto members() { return std::tie(since_utime, last_utime); }
   };
   std::array<Watch, 2> watch_;  ///< of a and b
 };

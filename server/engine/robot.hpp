@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "server/engine/event.hpp"
@@ -22,6 +23,8 @@ struct OdometryPath {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 
   void append(const Pose& step, const Eigen::Matrix3d& step_covariance);
+
+  auto members() { return std::tie(start_from_end, covariance); }
 };
 
 /// Where a robot is on the manifold, after its last scan.
@@ -39,6 +42,11 @@ struct Localisation {
   OdometryPath since_last_patch;  ///< odometry since that patch
   int lost_scans = 0;             ///< unmatched in a row
   bool suspect = false;           ///< odometry did something implausible since the last match
+
+  auto members() {
+    return std::tie(pose, covariance, spread, odom_from_robot, last_step, utime, last_patch, since_last_patch,
+                    lost_scans, suspect);
+  }
 };
 
 /// A scan that was neither matched nor plausibly predicted: where the robot was is known once it is found
@@ -46,6 +54,8 @@ struct Localisation {
 struct UnplacedScan {
   std::int64_t utime = 0;
   Pose odom_from_robot;
+
+  auto members() { return std::tie(utime, odom_from_robot); }
 };
 
 /// Another robot where this one last saw it.
@@ -53,11 +63,15 @@ struct SeenTeammate {
   std::int64_t utime = 0;
   Eigen::Vector2d odom_position = Eigen::Vector2d::Zero();  ///< in this robot's odometry frame
   double sigma_m = 0;
+
+  auto members() { return std::tie(utime, odom_position, sigma_m); }
 };
 
 struct PendingScan {
   Scan scan;
   std::int64_t receive_utime = 0;
+
+  auto members() { return std::tie(scan, receive_utime); }
 };
 
 /// What the engine keeps of one robot.
@@ -83,6 +97,12 @@ struct Robot {
   std::map<std::string, SeenTeammate> seen;  ///< by name
   PatchId first_patch;                       ///< of its first session
   int stale_scans = 0;                       ///< in a row
+
+  auto members() {
+    return std::tie(declaration, declared, odometry, noise, health, pending, place, session, surroundings,
+                    local_map, local_map_centre, local_map_stamp, last_scan_utime, newest_scan_utime, rejoins,
+                    unplaced, history, way, seen, first_patch, stale_scans);
+  }
 };
 
 }  // namespace isthmus

@@ -4,6 +4,7 @@
 #include <complex>
 #include <cstdint>
 #include <optional>
+#include <tuple>
 
 #include "patches/scan.hpp"
 
@@ -19,6 +20,8 @@ struct MotionAccounts {
   double explained() const;
   /// What odometry says for each metre or radian of the laser's; infinite where the laser saw none.
   double ratio() const;
+
+  auto members() { return std::tie(odometry, laser, apart); }
 };
 
 /// What is known of a robot's own data.
@@ -48,6 +51,13 @@ struct HealthFigures {
   /// a scan is older than the odometry that comes with it.
   std::optional<double> offset_scans;
   double off_at_offset = 1;
+
+  auto members() {
+    return std::tie(odometry_messages, odometry_way_m, odometry_turn_rad, scans, scans_without_return,
+                    scans_with_few_returns, most_beams, scans_changed, scans_changed_still, scans_matched,
+                    scans_unmatched, way, turn, direction_rad, direction_steadiness, turn_correlation,
+                    best_lag_scans, off_at_best_lag, offset_scans, off_at_offset);
+  }
 };
 
 /// Gathers what tells whether a robot's sensors agree with one another and with what it declares. Constant
@@ -74,6 +84,12 @@ class RobotHealth {
 
   HealthFigures figures() const;
 
+  auto members() {
+    return std::tie(sums_, reference_, reference_odometry_, any_odometry_, last_odometry_, way_, turn_,
+                    direction_, turn_product_, odometry_turn_squared_, laser_turn_squared_, odometry_turns_,
+                    laser_turns_, turns_kept_, off_at_lag_, off_at_offset_, turn_compared_rad_);
+  }
+
  private:
   static constexpr int most_lag_scans = 3;
   static constexpr int lags = 2 * most_lag_scans + 1;
@@ -87,11 +103,15 @@ class RobotHealth {
     Pose odometry;
     Pose laser;
     int scans = 0;
+
+    auto members() { return std::tie(odometry, laser, scans); }
   };
   struct Turn {
     double odometry_rad = 0;
     double laser_rad = 0;
     int scans = 0;
+
+    auto members() { return std::tie(odometry_rad, laser_rad, scans); }
   };
 
   void add_way(const Pose& odometry_step, const Pose& laser_step);

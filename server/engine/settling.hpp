@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <set>
+#include <tuple>
 
 #include "server/engine/fit_job.hpp"
 
@@ -17,6 +18,8 @@ class Settling {
 
   void advance(Map& map, std::int64_t now_utime);
   bool busy() const { return job_ != nullptr || !requested_.empty(); }
+
+  auto members() { return std::tie(requested_, job_); }
 
  private:
   std::set<IslandId> requested_;  ///< any patch of the island names it

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tuple>
 #include <vector>
 
 #include "relations/confidence.hpp"
@@ -18,6 +19,8 @@ struct Determined {
   /// some centimetres, too coarse to lay walls on walls.
   bool firm = false;
   bool sure = false;  ///< eq. 12 holds by all relations
+
+  auto members() { return std::tie(patch, local_from_patch, covariance, firm, sure); }
 };
 
 /// The surroundings of a patch: what is determined relative to it, kept until the patch or the graph near it
@@ -45,6 +48,8 @@ class Surroundings {
   /// together, and the newest.
   LocalMap local_map(const Map& map, const Pose& local_from_robot, std::span<const ScanPoint> points,
                      const EngineOptions& options) const;
+
+  auto members() { return std::tie(reference_, stamp_, most_, by_, looked_at_, patches_); }
 
  private:
   PatchId reference_;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "server/engine/fit_job.hpp"
@@ -26,6 +27,11 @@ struct Proposal {
   Eigen::Vector3d beyond_covariance = {0.01, 0.01, 0.001};
   bool cautious = false;  ///< only where much agrees, and not along one corridor
   bool measured = false;  ///< placed by the operators themselves: no test can refuse it
+
+  auto members() {
+    return std::tie(id, merge, older, younger, older_from_younger, relations, supporters, two_way, from_scans,
+                    beyond_covariance, cautious, measured);
+  }
 };
 
 /// A proposal tried out beside the map: provisional relations and poses over the shared patches (seed 001,
@@ -33,6 +39,7 @@ struct Proposal {
 /// another thread. The map hears of it only when it is accepted.
 class Trial {
  public:
+  Trial() = default;  ///< to be read from a snapshot
   Trial(const Map& map, Proposal proposal, const EngineOptions& options, std::int64_t now_utime);
 
   /// Tells a running job that an event was handled.
@@ -55,6 +62,11 @@ class Trial {
   /// Takes what was accepted over into the map, which may have grown since.
   void commit(Map& map) const;
 
+  auto members() {
+    return std::tie(options_, proposal_, map_, patches_at_start_, first_relation_, gate_before_, propagation_,
+                    job_, stage_, fits_, matched_at_fit_, refusal_, undecided_);
+  }
+
  private:
   enum class Stage { start, propagate, last_propagate, judge, done };
 
@@ -76,8 +88,8 @@ class Trial {
   EngineOptions options_;
   Proposal proposal_;
   Map map_;
-  std::size_t patches_at_start_;
-  std::size_t first_relation_;
+  std::size_t patches_at_start_ = 0;
+  std::size_t first_relation_ = 0;
   std::optional<Pose> gate_before_;  ///< of b in a of the first relation, as the map had it
   Propagation propagation_;
   std::unique_ptr<FitJob> job_;

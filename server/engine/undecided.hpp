@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tuple>
+
 #include "patches/ids.hpp"
 #include "patches/pose.hpp"
 
@@ -14,6 +16,8 @@ struct UndecidedHypothesis {
   int support = 0;  ///< pairwise-consistent finds
   /// What deciding it would be worth: patches that would come to be joined, times its likelihood.
   double value = 0;
+
+  auto members() { return std::tie(id, first, second, first_from_second, support, value); }
 };
 
 }  // namespace isthmus

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <tuple>
 
 #include "server/engine/propagation.hpp"
 
@@ -22,6 +23,8 @@ class Weaving {
   void advance(Map& map, const EngineOptions& options, std::int64_t now_utime);
   void finish(Map& map, const EngineOptions& options);
   bool busy() const { return !propagation_.done(); }
+
+  auto members() { return std::tie(propagation_, stands_on_, credit_us_, last_utime_); }
 
  private:
   Propagation propagation_{std::nullopt, {OriginKind::match, {}}};
