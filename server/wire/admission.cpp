@@ -20,4 +20,9 @@ std::string Admission::admit(const Event& event) {
   return "";
 }
 
+void Admission::know(const MapCopy& map) {
+  for (const HealthRecord& robot : map.health) robots_.insert(robot.robot);
+  for (const TagRecord& tag : map.tags) tags_.insert(tag.barcode);
+}
+
 }  // namespace isthmus

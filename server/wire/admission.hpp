@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "server/engine/event.hpp"
+#include "server/engine/map_copy.hpp"
 
 namespace isthmus {
 
@@ -22,6 +22,9 @@ class Admission {
 
   /// Why an event is refused; empty: it is not, and whom it introduces is known from now on.
   std::string admit(const Event& event);
+
+  /// Whom a map knows that was made before.
+  void know(const MapCopy& map);
 
  private:
   AdmissionLimits limits_;

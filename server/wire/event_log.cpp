@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "server/wire/file_bytes.hpp"
@@ -119,6 +120,22 @@ struct EventLogReader::State {
   std::int64_t offset = 0;
   std::string event_file;
 
+  /// Whether any of the files begins as a log does, or is empty.
+  bool open(std::vector<std::string> names) {
+    files = std::move(names);
+    if (files.empty()) return true;
+    bool begins_as_log = false;
+    for (const std::string& name : files) {
+      LogFileReader opened(name);
+      sizes.push_back(opened.size());
+      begins_as_log = begins_as_log || opened.begins_as_log();
+    }
+    event_file = files.front();
+    file.emplace(files.front());
+    find();
+    return begins_as_log;
+  }
+
   /// Finds the next intact event, in this file or those that follow.
   void find() {
     while (!(found = file->find()) && current + 1 < files.size()) {
@@ -129,22 +146,19 @@ struct EventLogReader::State {
 };
 
 EventLogReader::EventLogReader(const std::string& path) : state_(std::make_unique<State>()) {
-  state_->files = log_files(path);
-  bool begins_as_log = false;
-  for (const std::string& name : state_->files) {
-    LogFileReader file(name);
-    state_->sizes.push_back(file.size());
-    begins_as_log = begins_as_log || file.begins_as_log();
-  }
-  state_->event_file = state_->files.front();
-  state_->file.emplace(state_->files.front());
-  state_->find();
+  const bool begins_as_log = state_->open(log_files(path));
   if (!state_->found && !begins_as_log) {
     throw std::runtime_error(path + ": not an LCM event log (no event found in it)");
   }
 }
 
+EventLogReader::EventLogReader(std::vector<std::string> files) : state_(std::make_unique<State>()) {
+  state_->open(std::move(files));
+}
+
 EventLogReader::~EventLogReader() = default;
+EventLogReader::EventLogReader(EventLogReader&&) noexcept = default;
+EventLogReader& EventLogReader::operator=(EventLogReader&&) noexcept = default;
 
 std::optional<Message> EventLogReader::next() {
   State& state = *state_;
@@ -161,10 +175,11 @@ std::string EventLogReader::file() const { return state_->event_file; }
 std::int64_t EventLogReader::event_number() const { return state_->number; }
 std::int64_t EventLogReader::offset() const { return state_->offset; }
 std::int64_t EventLogReader::skipped_bytes() const {
-  return state_->skipped_before + state_->file->skipped();
+  return state_->skipped_before + (state_->file ? state_->file->skipped() : 0);
 }
 
 double EventLogReader::progress() const {
+  if (!state_->file) return 1;
   const auto& sizes = state_->sizes;
   const std::int64_t all = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
   const auto current = sizes.begin() + static_cast<std::ptrdiff_t>(state_->current);

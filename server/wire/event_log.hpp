@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/wire/message.hpp"
 
@@ -16,7 +17,11 @@ class EventLogReader {
  public:
   /// Throws std::runtime_error naming the file and the reason where it cannot be opened or is no LCM log.
   explicit EventLogReader(const std::string& path);
+  /// Files read as one log; none: there is nothing to read.
+  explicit EventLogReader(std::vector<std::string> files);
   ~EventLogReader();
+  EventLogReader(EventLogReader&&) noexcept;
+  EventLogReader& operator=(EventLogReader&&) noexcept;
 
   /// The next intact event; nothing at the end.
   std::optional<Message> next();

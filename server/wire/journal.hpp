@@ -48,6 +48,7 @@ class Journal {
   bool append(const Message& message);
 
   std::int64_t bytes() const { return total_bytes_; }
+  int segment() const { return segment_; }  ///< the one that is written; those before it are closed
   std::int64_t failures() const { return failures_; }  ///< events refused; any thread may ask
 
  private:

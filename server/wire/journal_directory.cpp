@@ -6,30 +6,17 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
 
 #include "server/wire/event_log.hpp"
+#include "server/wire/journal_files.hpp"
 
 namespace isthmus {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string segment_name(int segment) {
-  char name[32];
-  std::snprintf(name, sizeof name, "journal-%06d.lcm", segment);
-  return name;
-}
-
-/// 0 where the name is not a segment's.
-int segment_number(const std::string& name) {
-  int number = 0;
-  if (std::sscanf(name.c_str(), "journal-%d.lcm", &number) != 1) return 0;
-  return number > 0 && segment_name(number) == name ? number : 0;
-}
 
 [[noreturn]] void fail(const std::string& path, int error) {
   throw std::runtime_error(path + ": " + errno_text(error));
@@ -51,17 +38,11 @@ JournalDirectory::JournalDirectory(std::string path) : path_(std::move(path)) {
 }
 
 void JournalDirectory::list_segments() {
-  for (const fs::directory_entry& entry : fs::directory_iterator(path_)) {
-    if (entry.path().extension() != ".lcm") continue;
-    const int number = segment_number(entry.path().filename().string());
-    if (number == 0) {
-      throw std::runtime_error(path_ + ": holds " + entry.path().filename().string() +
-                               ", which is no segment of a journal; give another directory");
-    }
-    segments_.push_back(entry.path().string());
-    last_segment_ = std::max(last_segment_, number);
-  }
-  std::sort(segments_.begin(), segments_.end());
+  const JournalFiles files = list_journal(path_);
+  for (const auto& [number, path] : files.segments) segments_.push_back(path);
+  if (!files.segments.empty()) last_segment_ = files.segments.rbegin()->first;
+  // Of segments that were pruned a snapshot may be all that is left.
+  if (!files.snapshots.empty()) last_segment_ = std::max(last_segment_, files.snapshots.rbegin()->first);
 }
 
 std::int64_t JournalDirectory::cut_torn_tail() {
@@ -77,7 +58,7 @@ std::int64_t JournalDirectory::cut_torn_tail() {
 }
 
 int JournalDirectory::create_segment(int number, FileHandle& file) const {
-  const std::string path = (fs::path(path_) / segment_name(number)).string();
+  const std::string path = segment_path(path_, number);
   file = FileHandle(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666));
   return file.is_open() ? 0 : errno;
 }

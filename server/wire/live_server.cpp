@@ -47,7 +47,7 @@ LiveServer::LiveServer(LiveOptions options, Inbox& inbox, Publish publish)
   if (!options_.journal_directory.empty())
     journal_ = std::make_unique<Journal>(options_.journal_directory, options_.journal);
   if (journal_ && !journal_->earlier_segments().empty())
-    recovery_ = std::make_unique<Recovery>(options_.journal_directory);
+    recovery_ = std::make_unique<Recovery>(options_.journal_directory, recovery_options());
   if (recovery_ && recovery_->has_events()) {
     begin_recovery();
   } else {
@@ -60,16 +60,22 @@ LiveServer::LiveServer(LiveOptions options, Inbox& inbox, Publish publish)
 }
 
 void LiveServer::begin() {
-  last_utime_ = options_.clock ? options_.clock() : options_.start_utime;
-  const Event configuration{last_utime_, ConfigurationEvent{options_.toml}};
+  map_.last_utime = options_.clock ? options_.clock() : options_.start_utime;
+  const Event configuration{map_.last_utime, ConfigurationEvent{options_.toml}};
   if (journal_ && !journal_->append(encode(configuration)))
     throw std::runtime_error(options_.journal_directory + ": the disk refuses the journal's first event");
   take(configuration);
 }
 
+RecoveryOptions LiveServer::recovery_options() const {
+  RecoveryOptions options;
+  options.warn = [this](const std::string& warning) { say(LogLevel::warning, warning, {}); };
+  return options;
+}
+
 void LiveServer::begin_recovery() {
-  recovery_->configure(engine_);
-  const Configuration& configuration = engine_.configuration();
+  map_ = recovery_->begin();
+  const Configuration& configuration = map_.engine.configuration();
   if (!options_.toml.empty() && !map_alike(options_.toml, configuration.toml)) {
     throw std::runtime_error(options_.journal_directory +
                              ": this journal was begun with another configuration; give that or none, or "
@@ -86,6 +92,7 @@ LiveServer::~LiveServer() = default;
 void LiveServer::run() {
   if (recovery_ && recovery_->has_events()) recover();
   recovery_.reset();
+  keep_snapshots();
   while (!inbox_.finished()) {
     if (std::optional<Message> message = inbox_.pop(options_.tick_interval)) {
       handle(std::move(*message));
@@ -95,8 +102,8 @@ void LiveServer::run() {
     count_inbox_drops();
     publish_status_if_due();
   }
-  publish_poses(engine_.finish());
-  closure_log_.tell(engine_.copy().closures, options_.log);
+  publish_poses(map_.engine.finish());
+  closure_log_.tell(map_.engine.copy().closures, options_.log);
   map_publisher_.reset();
   journal_.reset();
   if (!options_.output_directory.empty()) write_results();
@@ -111,38 +118,37 @@ void LiveServer::recover() {
        {"torn_bytes_cut", std::to_string(torn_bytes)}});
   const Clock::time_point start = Clock::now();
   Clock::time_point told = start;
-  while (const std::optional<Recovered> recovered = recovery_->step(engine_)) {
-    if (recovered->event) admission_.admit(*recovered->event);
-    for (const RobotPose& pose : recovered->outcome.poses) monitor_.answered(pose);
+  while (recovery_->step(map_)) {
     if (Clock::now() - told < recovery_report_interval) continue;
     told = Clock::now();
     say(LogLevel::info, "recovering",
         {{"percent", std::to_string(static_cast<int>(100 * recovery_->progress()))}});
   }
-  monitor_.forget_rates();
-  last_utime_ = recovery_->last_utime();
+  map_.monitor.forget_rates();
+  admission_.know(map_.engine.copy());
   const std::int64_t skipped_bytes = recovery_->skipped_bytes();
   say(skipped_bytes > 0 ? LogLevel::warning : LogLevel::info, "recovered",
-      {{"events", std::to_string(recovery_->events())},
+      {{"events", std::to_string(map_.events)},
+       {"of_a_snapshot", std::to_string(map_.events - recovery_->events())},
        {"damaged_bytes_skipped", std::to_string(skipped_bytes)},
        {"seconds", std::to_string(seconds(Clock::now() - start))}});
-  closure_log_.tell(engine_.copy().closures, {});  // told when they were new
+  closure_log_.tell(map_.engine.copy().closures, {});  // told when they were new
 }
 
 void LiveServer::handle(Message message) {
-  message.utime = std::max(message.utime, last_utime_);
-  const Decoded decoded = decode(engine_.configuration(), message.channel, message.bytes, message.utime);
+  message.utime = std::max(message.utime, map_.last_utime);
+  const Decoded decoded = decode(map_.engine.configuration(), message.channel, message.bytes, message.utime);
   if (!decoded.ours) return;
   if (!decoded.event || is_own(*decoded.event)) {
-    engine_.count_dropped(decoded.robot, decoded.event ? "bad_channel" : decoded.reason);
+    map_.engine.count_dropped(decoded.robot, decoded.event ? "bad_channel" : decoded.reason);
     return;
   }
   if (const std::string reason = admission_.admit(*decoded.event); !reason.empty()) {
-    engine_.count_dropped(decoded.robot, reason);
+    map_.engine.count_dropped(decoded.robot, reason);
     return;
   }
-  last_utime_ = message.utime;
-  monitor_.heard(decoded.robot, message.utime);
+  map_.last_utime = message.utime;
+  map_.monitor.heard(decoded.robot, message.utime);
   journal(message);
   take(*decoded.event);
   if (asks_for_map(*decoded.event)) map_publisher_->request_whole();
@@ -150,7 +156,7 @@ void LiveServer::handle(Message message) {
 
 void LiveServer::take(const Event& event) {
   const Clock::time_point start = Clock::now();
-  const Outcome outcome = engine_.handle(event);
+  const Outcome outcome = map_.engine.handle(event);
   last_event_ = Clock::now();
   latency_.add(seconds(last_event_ - start));
   publish_poses(outcome);
@@ -162,16 +168,16 @@ void LiveServer::journal(const Message& message) {
 
 void LiveServer::publish_poses(const Outcome& outcome) {
   for (const RobotPose& pose : outcome.poses) {
-    monitor_.answered(pose);
+    map_.monitor.answered(pose);
     publish_(pose.robot + "_POSE", encoded(pose_message(pose)));
   }
 }
 
 void LiveServer::tick_if_due() {
-  if (!options_.clock || !engine_.has_queued_work()) return;
+  if (!options_.clock || !map_.engine.has_queued_work()) return;
   if (Clock::now() - last_event_ < options_.tick_interval) return;
-  last_utime_ = std::max(last_utime_, options_.clock());
-  const Event tick{last_utime_, TickEvent{}};
+  map_.last_utime = std::max(map_.last_utime, options_.clock());
+  const Event tick{map_.last_utime, TickEvent{}};
   journal(encode(tick));
   take(tick);
 }
@@ -179,7 +185,7 @@ void LiveServer::tick_if_due() {
 void LiveServer::count_inbox_drops() {
   for (const auto& [robot, reasons] : inbox_.take_drops()) {
     for (const auto& [reason, count] : reasons) {
-      for (std::int64_t i = 0; i < count; ++i) engine_.count_dropped(robot, reason);
+      for (std::int64_t i = 0; i < count; ++i) map_.engine.count_dropped(robot, reason);
     }
   }
 }
@@ -188,17 +194,30 @@ void LiveServer::publish_status_if_due() {
   const Clock::duration elapsed = Clock::now() - last_status_;
   if (elapsed < options_.status_interval) return;
   last_status_ += elapsed;
-  const auto map = std::make_shared<const MapCopy>(engine_.copy());
+  const auto map = std::make_shared<const MapCopy>(map_.engine.copy());
   const ServerCounters server{static_cast<std::int32_t>(inbox_.size()), journal_ ? journal_->bytes() : 0,
                               journal_ ? journal_->failures() : 0};
-  const std::int64_t utime = options_.clock ? options_.clock() : last_utime_;
-  const status_t status = monitor_.status(*map, server, utime, seconds(elapsed));
+  const std::int64_t utime = options_.clock ? options_.clock() : map_.last_utime;
+  const status_t status = map_.monitor.status(*map, server, utime, seconds(elapsed));
   publish_("ISTHMUS_STATUS", encoded(status));
   if (options_.metrics) options_.metrics(metrics_text(status));
   if (const auto rendezvous = rendezvous_.due(*map, utime, last_status_))
     publish_("ISTHMUS_RENDEZVOUS", encoded(*rendezvous));
   closure_log_.tell(map->closures, options_.log);
   map_publisher_->offer(map, utime);
+  keep_snapshots();
+}
+
+void LiveServer::keep_snapshots() {
+  if (!journal_ || !options_.snapshots) return;
+  if (!snapshots_) {
+    snapshots_ = std::make_unique<SnapshotProcess>(
+        options_.journal_directory, options_.keep_segments,
+        [this](const std::string& text) { say(LogLevel::warning, text, {}); });
+  }
+  if (std::exchange(closed_segments_, journal_->segment() - 1) < journal_->segment() - 1)
+    snapshots_->segment_closed();
+  snapshots_->poll();
 }
 
 void LiveServer::say(LogLevel level, std::string_view message, const LogFields& fields) const {
@@ -211,7 +230,7 @@ void LiveServer::write_results() {
   cost.cpu_s = process_cpu_s();
   cost.peak_rss_mb = process_peak_rss_mb();
   cost.event_latency = latency_;
-  write_outputs(engine_.copy(), cost, options_.output_directory);
+  write_outputs(map_.engine.copy(), cost, options_.output_directory);
 }
 
 }  // namespace isthmus

@@ -18,7 +18,7 @@
 #include "server/wire/map_publisher.hpp"
 #include "server/wire/recovery.hpp"
 #include "server/wire/rendezvous_publisher.hpp"
-#include "server/wire/robot_monitor.hpp"
+#include "server/wire/snapshot_process.hpp"
 
 namespace isthmus {
 
@@ -33,6 +33,8 @@ struct LiveOptions {
   std::chrono::milliseconds status_interval{1000};
   MapPublisherOptions map;
   JournalOptions journal;
+  bool snapshots = false;            ///< isthmus-snapshot is run beside the server, at each closed segment
+  std::optional<int> keep_segments;  ///< see SnapshotPolicy
   AdmissionLimits admission;
   Log log;
   /// Takes the metrics with each status; empty: nobody does.
@@ -56,13 +58,14 @@ class LiveServer {
   /// std::runtime_error where those cannot be written.
   void run();
 
-  const Engine& engine() const { return engine_; }
+  const Engine& engine() const { return map_.engine; }
 
   /// Knows the configuration's keys, and what the journal that was found has taken already.
   Authenticator authenticator() const { return Authenticator(authentication_, counters_); }
 
  private:
   void begin();
+  RecoveryOptions recovery_options() const;
   void begin_recovery();
   void recover();
   void handle(Message message);
@@ -72,6 +75,7 @@ class LiveServer {
   void tick_if_due();
   void count_inbox_drops();
   void publish_status_if_due();
+  void keep_snapshots();
   void write_results();
   void say(LogLevel level, std::string_view message, const LogFields& fields) const;
 
@@ -80,17 +84,17 @@ class LiveServer {
   Publish publish_;
   Authentication authentication_;
   SignatureCounters counters_;
-  Engine engine_;
+  ServedMap map_;
   Admission admission_;
-  RobotMonitor monitor_;
   RendezvousPublisher rendezvous_;
   LatencyHistogram latency_;
-  std::int64_t last_utime_ = 0;  ///< receive times never go back
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point last_event_;
   std::chrono::steady_clock::time_point last_status_;
   ClosureLog closure_log_;
   std::unique_ptr<Journal> journal_;
+  std::unique_ptr<SnapshotProcess> snapshots_;
+  int closed_segments_ = 0;             ///< that it has been told of
   std::unique_ptr<Recovery> recovery_;  ///< of a journal that was found, until it is done
   std::unique_ptr<MapPublisher> map_publisher_;
 };

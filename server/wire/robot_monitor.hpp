@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <tuple>
 
 #include "isthmus/manifold_pose_t.hpp"
 #include "isthmus/status_t.hpp"
@@ -29,6 +30,8 @@ class RobotMonitor {
   /// `elapsed_s` since the status before, for the rates.
   status_t status(const MapCopy& map, const ServerCounters& server, std::int64_t utime, double elapsed_s);
 
+  auto members() { return std::tie(robots_); }
+
  private:
   struct Robot {
     std::int64_t last_heard_utime = 0;
@@ -38,6 +41,11 @@ class RobotMonitor {
     std::int64_t scans_matched = 0;
     double message_rate_hz = 0;
     double scan_rate_hz = 0;
+
+    auto members() {
+      return std::tie(last_heard_utime, messages_since, scans_since, scans, scans_matched, message_rate_hz,
+                      scan_rate_hz);
+    }
   };
 
   std::map<std::string, Robot> robots_;

@@ -27,6 +27,9 @@ struct Arguments {
   std::string checked_file;
   std::string log_level = "info";
   int metrics_port = 0;
+  std::int64_t segment_mb = 64;
+  bool no_snapshots = false;
+  int keep_segments = -1;
 };
 
 void add_options(CLI::App& app, Arguments& arguments) {
@@ -35,6 +38,15 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--journal", arguments.journal_directory,
                  "directory for the record of all events; what it holds already is mapped again first");
+  app.add_option("--segment-mb", arguments.segment_mb,
+                 "size of the journal's files, after which the next begins")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_flag("--no-snapshots", arguments.no_snapshots,
+               "do not run isthmus-snapshot beside this program: a restart maps the whole journal again");
+  app.add_option("--keep-segments", arguments.keep_segments,
+                 "how many files of the journal stay that a snapshot holds too; without it all do")
+      ->check(CLI::Range(0, 1'000'000));
   app.add_option("--output", arguments.output_directory,
                  "directory for maps and trajectories, written at the end");
   app.add_option("--metrics-port", arguments.metrics_port,
@@ -108,6 +120,9 @@ void serve(const Arguments& arguments, const std::string& toml) {
   } else {
     options.start_utime = first_utime(log_file);
   }
+  options.journal.segment_bytes = arguments.segment_mb * 1'000'000;
+  options.snapshots = !arguments.no_snapshots;
+  if (arguments.keep_segments >= 0) options.keep_segments = arguments.keep_segments;
   options.journal.report = [&](const std::string& text) { log(LogLevel::warning, text, {}); };
   options.log = log;
   std::optional<MetricsServer> metrics;

@@ -28,11 +28,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (Journal(directory.string()).torn_bytes() != 0) std::abort();
   try {
-    Engine engine;
     Recovery recovery(directory.string());
     if (!recovery.has_events()) std::abort();
-    recovery.configure(engine);
-    for (int event = 0; event < 200 && recovery.step(engine); ++event) {
+    ServedMap map = recovery.begin();
+    for (int event = 0; event < 200 && recovery.step(map); ++event) {
     }
   } catch (const std::runtime_error&) {  // its configuration is wrong
   }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/output/atomic_file.hpp"
-#include "tools/replay/replay.hpp"
+#include "tools/replay/read_map.hpp"
 #include "tools/text/progress.hpp"
 
 namespace {
@@ -27,7 +27,7 @@ ReplayResult replayed(const Arguments& arguments) {
   options.warn = [](const std::string& warning) {
     std::fprintf(stderr, "isthmus-export: %s\n", warning.c_str());
   };
-  return replay(arguments.log, options);
+  return read_map(arguments.log, options);
 }
 
 void run(const Arguments& arguments) {
@@ -45,7 +45,8 @@ int main(int argc, char** argv) {
   CLI::App app("Writes the map of a journal or log: grids, trajectories, tables, graph and report.",
                "isthmus-export");
   Arguments arguments;
-  app.add_option("journal", arguments.log, "a journal directory, or an LCM event log")->required();
+  app.add_option("journal", arguments.log, "a journal directory, a snapshot of one, or an LCM event log")
+      ->required();
   app.add_option("--output", arguments.output, "directory for the files, made where missing")->required();
   app.add_option("--resolution", arguments.resolution_m, "size of a grid cell in metres")
       ->check(CLI::Range(0.005, 10.0))

@@ -10,7 +10,7 @@
 #include "tools/inspect/confidence_text.hpp"
 #include "tools/inspect/overview.hpp"
 #include "tools/inspect/pose_graph.hpp"
-#include "tools/replay/replay.hpp"
+#include "tools/replay/read_map.hpp"
 #include "tools/text/progress.hpp"
 
 namespace {
@@ -39,14 +39,14 @@ ReplayResult replayed(const Arguments& arguments) {
   options.warn = [](const std::string& warning) {
     std::fprintf(stderr, "isthmus-inspect: %s\n", warning.c_str());
   };
-  return replay(arguments.path, options);
+  return read_map(arguments.path, options);
 }
 
 std::string confidence(const Arguments& arguments, const RelationGraph& graph, std::span<const Pose> poses) {
   return confidence_text(graph, poses, PatchId{arguments.confidence[0]}, PatchId{arguments.confidence[1]});
 }
 
-/// An output directory is read; anything else is a log, and replayed.
+/// An output directory is read as it is; of anything else the map is made.
 std::string inspect(const Arguments& arguments) {
   const std::string report = arguments.path + "/report.json";
   if (std::filesystem::exists(report)) {
@@ -67,7 +67,8 @@ int main(int argc, char** argv) {
   CLI::App app("Shows what is in a map: counters, islands, sessions, closures with their ids.",
                "isthmus-inspect");
   Arguments arguments;
-  app.add_option("path", arguments.path, "an output directory; or a journal directory or LCM log, replayed")
+  app.add_option("path", arguments.path,
+                 "an output directory, a snapshot, a journal directory, or an LCM log (replayed)")
       ->required();
   app.add_option("--confidence", arguments.confidence,
                  "A B: how well patch B is determined with respect to patch A (ids as in patches.csv)")

@@ -9,6 +9,7 @@
 
 #include "server/engine/refinement.hpp"
 #include "server/wire/event_log.hpp"
+#include "server/wire/journal_files.hpp"
 
 namespace isthmus {
 namespace {
@@ -39,11 +40,25 @@ Configuration read_configuration(const std::string& file) {
   return parsed(text.str(), file);
 }
 
+/// A path, once it is known that no events are missing at its beginning.
+const std::string& whole(const std::string& path) {
+  if (is_journal(path) && list_journal(path).segments.begin()->first != 1) {
+    throw std::runtime_error(
+        path +
+        ": its first segments were pruned; isthmus-export and isthmus-inspect read it by "
+        "its snapshots");
+  }
+  return path;
+}
+
 /// One run of the engine over one log.
 class Replay {
  public:
   Replay(const std::string& path, const ReplayOptions& options)
-      : options_(options), path_(path), reader_(path), own_configuration_(options.config_file.empty()) {
+      : options_(options),
+        path_(whole(path)),
+        reader_(path),
+        own_configuration_(options.config_file.empty()) {
     if (!own_configuration_) result_.engine = Engine(read_configuration(options.config_file));
   }
 

@@ -1,0 +1,50 @@
+#include "tools/replay/read_map.hpp"
+
+#include <chrono>
+#include <stdexcept>
+
+#include "server/wire/journal_files.hpp"
+#include "server/wire/recovery.hpp"
+
+namespace isthmus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+ReplayResult finished(ServedMap map, Clock::time_point start) {
+  ReplayResult result;
+  result.engine = std::move(map.engine);
+  result.engine.finish();
+  result.messages = map.events;
+  result.cost.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  result.cost.cpu_s = process_cpu_s();
+  result.cost.peak_rss_mb = process_peak_rss_mb();
+  return result;
+}
+
+ServedMap recovered(const std::string& journal, const ReplayOptions& options) {
+  RecoveryOptions recovery_options;
+  recovery_options.warn = options.warn;
+  Recovery recovery(journal, recovery_options);
+  ServedMap map = recovery.begin();
+  while (recovery.step(map))
+    if (options.progress) options.progress(recovery.progress());
+  if (recovery.skipped_bytes() > 0 && options.warn)
+    options.warn(journal + ": " + std::to_string(recovery.skipped_bytes()) + " damaged bytes passed over");
+  return map;
+}
+
+}  // namespace
+
+ReplayResult read_map(const std::string& path, const ReplayOptions& options) {
+  const Clock::time_point start = Clock::now();
+  if (is_snapshot(path)) {
+    if (!options.config_file.empty())
+      throw std::runtime_error(path + ": a snapshot keeps the configuration that it was made with");
+    return finished(read_snapshot(path).map, start);
+  }
+  if (is_journal(path) && options.config_file.empty()) return finished(recovered(path, options), start);
+  return replay(path, options);
+}
+
+}  // namespace isthmus

@@ -1,0 +1,52 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "server/wire/snapshots.hpp"
+
+namespace {
+
+using namespace isthmus;
+
+struct Arguments {
+  std::string journal;
+  int keep_segments = -1;
+};
+
+void run(const Arguments& arguments) {
+  SnapshotPolicy policy;
+  if (arguments.keep_segments >= 0) policy.keep_segments = arguments.keep_segments;
+  policy.warn = [](const std::string& warning) {
+    std::fprintf(stderr, "isthmus-snapshot: %s\n", warning.c_str());
+  };
+  const SnapshotsMade made = update_snapshots(arguments.journal, policy);
+  std::printf("%s: %d snapshots written, the newest after segment %d; %d segments pruned\n",
+              arguments.journal.c_str(), made.written, made.last_segment, made.pruned_segments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Keeps snapshots of a journal's closed segments, from which a server restarts sooner. The server runs "
+      "it "
+      "beside itself; by hand it does what is left to do.",
+      "isthmus-snapshot");
+  Arguments arguments;
+  app.add_option("journal", arguments.journal, "a journal's directory")->required();
+  app.add_option("--keep-segments", arguments.keep_segments,
+                 "how many closed segments stay that a snapshot holds too; without it all do")
+      ->check(CLI::Range(0, 1'000'000));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    run(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "isthmus-snapshot: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
