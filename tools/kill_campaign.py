@@ -7,7 +7,8 @@ The log is played over UDP on this machine alone (lcm-logplayer, ttl=0), again f
 with --file the server reads it itself, from its start after each kill. SIGKILL comes at random moments, while
 it takes messages and while it recovers; after every other one the journal loses some of its last bytes besides,
 as in a power cut. After the last kill it recovers, is stopped with SIGTERM, and must
-have written the map_sha256 that isthmus-replay gets from its journal. Several rounds of so many kills each
+have written the map_sha256 that isthmus-replay gets from all of its journal; snapshots of the segments are made
+meanwhile, and what was recovered began with them. Several rounds of so many kills each
 begin with a new journal (--kills-per-journal).
 """
 
@@ -54,7 +55,8 @@ class Campaign:
         url = "file://" + self.log if self.arguments.file else self.url
         with open(os.path.join(self.work, "server.log"), "ab") as errors:
             return subprocess.Popen(
-                [os.path.join(self.bin, "isthmus-server"), "--lcm-url", url, "--journal", journal, "--output", output],
+                [os.path.join(self.bin, "isthmus-server"), "--lcm-url", url, "--journal", journal, "--output", output, "--segment-mb",
+                 str(self.arguments.segment_mb)],
                 stderr=errors)
 
     def round(self, number, kills):
@@ -87,7 +89,8 @@ class Campaign:
         return self.compare(number, journal, output)
 
     def cut_power(self, journal):
-        segments = sorted(os.listdir(journal)) if os.path.isdir(journal) else []
+        files = os.listdir(journal) if os.path.isdir(journal) else []
+        segments = sorted(name for name in files if name.endswith(".lcm"))
         if segments:
             last = os.path.join(journal, segments[-1])
             os.truncate(last, max(0, os.path.getsize(last) - self.random.randrange(5000)))
@@ -113,6 +116,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--speed", type=float, default=50, help="of the played log, in times of its own")
     parser.add_argument("--longest", type=float, default=1.5, help="seconds that a server lives, at most")
+    parser.add_argument("--segment-mb", type=int, default=1, help="small, so that snapshots are restarted from")
     parser.add_argument("--port", type=int, default=7697)
     parser.add_argument("--file", action="store_true", help="the server reads the log itself")
     parser.add_argument("--keep", metavar="DIR", help="keep journals and maps in this directory")

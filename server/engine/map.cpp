@@ -75,6 +75,11 @@ std::int64_t Map::stamp(std::span<const PatchId> patches) const {
   return newest;
 }
 
+bool Map::is_sound() const {
+  const std::size_t size = manifold_.patches().size();
+  return manifold_.poses().size() == size && graph_.patch_count() == size && stamps_.size() == size;
+}
+
 void Map::touch(PatchId patch) { stamps_[static_cast<std::size_t>(patch.value)] = ++changes_; }
 
 }  // namespace isthmus

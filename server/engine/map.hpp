@@ -36,6 +36,9 @@ class Map {
   /// The newest stamp on any of these patches.
   std::int64_t stamp(std::span<const PatchId> patches) const;
 
+  /// Whether its parts are of the same patches: of what comes from elsewhere.
+  bool is_sound() const;
+
   auto members() { return std::tie(manifold_, graph_, stamps_, changes_); }
 
  private:

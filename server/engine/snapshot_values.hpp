@@ -42,11 +42,17 @@ void serialize(Archive& archive, Value& value) {
   static_assert(size_with(std::type_identity<Members>{}) == sizeof(Value),
                 "members() must list all members, in their order");
   std::apply([&](auto&... members) { archive(members...); }, value.members());
+  if constexpr (std::is_same_v<Archive, SnapshotReader> && requires { value.is_sound(); })
+    if (!value.is_sound()) throw std::runtime_error("its map is not one");
 }
 
 template <class Archive, class Tag>
 void serialize(Archive& archive, Id<Tag>& id) {
   archive(id.value);
+  if constexpr (std::is_same_v<Archive, SnapshotReader> && std::is_same_v<Id<Tag>, PatchId>) {
+    const auto end = static_cast<std::int64_t>(archive.context.patches.size());
+    if (id.value < -1 || id.value > end) throw std::runtime_error("it names a patch that it lacks");
+  }
 }
 
 template <class Archive>
