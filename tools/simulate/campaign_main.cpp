@@ -7,6 +7,7 @@
 
 #include "tools/simulate/closures_campaign.hpp"
 #include "tools/simulate/confidence_campaign.hpp"
+#include "tools/simulate/hostile_campaign.hpp"
 #include "tools/simulate/scenario_file.hpp"
 #include "tools/simulate/sightings_campaign.hpp"
 
@@ -18,6 +19,7 @@ struct Arguments {
   std::uint64_t first_seed = 1;
   std::vector<std::string> overrides;
   double false_share = 0.3;
+  std::int64_t messages = 1'000'000;
   std::string output;
 };
 
@@ -167,6 +169,24 @@ void closures_campaign(const Arguments& arguments) {
   }
 }
 
+void hostile_campaign(const Arguments& arguments) {
+  for (const std::string& name : arguments.scenarios) {
+    for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
+      const auto t = isthmus::try_hostile_messages(load(name, arguments, seed), seed, arguments.messages);
+      std::printf(
+          "%s, seed %llu: %lld hostile messages, %.1f CPU s, %.0f MB at most; %zu patches of theirs\n",
+          name.c_str(), static_cast<unsigned long long>(seed), static_cast<long long>(t.messages), t.cpu_s,
+          t.peak_rss_mb, t.hostile_patches);
+      for (const auto& [reason, count] : t.dropped)
+        std::printf("  %-28s %9lld\n", reason.c_str(), static_cast<long long>(count));
+      std::printf("  the team's error: %.4f m over %zu relations (%.4f m without them), %zu not told (%zu)\n",
+                  t.errors.mean_m, t.errors.compared, t.errors.mean_clean_m, t.errors.missing,
+                  t.errors.missing_clean);
+      std::fflush(stdout);
+    }
+  }
+}
+
 std::vector<std::string> campaign_scenarios() {
   std::vector<std::string> names;
   for (const auto& scenario : isthmus::list_scenarios()) {
@@ -212,6 +232,18 @@ void add_closures(CLI::App& app, Arguments& arguments) {
       ->allow_extra_args(false);
 }
 
+void add_hostile(CLI::App& app, Arguments& arguments) {
+  CLI::App* hostile = app.add_subcommand(
+      "hostile", "Maps runs through a server that hears messages that are spoilt between the team's.");
+  hostile->add_option("--scenario", arguments.scenarios, "Scenarios to run")
+      ->required()
+      ->allow_extra_args(false);
+  hostile->add_option("--seeds", arguments.seeds, "Runs of each scenario")->capture_default_str();
+  hostile->add_option("--from", arguments.first_seed, "Seed of the first run")->capture_default_str();
+  hostile->add_option("--messages", arguments.messages, "Hostile messages in each run")
+      ->capture_default_str();
+}
+
 void add_confidence(CLI::App& app, Arguments& arguments) {
   app.add_option("--scenario", arguments.scenarios, "Scenarios to run (default: all named campaign_...)")
       ->allow_extra_args(false);
@@ -235,12 +267,15 @@ int main(int argc, char** argv) {
   add_confidence(app, arguments);
   add_sightings(app, arguments);
   add_closures(app, arguments);
+  add_hostile(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
     if (app.got_subcommand("sightings")) {
       sightings_campaign(arguments);
     } else if (app.got_subcommand("closures")) {
       closures_campaign(arguments);
+    } else if (app.got_subcommand("hostile")) {
+      hostile_campaign(arguments);
     } else {
       if (arguments.scenarios.empty()) arguments.scenarios = campaign_scenarios();
       campaign(arguments);

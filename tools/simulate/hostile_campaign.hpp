@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "tools/simulate/sightings_campaign.hpp"
+#include "tools/simulate/simulation.hpp"
+
+namespace isthmus {
+
+/// A team's run through a server that hears hostile messages between the team's: the team's own with bits and
+/// bytes changed, cut, lengthened, spliced or of random bytes, in the name of a robot that joins the team, of
+/// strangers, and of the server itself.
+struct HostileTrial {
+  std::int64_t messages = 0;                    ///< hostile ones that were sent
+  std::map<std::string, std::int64_t> dropped;  ///< messages, by reason
+  std::size_t hostile_patches =
+      0;                      ///< that the map holds of it: what was well formed is mapped as it is told
+  RelationComparison errors;  ///< of the team, against its run without them
+  double cpu_s = 0;
+  double peak_rss_mb = 0;
+};
+
+/// Throws std::runtime_error where the server did not take a message of the team's.
+HostileTrial try_hostile_messages(const Scenario& scenario, std::uint64_t seed, std::int64_t messages);
+
+}  // namespace isthmus
