@@ -22,7 +22,7 @@ std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
       Closure& other = closures_.at(trial_->proposal().id);
       trial_.reset();
       if (other.from_scans) {
-        put_off(world, other.record.id);
+        put_off(other.record.id);
       } else {
         other.record.state = "refused";
         other.record.reason = "map_changed";
@@ -40,7 +40,7 @@ std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", "forbidden", id);
   std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "refused"; });
   tried_.clear();
-  consider_pool_again(world);
+  consider_pool_again();
   return "";
 }
 
@@ -64,11 +64,11 @@ std::string Closures::allow(ClosureId id) {
   return "";
 }
 
-void Closures::forget_robot(World world, const std::string& robot) {
+void Closures::forget_robot(const std::string& robot) {
   if (trial_) {
     const ClosureId id = trial_->proposal().id;
     trial_.reset();
-    put_off(world, id);
+    put_off(id);
   }
   const auto is_its = [&](const Evidence& evidence) {
     if (evidence.sighting.robot != robot && evidence.target != robot) return false;

@@ -318,19 +318,22 @@ void Closures::work(World world) {
   const std::int64_t passed = std::clamp<std::int64_t>(world.now_utime - last_utime_, 0, 1'000'000);
   credit_us_ = std::min(most_credit_us,
                         credit_us_ + static_cast<std::int64_t>(work_share * static_cast<double>(passed)));
-  if (!trial_) return;
+  // A new patch is the dearest thing a scan can bring: the trial's turn is at the next event.
+  const bool grown = std::exchange(patches_, world.map.manifold().size()) != world.map.manifold().size();
+  if (!trial_ || grown) return;
+  // Judged at one event, taken over at the next: each may take some milliseconds.
+  if (trial_->done()) return end_trial(world);
   trial_->advance(world.now_utime);
   while (!trial_->done() && credit_us_ >= step_price_us) {
     if (!trial_->step(world.now_utime)) break;
     credit_us_ -= step_price_us;
   }
-  if (trial_->done()) end_trial(world);
 }
 
 void Closures::end_trial(World world) {
   const std::unique_ptr<Trial> trial = std::move(trial_);
   Closure& closure = closures_.at(trial->proposal().id);
-  if (trial->undecided() && !closure.from_scans) return put_off(world, trial->proposal().id);
+  if (trial->undecided() && !closure.from_scans) return put_off(trial->proposal().id);
   ClosureRecord& record = closure.record;
   record.patches_touched = trial->patches_touched();
   record.work_steps = trial->work_steps();
@@ -359,11 +362,11 @@ void Closures::end_trial(World world) {
     std::ranges::stable_sort(pool_, {}, &Evidence::record);
   }
   if (closure.from_scans) rule(closure);
-  consider_pool_again(world);
+  consider_pool_again();
 }
 
 // Neither accepted nor refused: as if it had not been proposed yet. Its sightings wait for more.
-void Closures::put_off(World world, ClosureId id) {
+void Closures::put_off(ClosureId id) {
   const auto found = closures_.find(id);
   if (found->second.from_scans) {
     found->second.record.reason = "map_changed";
@@ -377,7 +380,7 @@ void Closures::put_off(World world, ClosureId id) {
   std::ranges::stable_sort(pool_, {}, &Evidence::record);
   closures_.erase(found);
   if (id.value + 1 == next_id_) --next_id_;
-  consider_pool_again(world);
+  consider_pool_again();
 }
 
 }  // namespace isthmus

@@ -20,6 +20,7 @@ constexpr double another_tag_m = 0.3;
 constexpr std::size_t enough_beside_another = 6;
 constexpr double apart_beside_another_m = 1;
 constexpr std::size_t most_for_tag = 30;  // newest sightings of a tag that is nowhere yet
+constexpr int most_judged_again = 4;      // in one event: each may ask for a covariance
 
 PastPlace tag_place(PatchId patch, std::int64_t utime) {
   return {utime, 0, {patch, Pose{}}, Eigen::Matrix3d::Zero(), Pose{}};
@@ -188,7 +189,7 @@ void Closures::place_tags(World world) {
   }
   if (placed.empty()) return;
   std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "accepted"; });
-  consider_pool_again(world);
+  consider_pool_again();
 }
 
 void Closures::place_tag(World world, std::int32_t barcode, const std::vector<std::size_t>& members) {
@@ -218,19 +219,35 @@ void Closures::place_tag(World world, std::int32_t barcode, const std::vector<st
   world.map.refit_around(id, world.options.window_patches);
 }
 
-void Closures::consider_pool_again(World world) {
-  std::vector<Evidence> pool = std::exchange(pool_, {});
-  for (Evidence& evidence : pool) {
+void Closures::consider_pool_again() {
+  for (Evidence& evidence : pool_) {
     const auto tag = tag_patches_.find(evidence.sighting.barcode);
     if (evidence.is_tag && tag != tag_patches_.end())
       evidence.target_place = tag_place(tag->second, evidence.sighting.utime);
-    consider(world, std::move(evidence));
+    evidence.judge_again = true;
   }
+  judging_again_ = !pool_.empty();
+}
+
+// What the changed map may tell now of those that wait, a few an event. Nothing is proposed meanwhile.
+void Closures::judge_again(World world) {
+  int judged = 0;
+  for (Evidence& evidence : pool_) {
+    if (!evidence.judge_again) continue;
+    if (judged++ >= most_judged_again && !world.no_more_waiting) break;
+    evidence.judge_again = false;
+    if (!evidence.target_place || !judge_by_map(world, evidence))
+      verdict(evidence, "waiting", evidence.doubt);
+  }
+  std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "accepted"; });
+  judging_again_ = std::ranges::any_of(pool_, &Evidence::judge_again);
+  pool_changed_ = true;
 }
 
 void Closures::advance(World world) {
   place_sightings(world);
-  if (pool_changed_) {
+  if (judging_again_) judge_again(world);
+  if (pool_changed_ && !judging_again_) {
     pool_changed_ = false;
     place_tags(world);
     const std::vector<Group> all = groups(world);
@@ -251,9 +268,10 @@ void Closures::finish(World world) {
   place_tags(world);
   do {
     end_trial_now(world);
+    if (judging_again_) judge_again(world);
     pool_changed_ = false;
     propose(world);
-  } while (trial_ || pool_changed_);
+  } while (trial_ || pool_changed_ || judging_again_);
   for (const Evidence& evidence : pool_) verdict(evidence, "refused", evidence.doubt);
   pool_.clear();
 }

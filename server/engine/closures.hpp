@@ -77,7 +77,9 @@ class Closures {
   };
   std::vector<Ruling> take_rulings() { return std::exchange(rulings_, {}); }
 
-  bool has_work() const { return !unplaced_.empty() || trial_ != nullptr || !to_refit_.empty(); }
+  bool has_work() const {
+    return !unplaced_.empty() || judging_again_ || trial_ != nullptr || !to_refit_.empty();
+  }
 
   /// Operators: no closure of this id, or like it, from now on; an accepted one is taken back. Returns why
   /// not, or nothing.
@@ -86,7 +88,7 @@ class Closures {
   std::string allow(ClosureId id);
 
   /// A robot's data is taken out: nothing that it saw, or that saw it, waits any longer. A trial is put off.
-  void forget_robot(World world, const std::string& robot);
+  void forget_robot(const std::string& robot);
 
   const std::vector<SightingRecord>& sightings() const { return records_; }
   std::vector<ClosureRecord> closures() const;
@@ -97,9 +99,9 @@ class Closures {
   std::vector<PatchId> take_changed() { return std::exchange(changed_, {}); }
 
   auto members() {
-    return std::tie(records_, unplaced_, pool_, pool_changed_, tried_, looked_at_, to_refit_, tag_patches_,
-                    closures_, forbidden_, trial_, weighed_utime_, next_id_, credit_us_, last_utime_,
-                    changed_, rulings_);
+    return std::tie(records_, unplaced_, pool_, pool_changed_, judging_again_, tried_, patches_, looked_at_,
+                    to_refit_, tag_patches_, closures_, forbidden_, trial_, weighed_utime_, next_id_,
+                    credit_us_, last_utime_, changed_, rulings_);
   }
 
  private:
@@ -139,7 +141,8 @@ class Closures {
   void add_to_map(World world, const Evidence& evidence);
   void place_tags(World world);
   void place_tag(World world, std::int32_t barcode, const std::vector<std::size_t>& members);
-  void consider_pool_again(World world);
+  void consider_pool_again();
+  void judge_again(World world);
 
   std::vector<Group> groups(World world) const;
   void thin(const std::vector<Group>& groups, World world);
@@ -153,14 +156,16 @@ class Closures {
   std::vector<Evidence> take_supporters(const Group& group, const Alignment& alignment);
   void work(World world);
   void end_trial(World world);
-  void put_off(World world, ClosureId id);
+  void put_off(ClosureId id);
   void rule(const Closure& closure, double value = 0);
 
   std::vector<SightingRecord> records_;
   std::deque<Evidence> unplaced_;
   std::vector<Evidence> pool_;
   bool pool_changed_ = false;
+  bool judging_again_ = false;        ///< some of the pool are still to be
   std::map<std::string, int> tried_;  ///< by group: the support of the trial that was refused
+  std::size_t patches_ = 0;           ///< when last worked
   std::map<std::string, std::pair<std::size_t, std::size_t>> looked_at_;  ///< by group: its size and newest
   std::deque<PatchId> to_refit_;  ///< patches that sightings were added to
   std::map<std::int32_t, PatchId> tag_patches_;

@@ -269,7 +269,7 @@ void Engine::State::record(Robot& robot, const ManifoldPose& pose, const Pose& o
 std::string Engine::State::drop_data(const std::string& name) {
   Robot* robot = declared(name);
   if (!robot) return "unknown_robot";
-  closures.forget_robot(world(), name);
+  closures.forget_robot(name);
   hypotheses.forget_robot(map, name);
   const std::vector<Relation> taken = take_out(map, name, robots);
   Dropped& kept = dropped[name];

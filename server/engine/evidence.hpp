@@ -28,9 +28,11 @@ struct Evidence {
   /// Of a tag: where its patch is, once it has one.
   std::optional<PastPlace> target_place;
   std::string doubt = "unsupported";  ///< why it would be refused if nothing more came
+  bool judge_again = false;           ///< the map has changed since it was judged
 
   auto members() {
-    return std::tie(record, receive_utime, sighting, observer, target, is_tag, target_place, doubt);
+    return std::tie(record, receive_utime, sighting, observer, target, is_tag, target_place, doubt,
+                    judge_again);
   }
 };
 

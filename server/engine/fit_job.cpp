@@ -7,6 +7,7 @@ namespace isthmus {
 namespace {
 
 constexpr std::int64_t us_per_patch = 20'000;
+constexpr std::size_t most_abandoned = 4;  // so many threads at most are for nothing
 
 FitJob::Result fit_copy(const RelationGraph& graph, std::vector<Pose> poses, IslandId island,
                         const std::optional<FitJob::ConfidenceQuestion>& question) {
@@ -40,6 +41,15 @@ FitJob::FitJob(const Map& map, IslandId island, std::int64_t now_utime,
 bool FitJob::advance(std::int64_t now_utime) {
   --events_left_;
   return events_left_ <= 0 || now_utime >= due_utime_;
+}
+
+void AbandonedFits::add(std::unique_ptr<FitJob> job) {
+  jobs_.push_back(std::move(job));
+  if (jobs_.size() > most_abandoned) jobs_.pop_front();
+}
+
+void AbandonedFits::let_go() {
+  std::erase_if(jobs_, [](const auto& job) { return job->ended(); });
 }
 
 }  // namespace isthmus

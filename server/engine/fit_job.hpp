@@ -1,7 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <future>
+#include <memory>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -39,6 +42,9 @@ class FitJob {
   /// Tells the job that an event was handled. Returns whether its result is due.
   bool advance(std::int64_t now_utime);
   IslandId island() const { return island_; }
+  /// Whether the thread has ended. It says nothing to what the map becomes: only whether letting go of the
+  /// job would wait.
+  bool ended() const { return result_.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
   /// Waits for the result where it is late.
   Result take() { return result_.get(); }
 
@@ -49,6 +55,18 @@ class FitJob {
   std::int64_t events_left_ = 0;
   std::int64_t due_utime_ = 0;
   std::shared_future<Result> result_;
+};
+
+/// Fits that nobody waits for any more, until their threads end: letting go of one before would be a wait.
+/// They say nothing to what the map becomes, and are not in snapshots.
+class AbandonedFits {
+ public:
+  void add(std::unique_ptr<FitJob> job);
+  /// Of those that have ended.
+  void let_go();
+
+ private:
+  std::deque<std::unique_ptr<FitJob>> jobs_;
 };
 
 }  // namespace isthmus

@@ -20,7 +20,6 @@ constexpr double work_share = 0.02;  // of the time that passes
 constexpr std::int64_t most_credit_us = 10'000;
 constexpr std::int64_t least_price_us = 1'000;  // nominal, of one step
 constexpr double price_per_evaluation_us = 0.1;
-constexpr double price_per_patch_us = 5;
 
 bool share_a_patch(const RigidPiece& a, const RigidPiece& b) {
   return std::ranges::any_of(a.local.patches, [&](const LocalPatch& of_a) {
@@ -34,6 +33,7 @@ bool share_a_patch(const RigidPiece& a, const RigidPiece& b) {
 void Hypotheses::advance(World world, Closures& closures) {
   hear(world, closures);
   follow(world);
+  look_up(world);
   work(world);
   if (pool_changed_ && !closures.on_trial()) pool_changed_ = propose(world, closures);
 }
@@ -42,7 +42,11 @@ void Hypotheses::finish(World world, Closures& closures) {
   closures.end_trial_now(world);
   hear(world, closures);
   follow(world);
-  while (has_work()) step(world);
+  while (has_work()) {
+    look_up(world);
+    if (looking_up_) end_look_up();
+    if (can_step()) step(world);
+  }
   // The maps are as large now as they will be: what was undecided may be plain.
   for (auto& [id, hypothesis] : hypotheses_) hypothesis.tried = 0;
   while (propose(world, closures)) {
@@ -97,20 +101,44 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
   }
 }
 
+// All that wait are looked up together, once those before them have had their turn.
+void Hypotheses::look_up(World world) {
+  if (looking_up_ && looking_up_->is_due(world.now_utime)) end_look_up();
+  if (looking_up_ || queue_.empty() || !ready_.empty()) return;
+  asked_.assign(std::make_move_iterator(queue_.begin()), std::make_move_iterator(queue_.end()));
+  queue_.clear();
+  std::vector<PatchId> newest;
+  for (const Query& query : asked_) newest.push_back(query.newest_first.front());
+  looking_up_.emplace(world.map, std::move(newest), world.now_utime);
+}
+
+void Hypotheses::end_look_up() {
+  const PlacesJob::Places& places = looking_up_->places();
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    if (asked_[i].newest_first.empty()) continue;
+    asked_[i].places = places[i];
+    ready_.push_back(std::move(asked_[i]));
+  }
+  asked_.clear();
+  looking_up_.reset();
+}
+
 void Hypotheses::work(World world) {
   const std::int64_t passed = std::clamp<std::int64_t>(world.now_utime - last_utime_, 0, 1'000'000);
   last_utime_ = world.now_utime;
   credit_us_ = std::min(most_credit_us,
                         credit_us_ + static_cast<std::int64_t>(work_share * static_cast<double>(passed)));
-  if (credit_us_ > 0 && has_work()) credit_us_ -= step(world);
+  // A new patch is the dearest thing a scan can bring: the search's turn is at the next event.
+  const bool grown = std::exchange(patches_, world.map.manifold().size()) != world.map.manifold().size();
+  if (credit_us_ > 0 && !grown && can_step()) credit_us_ -= step(world);
 }
 
 std::int64_t Hypotheses::step(World world) {
   if (!query_) {
-    query_ = std::move(queue_.front());
-    queue_.pop_front();
+    query_ = std::move(ready_.front());
+    ready_.pop_front();
+    return begin(world, *query_);
   }
-  if (!query_->begun) return begin(world, *query_);
   if (query_->next < query_->places.size()) return search_next(world, *query_);
   const std::int64_t price = decide(world, *query_);
   query_.reset();
@@ -118,13 +146,10 @@ std::int64_t Hypotheses::step(World world) {
 }
 
 std::int64_t Hypotheses::begin(World world, Query& query) {
-  query.begun = true;
-  const PatchId newest = query.newest_first.front();
-  query.places = places_on_own_island(world.map, newest);
-  std::ranges::copy(places_on_other_islands(world.map, newest), std::back_inserter(query.places));
+  std::ranges::copy(places_on_other_islands(world.map, query.newest_first.front()),
+                    std::back_inserter(query.places));
   if (!query.places.empty()) query.piece = piece_of_way(world.map, query.newest_first);
-  return least_price_us +
-         static_cast<std::int64_t>(price_per_patch_us * static_cast<double>(world.map.manifold().size()));
+  return least_price_us;
 }
 
 std::int64_t Hypotheses::search_next(World world, Query& query) {

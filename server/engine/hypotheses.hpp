@@ -10,6 +10,7 @@
 #include "server/engine/closures.hpp"
 #include "server/engine/consistency.hpp"
 #include "server/engine/place_candidates.hpp"
+#include "server/engine/places_job.hpp"
 #include "server/engine/undecided.hpp"
 
 namespace isthmus {
@@ -18,13 +19,14 @@ namespace isthmus {
 /// last is searched for at the places where it may have been before, on its own island within the relative
 /// covariance and on others anywhere. What is found there, once and only once, waits until several finds
 /// agree all around the loops that they form; those are proposed to the closures, which try them out beside
-/// the map. Searching is done in bounded steps on credit that grows with time, so no event waits long for it.
+/// the map. Where to search is looked up beside the engine (places_job.hpp), and searching is done in bounded
+/// steps on credit that grows with time, so no event waits long for it.
 class Hypotheses {
  public:
   void advance(World world, Closures& closures);
   /// All that is left, as if nothing more will come.
   void finish(World world, Closures& closures);
-  bool has_work() const { return !queue_.empty() || query_.has_value(); }
+  bool has_work() const { return !queue_.empty() || looking_up_ || can_step(); }
 
   /// A robot's data is taken out.
   void forget_robot(const Map& map, const std::string& robot);
@@ -36,8 +38,9 @@ class Hypotheses {
   const HypothesisCounts& counts() const { return counts_; }
 
   auto members() {
-    return std::tie(ways_, newest_, queue_, query_, pool_, agreements_, pool_changed_, hypotheses_, parked_,
-                    refuted_, counts_, credit_us_, last_utime_);
+    return std::tie(ways_, newest_, queue_, asked_, looking_up_, ready_, query_, pool_, agreements_,
+                    pool_changed_, hypotheses_, parked_, refuted_, counts_, credit_us_, last_utime_,
+                    patches_);
   }
 
  private:
@@ -52,7 +55,6 @@ class Hypotheses {
   struct Query {
     std::vector<PatchId> newest_first;
     std::string robot;
-    bool begun = false;
     RigidPiece piece;
     std::vector<PlaceCandidate> places;
     std::size_t next = 0;
@@ -61,7 +63,7 @@ class Hypotheses {
     bool exhausted = false;
 
     auto members() {
-      return std::tie(newest_first, robot, begun, piece, places, next, answers, best_score, exhausted);
+      return std::tie(newest_first, robot, piece, places, next, answers, best_score, exhausted);
     }
   };
   struct Waiting {
@@ -81,7 +83,10 @@ class Hypotheses {
 
   void follow(World world);
   void note_patch(World world, const std::string& robot, PatchId patch);
+  void look_up(World world);
+  void end_look_up();
   void work(World world);
+  bool can_step() const { return query_ || !ready_.empty(); }
   /// One bounded piece of the search; what it costs, in nominal microseconds.
   std::int64_t step(World world);
   std::int64_t begin(World world, Query& query);
@@ -97,7 +102,11 @@ class Hypotheses {
 
   std::map<std::string, Way> ways_;
   std::map<std::string, PatchId> newest_;
+  // A query's way: it waits, its places are looked up beside the engine, it is ready, it is searched.
   std::deque<Query> queue_;
+  std::vector<Query> asked_;  ///< what is being looked up; no patches: not wanted any more
+  std::optional<PlacesJob> looking_up_;
+  std::deque<Query> ready_;
   std::optional<Query> query_;
   std::vector<Waiting> pool_;
   AgreementTable agreements_;
@@ -106,6 +115,7 @@ class Hypotheses {
   std::map<ClosureId, std::vector<Waiting>> parked_;  ///< finds of closures that may be withdrawn or allowed
   std::vector<std::pair<ClosureId, std::string>> refuted_;
   HypothesisCounts counts_;
+  std::size_t patches_ = 0;  ///< when last worked
   std::int64_t credit_us_ = 0;
   std::int64_t last_utime_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <utility>
 
 #include "scanmatch/correlative.hpp"
@@ -25,24 +26,22 @@ constexpr int enough_agreeing = 3;
 constexpr double enough_way_m = 2;
 constexpr std::size_t most_waiting = 20;
 
-// Whether patches of the island lie near in projection that the surroundings do not know: they are far in the
-// graph, and only a wider look at it can tell how well they are determined.
+// Whether patches lie near in projection that the surroundings do not know, but that a wider look at the
+// graph could: as near as any whose window can be searched whole.
 bool others_near(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
                  const EngineOptions& options) {
-  const IslandId island = map.graph().island(surroundings.reference());
   const Pose map_from_robot = map.manifold().pose(surroundings.reference()) * local_from_robot;
-  const double reach = options.local_map_reach_m + widest_window_m;
+  const double reach = options.local_map_reach_m + std::numbers::sqrt2 * widest_window_m / window_sigmas;
   std::vector<bool> known(map.manifold().size(), false);
   for (const Determined& determined : surroundings.patches())
     known[static_cast<std::size_t>(determined.patch.value)] = true;
-  for (std::size_t i = 0; i < known.size(); ++i) {
-    const PatchId id{static_cast<std::int32_t>(i)};
+  const std::vector<PatchId> wider =
+      map.graph().nearest_in_graph(surroundings.reference(), options.rejoin_patches);
+  return std::ranges::any_of(wider, [&](PatchId id) {
     const Pose& pose = map.manifold().pose(id);
-    if (!known[i] && std::hypot(pose.x - map_from_robot.x, pose.y - map_from_robot.y) < reach &&
-        map.graph().island(id) == island)
-      return true;
-  }
-  return false;
+    return !known[static_cast<std::size_t>(id.value)] &&
+           std::hypot(pose.x - map_from_robot.x, pose.y - map_from_robot.y) < reach;
+  });
 }
 
 bool is_loose(const Determined& determined, std::span<const PatchId> unpaired) {

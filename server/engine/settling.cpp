@@ -1,11 +1,13 @@
 #include "server/engine/settling.hpp"
 
+#include <utility>
+
 namespace isthmus {
 
 void Settling::map_changed() {
   if (!job_) return;
   requested_.insert(job_->island());
-  job_.reset();
+  abandoned_.add(std::move(job_));
 }
 
 void Settling::advance(Map& map, std::int64_t now_utime) {
@@ -14,6 +16,7 @@ void Settling::advance(Map& map, std::int64_t now_utime) {
     job_.reset();
     if (result.ok) map.adopt(result.patches, result.poses);
   }
+  abandoned_.let_go();
   if (job_ || requested_.empty()) return;
   const IslandId island = map.graph().island(*requested_.begin());
   std::erase_if(requested_, [&](IslandId other) { return map.graph().island(other) == island; });

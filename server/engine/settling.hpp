@@ -19,11 +19,12 @@ class Settling {
   void advance(Map& map, std::int64_t now_utime);
   bool busy() const { return job_ != nullptr || !requested_.empty(); }
 
-  auto members() { return std::tie(requested_, job_); }
+  auto members() { return std::tie(requested_, job_, abandoned_); }
 
  private:
   std::set<IslandId> requested_;  ///< any patch of the island names it
   std::unique_ptr<FitJob> job_;
+  AbandonedFits abandoned_;
 };
 
 }  // namespace isthmus

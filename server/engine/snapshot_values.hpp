@@ -16,6 +16,7 @@
 #include <tuple>
 
 #include "relations/relation.hpp"
+#include "server/engine/fit_job.hpp"
 #include "server/engine/snapshot_archive.hpp"
 
 namespace isthmus {
@@ -135,6 +136,9 @@ void serialize(Archive& archive, Relation& relation) {
 /// They are the configuration's.
 inline void save(SnapshotWriter&, const EngineOptions&) {}
 inline void load(SnapshotReader& reader, EngineOptions& options) { options = reader.context.options; }
+
+inline void save(SnapshotWriter&, const AbandonedFits&) {}
+inline void load(SnapshotReader&, AbandonedFits&) {}
 
 /// The result of a job, waited for.
 template <class Value>

@@ -30,7 +30,7 @@ struct ReplayResult {
   std::shared_ptr<const TrajectoryStore> refined;  ///< the trajectory after the second pass; none without one
   std::size_t scans_refined = 0;
   RunCost cost;
-  LatencyHistogram event_cpu;      ///< CPU time per event: what the latency is on an idle machine
+  LatencyHistogram event_cpu;      ///< CPU time of the engine's own thread per event: latency but for waits
   CostProfile scan_cost;           ///< CPU time of the engine from one scan to the next
   std::int64_t messages = 0;       ///< read from the log
   std::int64_t ignored = 0;        ///< on channels that are not input
