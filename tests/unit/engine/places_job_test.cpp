@@ -68,10 +68,10 @@ TEST(PlacesJob, IsDueByTheTimeThatPassesAndTheSizeOfTheMapAlone) {
   const Map map = round_a_block();
   const PlacesJob job(map, {PatchId{38}}, 5'000'000);
   EXPECT_FALSE(job.is_due(5'000'000));
-  EXPECT_FALSE(job.is_due(5'038'999));
-  EXPECT_TRUE(job.is_due(5'039'000));
+  EXPECT_FALSE(job.is_due(5'116'999));
+  EXPECT_TRUE(job.is_due(5'117'000));
   const PlacesJob later(map, {PatchId{38}}, 6'000'000);
-  EXPECT_FALSE(later.is_due(6'038'999));
+  EXPECT_FALSE(later.is_due(6'116'999));
 }
 
 }  // namespace
