@@ -107,6 +107,14 @@ void read_engine(const toml::table& table, EngineOptions& options) {
   reader.finish();
 }
 
+void read_limits(const toml::table& table, EngineOptions& options) {
+  TableReader reader(table, " in [limits]");
+  auto patches = static_cast<std::int32_t>(options.patches_per_robot);
+  reader.integer("patches_per_robot", patches, 1, 10'000'000);
+  options.patches_per_robot = static_cast<std::size_t>(patches);
+  reader.finish();
+}
+
 void read_laser(const toml::table& table, Laser& laser) {
   TableReader reader(table, " in laser");
   reader.number("x_m", laser.robot_from_laser.x, -100, 100);
@@ -247,6 +255,7 @@ Configuration read_configuration(const toml::table& table) {
   }
   configuration.any_tag = tags == "any";
   if (const toml::table* engine = reader.table("engine")) read_engine(*engine, configuration.engine);
+  if (const toml::table* limits = reader.table("limits")) read_limits(*limits, configuration.engine);
   if (const toml::table* robots = reader.table("robots")) read_robots(*robots, configuration);
   if (const toml::table* auth = reader.table("auth"))
     configuration.authentication = read_authentication(*auth);

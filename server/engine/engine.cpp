@@ -20,8 +20,6 @@ constexpr std::int64_t backward_us = 1'000'000;     // stamps may go back by so 
 constexpr std::int64_t teammate_stamp_us = 1'000'000;
 constexpr int most_stale_scans = 10;  // then the robot's clock was set back: a new session
 
-bool has_a_value(const Scan& scan) { return !scan.ranges_m.empty() && scan.bearing_step_rad != 0; }
-
 }  // namespace
 
 void Engine::State::configure(Configuration given) {
@@ -81,6 +79,7 @@ Outcome Engine::State::take(const OdometryEvent& event) {
   Robot* robot = declared(event.robot);
   if (!robot) return {drop(event.robot, "unknown_robot"), {}};
   robot->odometry.add(event.utime, event.odom_from_robot);
+  robot->health.heard_stamp(event.utime, counters.last_receive_utime);
   robot->health.heard_odometry(event.odom_from_robot);
   Outcome outcome;
   if (!has_no_laser(*robot)) return outcome;
@@ -89,6 +88,7 @@ Outcome Engine::State::take(const OdometryEvent& event) {
     robot->place.reset();
   }
   robot->stale_scans = 0;
+  if (may_not_begin(*robot, configuration.engine)) return {drop(event.robot, "too_many_patches"), {}};
   if (auto done = take_odometry(map, *robot, event.odom_from_robot, event.utime, configuration.engine))
     settle(*robot, std::move(*done), event.odom_from_robot, outcome);
   return outcome;
@@ -98,8 +98,9 @@ Outcome Engine::State::take(const ScanEvent& event) {
   Robot* robot = declared(event.robot);
   if (!robot) return {drop(event.robot, "unknown_robot"), {}};
   const Scan& scan = event.scan;
+  robot->health.heard_stamp(scan.utime, counters.last_receive_utime);
   robot->health.heard_scan(scan, robot->declaration.laser);
-  if (!has_a_value(scan)) return {drop(event.robot, "zero_beams"), {}};
+  if (scan.ranges_m.empty() || scan.bearing_step_rad == 0) return {drop(event.robot, "zero_beams"), {}};
   const bool first = robot->last_scan_utime == 0;
   if (!first && scan.utime == robot->last_scan_utime) return {drop(event.robot, "duplicate_stamp"), {}};
   if (!first && scan.utime < robot->newest_scan_utime - backward_us) {
@@ -183,10 +184,11 @@ void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_
     }
     const Scan scan = std::move(robot.pending.front().scan);
     robot.pending.pop_front();
-    if (odometry) {
+    const bool refused = may_not_begin(robot, configuration.engine);
+    if (odometry && !refused) {
       map_scan(robot, scan, *odometry, outcome);
     } else {
-      drop(robot.declaration.robot, "no_odometry");
+      drop(robot.declaration.robot, refused ? "too_many_patches" : "no_odometry");
     }
   }
 }
@@ -211,6 +213,7 @@ void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_fr
 // Keeps the record of where a robot is now.
 void Engine::State::settle(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome) {
   const std::int64_t utime = done.pose.utime;
+  if (done.patch_refused) drop(robot.declaration.robot, "too_many_patches");
   if (done.new_session) {
     robot.session = static_cast<std::int32_t>(sessions.size());
     Session session;
@@ -305,10 +308,6 @@ void Engine::State::arrange_meeting() {
   rendezvous.choose(map, robots, hypotheses.undecided(), counters.last_receive_utime);
 }
 
-void Engine::State::fit_all() {
-  for (const std::vector<PatchId>& island : map.graph().islands()) map.refit_island(island.front());
-}
-
 Engine::Engine(Configuration configuration) : state_(std::make_unique<State>(std::move(configuration))) {}
 Engine::~Engine() = default;
 Engine::Engine(Engine&&) noexcept = default;
@@ -351,7 +350,8 @@ Outcome Engine::finish() {
   state_->hypotheses.finish(state_->world(), state_->closures);
   state_->closures.finish(state_->world());
   state_->weaving.finish(state_->map, state_->configuration.engine);
-  state_->fit_all();
+  for (const std::vector<PatchId>& island : state_->map.graph().islands())
+    state_->map.refit_island(island.front());
   return outcome;
 }
 

@@ -16,6 +16,8 @@ struct EngineOptions {
   double patch_spacing_rad = 0.7;
   /// A scan with more than this share of its free space outside the local map becomes a patch.
   double uncovered_share = 0.3;
+  /// A robot adds no more: it is localised in the map that there is.
+  std::size_t patches_per_robot = 20'000;
 
   /// One near another but turned away from it, by more than patch_spacing_rad, with more than this share
   /// outside.

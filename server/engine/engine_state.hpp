@@ -72,7 +72,6 @@ struct Engine::State {
   void arrange_meeting();
   std::string drop_data(const std::string& name);
   std::string take_back_drop(const std::string& name);
-  void fit_all();
 
   /// For snapshots: all but the configuration and the trajectory.
   template <class Archive>

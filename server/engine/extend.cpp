@@ -49,6 +49,7 @@ void put_robot_on(Robot& robot, PatchId patch) {
   place.covariance = place.spread = Eigen::Matrix3d::Identity() * 1e-8;
   place.last_patch = patch;
   place.since_last_patch = {};
+  ++robot.patches;
 }
 
 double uncovered_share(const Star& star, std::span<const LocalPatch> patches_near,

@@ -85,7 +85,8 @@ std::optional<ScanOutcome> take_odometry(Map& map, Robot& robot, const Pose& odo
                                          std::int64_t utime, const EngineOptions& options) {
   if (robot.place && utime < robot.place->utime + period_us) return std::nullopt;
   const bool first = !robot.place;
-  const bool jumped = !first && !expect(robot, odom_from_robot, utime).plausible;
+  const bool full = has_all_patches(robot, options);
+  const bool jumped = !first && !full && !expect(robot, odom_from_robot, utime).plausible;
   if (first || jumped) {
     robot.place = Localisation{};
     robot.place->odom_from_robot = odom_from_robot;
@@ -104,11 +105,15 @@ std::optional<ScanOutcome> take_odometry(Map& map, Robot& robot, const Pose& odo
   place.odom_from_robot = odom_from_robot;
   place.utime = utime;
   const Pose since = ominus(odom_from_robot, robot.way.back());
-  if (std::hypot(since.x, since.y) > way_step_m) robot.way.push_back(odom_from_robot);
+  if (full) robot.way.clear();
+  if (full || std::hypot(since.x, since.y) > way_step_m) robot.way.push_back(odom_from_robot);
   const Pose& r = place.pose.patch_from_object;
-  if (std::hypot(r.x, r.y) > options.patch_spacing_m || std::abs(r.yaw) > options.patch_spacing_rad)
-    stand_on_new_patch(map, robot, map.manifold().project(place.pose));
-  return answered(map, robot, false);
+  const bool worth_it =
+      std::hypot(r.x, r.y) > options.patch_spacing_m || std::abs(r.yaw) > options.patch_spacing_rad;
+  if (worth_it && !full) stand_on_new_patch(map, robot, map.manifold().project(place.pose));
+  ScanOutcome outcome = answered(map, robot, false);
+  outcome.patch_refused = worth_it && full;
+  return outcome;
 }
 
 }  // namespace isthmus

@@ -9,7 +9,8 @@ namespace isthmus {
 namespace {
 
 constexpr std::int64_t enough_messages = 20;
-constexpr double enough_way_m = 1;  // of the larger account
+constexpr double other_clock_s = 30;  // more than messages take
+constexpr double enough_way_m = 1;    // of the larger account
 constexpr double enough_turn_rad = 2;
 constexpr std::int64_t enough_changes = 10;
 constexpr double freezing_share = 0.1;    // of the scans that changed
@@ -60,6 +61,7 @@ class Judge {
       : robot_(robot), laser_(laser), f_(figures) {}
 
   std::vector<HealthWarning> judge(const std::map<std::string, std::int64_t>& dropped) {
+    judge_clock();
     if (laser_.range_max_m > 0) {
       judge_presence(dropped);
       judge_scans();
@@ -72,6 +74,19 @@ class Judge {
   const char* name() const { return robot_.c_str(); }
 
   void warn(const std::string& key, const std::string& sentence) { warnings_.push_back({key, sentence}); }
+
+  void judge_clock() {
+    if (std::max(f_.odometry_messages, f_.scans) < enough_messages || !f_.clock_ahead_s) return;
+    const double ahead_s = *f_.clock_ahead_s;
+    if (ahead_s > other_clock_s) {
+      warn("clock_ahead",
+           text("%s's clock is ahead by %.0f s: its sightings cannot be paired", name(), ahead_s));
+    } else if (ahead_s < -other_clock_s) {
+      warn("clock_behind", text("%s's clock is behind by %.0f s, or all that it sent came so late: its "
+                                "sightings may not be paired",
+                                name(), -ahead_s));
+    }
+  }
 
   void judge_presence(const std::map<std::string, std::int64_t>& dropped) {
     std::string why;

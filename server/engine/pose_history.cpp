@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace isthmus {
 namespace {
@@ -35,7 +36,25 @@ void PoseHistory::add(const PastPlace& place) {
   auto after = places_.end();
   while (after != places_.begin() && std::prev(after)->utime > place.utime) --after;
   places_.insert(after, place);
+  ++since_thinned_;
+  if (places_.size() <= most_places) return;
+  if (since_thinned_ >= most_places / 4) thin();
   if (places_.size() > most_places) places_.pop_front();
+}
+
+// Leaves the newest minute as it is: most sightings are of it.
+void PoseHistory::thin() {
+  constexpr std::int64_t spacing_us = 400'000, newest_us = 60'000'000;
+  since_thinned_ = 0;
+  std::deque<PastPlace> kept;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const PastPlace& place = places_[i];
+    const bool between = !kept.empty() && i + 1 < places_.size() && place.session == kept.back().session &&
+                         place.session == places_[i + 1].session &&
+                         places_[i + 1].utime - kept.back().utime <= spacing_us;
+    if (!between || place.utime > places_.back().utime - newest_us) kept.push_back(place);
+  }
+  places_ = std::move(kept);
 }
 
 std::optional<PastPlace> PoseHistory::at(std::int64_t utime, const OdometryTrack& odometry,

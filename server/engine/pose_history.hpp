@@ -23,7 +23,8 @@ struct PastPlace {
 };
 
 /// Where one robot was, for sightings, which carry a stamp of their own and may come late. Poses are on the
-/// manifold, so that fits carry them along. A robot at rest adds next to nothing; the oldest go first.
+/// manifold, so that fits carry them along. A robot at rest adds next to nothing. Where it is full, what lies
+/// between places 0.4 s apart goes, then the oldest: of a robot that scans fast twenty minutes are known.
 class PoseHistory {
  public:
   void add(const PastPlace& place);
@@ -35,11 +36,14 @@ class PoseHistory {
   std::optional<PastPlace> at(std::int64_t utime, const OdometryTrack& odometry,
                               const OdometryNoise& noise) const;
 
-  auto members() { return std::tie(places_); }
+  auto members() { return std::tie(places_, since_thinned_); }
 
  private:
+  void thin();
+
   static constexpr std::size_t most_places = 4000;
-  std::deque<PastPlace> places_;  // by utime
+  std::deque<PastPlace> places_;   // by utime
+  std::size_t since_thinned_ = 0;  // places added
 };
 
 }  // namespace isthmus

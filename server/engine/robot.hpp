@@ -97,11 +97,12 @@ struct Robot {
   std::map<std::string, SeenTeammate> seen;  ///< by name
   PatchId first_patch;                       ///< of its first session
   int stale_scans = 0;                       ///< in a row
+  std::size_t patches = 0;                   ///< that it has added to the map
 
   auto members() {
     return std::tie(declaration, declared, odometry, noise, health, pending, place, session, surroundings,
                     local_map, local_map_centre, local_map_stamp, last_scan_utime, newest_scan_utime, rejoins,
-                    unplaced, history, way, seen, first_patch, stale_scans);
+                    unplaced, history, way, seen, first_patch, stale_scans, patches);
   }
 };
 

@@ -33,6 +33,12 @@ double MotionAccounts::ratio() const {
   return odometry > 0 ? std::numeric_limits<double>::infinity() : 1;
 }
 
+void RobotHealth::heard_stamp(std::int64_t utime, std::int64_t receive_utime) {
+  // In doubles: stamps are anything that a robot may send.
+  const double ahead_s = 1e-6 * (static_cast<double>(utime) - static_cast<double>(receive_utime));
+  sums_.clock_ahead_s = std::max(sums_.clock_ahead_s.value_or(ahead_s), ahead_s);
+}
+
 void RobotHealth::heard_odometry(const Pose& odom_from_robot) {
   if (any_odometry_) {
     const Pose step = ominus(odom_from_robot, last_odometry_);

@@ -26,6 +26,10 @@ struct MotionAccounts {
 
 /// What is known of a robot's own data.
 struct HealthFigures {
+  /// The most that a stamp lay ahead of the time of its receipt: what a robot's clock is ahead, less the time
+  /// that its fastest message took. Nothing before a message came. One that was out of reach sends late, so
+  /// what is least late tells.
+  std::optional<double> clock_ahead_s;
   std::int64_t odometry_messages = 0;
   double odometry_way_m = 0;  ///< from message to message, matched or not
   double odometry_turn_rad = 0;
@@ -53,10 +57,11 @@ struct HealthFigures {
   double off_at_offset = 1;
 
   auto members() {
-    return std::tie(odometry_messages, odometry_way_m, odometry_turn_rad, scans, scans_without_return,
-                    scans_with_few_returns, most_beams, scans_changed, scans_changed_still, scans_matched,
-                    scans_unmatched, way, turn, direction_rad, direction_steadiness, turn_correlation,
-                    best_lag_scans, off_at_best_lag, offset_scans, off_at_offset);
+    return std::tie(clock_ahead_s, odometry_messages, odometry_way_m, odometry_turn_rad, scans,
+                    scans_without_return, scans_with_few_returns, most_beams, scans_changed,
+                    scans_changed_still, scans_matched, scans_unmatched, way, turn, direction_rad,
+                    direction_steadiness, turn_correlation, best_lag_scans, off_at_best_lag, offset_scans,
+                    off_at_offset);
   }
 };
 
@@ -73,6 +78,8 @@ struct HealthFigures {
 /// of the first place may seem to explain all. So scans are also compared beam by beam, with no pose at all.
 class RobotHealth {
  public:
+  /// Of any message of the robot, microseconds.
+  void heard_stamp(std::int64_t utime, std::int64_t receive_utime);
   void heard_odometry(const Pose& odom_from_robot);
   void heard_scan(const Scan& scan, const Laser& laser);
 

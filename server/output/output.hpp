@@ -18,6 +18,8 @@ struct RunCost {
 /// CPU time and peak memory of this process so far.
 double process_cpu_s();
 double process_peak_rss_mb();
+/// Resident memory of this process now; 0 where the system does not tell.
+double process_rss_mb();
 
 struct OutputOptions {
   double resolution_m = 0.05;

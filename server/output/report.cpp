@@ -89,7 +89,8 @@ Json health(const MapCopy& map) {
   Json object = Json::object();
   for (const HealthRecord& robot : map.health) {
     const HealthFigures& f = robot.figures;
-    object[robot.robot] = {{"odometry_messages", f.odometry_messages},
+    object[robot.robot] = {{"clock_ahead_s", f.clock_ahead_s ? Json(*f.clock_ahead_s) : Json()},
+                           {"odometry_messages", f.odometry_messages},
                            {"odometry_way_m", f.odometry_way_m},
                            {"scans", f.scans},
                            {"scans_without_return", f.scans_without_return},

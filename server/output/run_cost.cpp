@@ -1,4 +1,7 @@
 #include <sys/resource.h>
+#include <unistd.h>
+
+#include <fstream>
 
 #include "server/output/output.hpp"
 
@@ -17,6 +20,13 @@ double process_peak_rss_mb() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts in KiB
+}
+
+double process_rss_mb() {
+  std::ifstream file("/proc/self/statm");
+  double all_pages = 0, resident_pages = 0;
+  if (!(file >> all_pages >> resident_pages)) return 0;
+  return resident_pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) / (1024 * 1024);
 }
 
 }  // namespace isthmus

@@ -90,6 +90,8 @@ int write_all(int descriptor, std::span<const std::uint8_t> bytes) {
   return 0;
 }
 
+int sync_data(int descriptor) { return ::fdatasync(descriptor) == 0 ? 0 : errno; }
+
 std::string errno_text(int number) { return std::generic_category().message(number); }
 
 }  // namespace isthmus

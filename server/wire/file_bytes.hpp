@@ -53,6 +53,9 @@ class FileBytes {
 /// Writes all bytes, through interruptions and short writes. Returns 0, or errno.
 int write_all(int descriptor, std::span<const std::uint8_t> bytes);
 
+/// What was written is on the disk. Returns 0, or errno.
+int sync_data(int descriptor);
+
 /// "Permission denied" of an errno, by a function that threads may share.
 std::string errno_text(int number);
 

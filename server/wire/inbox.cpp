@@ -44,6 +44,11 @@ bool Inbox::push_waiting(const std::string& sender, bool is_scan, std::int64_t u
   return true;
 }
 
+void Inbox::reserve(const std::string& sender) {
+  const std::lock_guard lock(mutex_);
+  reserved_.insert(sender);
+}
+
 void Inbox::count_drop(const std::string& sender, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   drops_[queue_name(sender)][reason] += 1;
@@ -86,11 +91,12 @@ std::size_t Inbox::size() const {
 
 const std::string& Inbox::queue_name(const std::string& sender) {
   static const std::string shared = "(others)";
-  if (senders_.contains(sender)) return sender;
+  if (senders_.contains(sender) || reserved_.contains(sender)) return sender;
   // Anybody can make up names: only those with something waiting hold a place.
-  if (senders_.size() >= limits_.senders)
+  const std::size_t most = limits_.senders + reserved_.size();
+  if (senders_.size() >= most)
     std::erase_if(senders_, [](const auto& entry) { return entry.second.empty(); });
-  return senders_.size() < limits_.senders ? sender : shared;
+  return senders_.size() < most ? sender : shared;
 }
 
 /// Of the next sender in turn that has something; of the oldest message otherwise. There must be one.

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,13 +17,13 @@
 namespace isthmus {
 
 /// Bounds of what may wait between the receiving thread and the engine. A robot back from a radio shadow
-/// sends minutes at once: at 40 scans and odometries a second, 20,000 messages are four minutes.
+/// sends minutes at once: at 40 scans and 40 odometries a second, 50,000 messages are ten minutes.
 struct InboxLimits {
-  std::size_t messages = 20'000;              ///< of each sender
+  std::size_t messages = 50'000;              ///< of each sender
   std::size_t bytes = 64 * 1024 * 1024;       ///< of each sender
   std::size_t all_bytes = 512 * 1024 * 1024;  ///< of all senders together
   std::size_t message_bytes = 1024 * 1024;    ///< a longer message is none of ours
-  std::size_t senders = 64;                   ///< with something waiting; those beyond share one queue
+  std::size_t senders = 64;  ///< with something waiting, unreserved; those beyond share a queue
 };
 
 /// Which message is next: senders in turn, so that one robot's flood or backlog does not delay another's
@@ -46,6 +47,10 @@ class Inbox {
   bool push_waiting(const std::string& sender, bool is_scan, std::int64_t utime, const std::string& channel,
                     std::span<const std::uint8_t> bytes,
                     const std::optional<Signature>& signature = std::nullopt);
+
+  /// Whatever names others make up, this sender has a queue of its own from now on. For as many as a map is
+  /// for. Any thread.
+  void reserve(const std::string& sender);
 
   /// Counts a message that was refused before it came here.
   void count_drop(const std::string& sender, const std::string& reason);
@@ -93,6 +98,7 @@ class Inbox {
   std::size_t all_bytes_ = 0;
   std::map<std::uint64_t, Entry> entries_;  ///< by arrival
   std::map<std::string, Sender> senders_;
+  std::set<std::string> reserved_;
   std::string last_served_;
   std::map<std::string, std::map<std::string, std::int64_t>> drops_;
 };

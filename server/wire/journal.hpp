@@ -4,9 +4,11 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,15 +20,27 @@
 
 namespace isthmus {
 
+/// What the journal asks of the disk; each returns 0 or errno. Tests put in disks that are full or slow.
+struct JournalDisk {
+  std::function<int(int descriptor, std::span<const std::uint8_t> bytes)> write = write_all;
+  std::function<int(int descriptor)> sync = sync_data;  ///< from any thread
+};
+
 struct JournalOptions {
   std::int64_t segment_bytes = 64 * 1024 * 1024;  ///< a segment that would grow beyond it is closed
+  std::int64_t waiting_bytes = 64 * 1024 * 1024;  ///< so much of what the disk refuses waits in memory
   std::chrono::milliseconds sync_interval{1000};  ///< what was appended is on the disk after this time
-  /// Told when the disk begins to refuse events, and when it takes them again; from any thread.
+  /// Told when the disk begins to refuse events, when no more can wait for it, and when it takes them again;
+  /// from any thread.
   std::function<void(const std::string&)> report;
+  JournalDisk disk;
 };
 
 /// The record of what the engine was told: an LCM log in segments journal-000001.lcm, ... of a directory,
 /// each event handed to the kernel as it is appended, so that a crash of this process loses nothing.
+///
+/// What the disk refuses waits in memory, in order, and is written before all else once the disk takes events
+/// again: a full disk that is given room costs no event. Only a crash before that would.
 class Journal {
  public:
   /// Begins a journal, or goes on with the one that the directory holds, in a new segment; the torn tail that
@@ -43,22 +57,37 @@ class Journal {
   /// Returns those that the earlier segments hold.
   SignatureCounters count_signatures();
 
-  /// One thread may append. False where the disk refused the event: it is counted and not in the journal; the
-  /// next is tried again.
+  /// True: the journal has the event, or will have it once the disk takes what waits. False: no more can
+  /// wait, and the event must not be acted on. One thread may append, write what waits, and ask for the
+  /// figures.
   bool append(const Message& message);
+
+  /// Tries again to write a part of what waits: for times when nothing is appended.
+  void write_waiting();
+  /// The same with all of it; returns the number of events that the disk still refuses. Nothing may be
+  /// appended any more.
+  std::size_t finish();
 
   std::int64_t bytes() const { return total_bytes_; }
   int segment() const { return segment_; }  ///< the one that is written; those before it are closed
-  std::int64_t failures() const { return failures_; }  ///< events refused; any thread may ask
+  std::size_t waiting() const { return waiting_.size(); }  ///< events
+  std::int64_t failures() const { return failures_; }      ///< events that the disk did not take at once
 
  private:
-  int rotate_if_full(std::int64_t message_bytes);
+  enum class State { taking, waiting, full };
+
+  bool keep_waiting(const Message& message);
+  void write_oldest(std::size_t most);
+  int write(const Message& message);
+  void rotate_if_full(std::int64_t message_bytes);
   void put_together(const Message& message);
   int write_frame();
   void put(const Message& message);
   int open_segment();
-  void note_result(int error);
+  void note_state(State state);
+  void report(const std::string& what) const;
   void sync_loop(const std::stop_token& stop);
+  void sync_closed();
 
   JournalDirectory directory_;
   JournalOptions options_;
@@ -67,14 +96,20 @@ class Journal {
   std::int64_t next_number_ = 0;
   std::int64_t segment_size_ = 0;
   std::int64_t total_bytes_ = 0;
-  bool failing_ = false;
-  std::atomic<std::int64_t> failures_ = 0;
+  std::deque<Message> waiting_;
+  std::int64_t waiting_bytes_ = 0;
+  State state_ = State::taking;
+  int last_error_ = 0;   ///< of the disk
+  bool rotates_ = true;  ///< the last new segment could be begun
+  std::int64_t failures_ = 0;
+  std::int64_t refused_ = 0;  ///< events that could not even wait
   std::vector<std::uint8_t> frame_;
   std::optional<SignatureCounters> counters_;  ///< none: signatures are not counted
   bool all_counters_due_ = false;              ///< the segment lacks them yet
 
   std::mutex file_mutex_;  ///< file_ is replaced by the appending thread, read by the syncing one
   FileHandle file_;
+  std::vector<FileHandle> closed_;  ///< segments before it that may not be on the disk yet; same mutex
   std::atomic<bool> unsynced_ = false;
   std::atomic<bool> segment_unsynced_ = false;  ///< a new segment's name is not known to be on the disk
   std::condition_variable_any stopped_;

@@ -154,7 +154,7 @@ std::int64_t kernel_receive_buffer_bytes() {
   return file >> bytes ? bytes : 0;
 }
 
-LcmLink::LcmLink(const std::string& url) : log_file_(log_file_of(url)) {
+LcmLink::LcmLink(const std::string& url, Log log) : log_(std::move(log)), log_file_(log_file_of(url)) {
   if (!log_file_.empty()) return;
   lcm_ = std::make_unique<lcm::LCM>(url);
   if (!lcm_->good()) throw std::runtime_error(cannot_open(url));
@@ -183,13 +183,24 @@ void LcmLink::stop() {
 
 void LcmLink::publish(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
   if (!lcm_) return;
-  if (lcm_->publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0) publish_failures_ += 1;
+  const bool fails = lcm_->publish(channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0;
+  if (fails) publish_failures_ += 1;
+  note(publishing_fails_, fails, "the network refuses messages; trying on with each",
+       "the network takes messages again");
+}
+
+/// Logs that something begins or ceases to fail.
+void LcmLink::note(std::atomic<bool>& failing, bool fails, const char* begins, const char* ends) const {
+  if (failing.exchange(fails) == fails || !log_) return;
+  log_(LogLevel::warning, fails ? begins : ends, {{"publish_failures", std::to_string(publish_failures_)}});
 }
 
 void LcmLink::receive_network(const std::stop_token& stop) {
   using namespace std::chrono_literals;
   while (!stop.stop_requested()) {
-    if (lcm_->handleTimeout(100) < 0) std::this_thread::sleep_for(100ms);  // a network may come back
+    const bool fails = lcm_->handleTimeout(100) < 0;
+    note(receiving_fails_, fails, "receiving fails; trying on", "receiving again");
+    if (fails) std::this_thread::sleep_for(100ms);  // a network may come back
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "server/wire/authenticator.hpp"
 #include "server/wire/inbox.hpp"
+#include "server/wire/log_line.hpp"
 
 namespace lcm {
 class LCM;
@@ -34,8 +35,9 @@ std::int64_t kernel_receive_buffer_bytes();
 /// The server's end of an LCM network, for receiving and publishing; or of a log, for receiving.
 class LcmLink {
  public:
-  /// Throws std::runtime_error with what to do about it where the network cannot be opened.
-  explicit LcmLink(const std::string& completed_url);
+  /// Throws std::runtime_error with what to do about it where the network cannot be opened. The log is told
+  /// when the network begins to refuse messages, and when it takes them again.
+  explicit LcmLink(const std::string& completed_url, Log log = {});
   ~LcmLink();
 
   /// Starts a thread that copies messages on input channels into the inbox, until `stop` or the log's end. A
@@ -56,12 +58,16 @@ class LcmLink {
  private:
   void receive_network(const std::stop_token& stop);
   void receive_log(const std::stop_token& stop);
+  void note(std::atomic<bool>& failing, bool fails, const char* begins, const char* ends) const;
 
+  Log log_;
   std::string log_file_;
   std::unique_ptr<lcm::LCM> lcm_;  ///< none for a log
   std::unique_ptr<struct LcmHandler> handler_;
   std::atomic<bool> ended_ = false;
   std::atomic<std::int64_t> publish_failures_ = 0;
+  std::atomic<bool> publishing_fails_ = false;
+  std::atomic<bool> receiving_fails_ = false;
   std::jthread thread_;
 };
 

@@ -62,7 +62,7 @@ LiveServer::LiveServer(LiveOptions options, Inbox& inbox, Publish publish)
 void LiveServer::begin() {
   map_.last_utime = options_.clock ? options_.clock() : options_.start_utime;
   const Event configuration{map_.last_utime, ConfigurationEvent{options_.toml}};
-  if (journal_ && !journal_->append(encode(configuration)))
+  if (!journal(encode(configuration)) || (journal_ && journal_->waiting() > 0))
     throw std::runtime_error(options_.journal_directory + ": the disk refuses the journal's first event");
   take(configuration);
 }
@@ -73,8 +73,16 @@ RecoveryOptions LiveServer::recovery_options() const {
   return options;
 }
 
+/// Those that the journal told of.
+void LiveServer::know_robots() {
+  const MapCopy map = map_.engine.copy();
+  admission_.know(map);
+  for (const HealthRecord& robot : map.health) inbox_.reserve(robot.robot);
+}
+
 void LiveServer::begin_recovery() {
   map_ = recovery_->begin();
+  know_robots();
   const Configuration& configuration = map_.engine.configuration();
   if (!options_.toml.empty() && !map_alike(options_.toml, configuration.toml)) {
     throw std::runtime_error(options_.journal_directory +
@@ -97,6 +105,7 @@ void LiveServer::run() {
     if (std::optional<Message> message = inbox_.pop(options_.tick_interval)) {
       handle(std::move(*message));
     } else {
+      if (journal_) journal_->write_waiting();
       tick_if_due();
     }
     count_inbox_drops();
@@ -105,8 +114,9 @@ void LiveServer::run() {
   publish_poses(map_.engine.finish());
   closure_log_.tell(map_.engine.copy().closures, options_.log);
   map_publisher_.reset();
-  journal_.reset();
+  const std::string lost = finish_journal();
   if (!options_.output_directory.empty()) write_results();
+  if (!lost.empty()) throw std::runtime_error(lost);
 }
 
 /// Messages that come meanwhile wait in the inbox.
@@ -125,7 +135,7 @@ void LiveServer::recover() {
         {{"percent", std::to_string(static_cast<int>(100 * recovery_->progress()))}});
   }
   map_.monitor.forget_rates();
-  admission_.know(map_.engine.copy());
+  know_robots();
   const std::int64_t skipped_bytes = recovery_->skipped_bytes();
   say(skipped_bytes > 0 ? LogLevel::warning : LogLevel::info, "recovered",
       {{"events", std::to_string(map_.events)},
@@ -149,9 +159,18 @@ void LiveServer::handle(Message message) {
   }
   map_.last_utime = message.utime;
   map_.monitor.heard(decoded.robot, message.utime);
-  journal(message);
+  if (!journal(message)) {
+    map_.engine.count_dropped(decoded.robot, "journal_full");
+    return;
+  }
   take(*decoded.event);
+  reserve_queue(*decoded.event);
   if (asks_for_map(*decoded.event)) map_publisher_->request_whole();
+}
+
+/// Robots that the map knows; admission bounds their number.
+void LiveServer::reserve_queue(const Event& event) {
+  if (const auto* robot = std::get_if<RobotEvent>(&event.body)) inbox_.reserve(robot->robot);
 }
 
 void LiveServer::take(const Event& event) {
@@ -162,8 +181,16 @@ void LiveServer::take(const Event& event) {
   publish_poses(outcome);
 }
 
-void LiveServer::journal(const Message& message) {
-  if (journal_) journal_->append(message);
+/// False: the engine must not have the event, or its map would be another than a replay's.
+bool LiveServer::journal(const Message& message) { return !journal_ || journal_->append(message); }
+
+/// What is to be said of events that the disk refused to the end; empty: none.
+std::string LiveServer::finish_journal() {
+  const std::size_t lost = journal_ ? journal_->finish() : 0;
+  journal_.reset();
+  if (lost == 0) return "";
+  return options_.journal_directory + ": events that the disk refused to the end: " + std::to_string(lost) +
+         "; the map has them, the journal does not";
 }
 
 void LiveServer::publish_poses(const Outcome& outcome) {
@@ -178,8 +205,7 @@ void LiveServer::tick_if_due() {
   if (Clock::now() - last_event_ < options_.tick_interval) return;
   map_.last_utime = std::max(map_.last_utime, options_.clock());
   const Event tick{map_.last_utime, TickEvent{}};
-  journal(encode(tick));
-  take(tick);
+  if (journal(encode(tick))) take(tick);
 }
 
 void LiveServer::count_inbox_drops() {
@@ -195,10 +221,8 @@ void LiveServer::publish_status_if_due() {
   if (elapsed < options_.status_interval) return;
   last_status_ += elapsed;
   const auto map = std::make_shared<const MapCopy>(map_.engine.copy());
-  const ServerCounters server{static_cast<std::int32_t>(inbox_.size()), journal_ ? journal_->bytes() : 0,
-                              journal_ ? journal_->failures() : 0};
   const std::int64_t utime = options_.clock ? options_.clock() : map_.last_utime;
-  const status_t status = map_.monitor.status(*map, server, utime, seconds(elapsed));
+  const status_t status = map_.monitor.status(*map, server_counters(), utime, seconds(elapsed));
   publish_("ISTHMUS_STATUS", encoded(status));
   if (options_.metrics) options_.metrics(metrics_text(status));
   if (const auto rendezvous = rendezvous_.due(*map, utime, last_status_))
@@ -218,6 +242,18 @@ void LiveServer::keep_snapshots() {
   if (std::exchange(closed_segments_, journal_->segment() - 1) < journal_->segment() - 1)
     snapshots_->segment_closed();
   snapshots_->poll();
+}
+
+ServerCounters LiveServer::server_counters() const {
+  ServerCounters counters;
+  counters.queued = static_cast<std::int32_t>(inbox_.size());
+  if (journal_) {
+    counters.journal_bytes = journal_->bytes();
+    counters.journal_failures = journal_->failures();
+    counters.journal_waiting = static_cast<std::int64_t>(journal_->waiting());
+  }
+  if (options_.publish_failures) counters.publish_failures = options_.publish_failures();
+  return counters;
 }
 
 void LiveServer::say(LogLevel level, std::string_view message, const LogFields& fields) const {

@@ -37,6 +37,8 @@ struct LiveOptions {
   std::optional<int> keep_segments;  ///< see SnapshotPolicy
   AdmissionLimits admission;
   Log log;
+  /// Messages that the network refused so far, for the status; empty: none.
+  std::function<std::int64_t()> publish_failures;
   /// Takes the metrics with each status; empty: nobody does.
   std::function<void(std::string metrics)> metrics;
 };
@@ -54,8 +56,8 @@ class LiveServer {
   ~LiveServer();
 
   /// Leads the engine to where the journal that was found ends; then handles what arrives, until the inbox is
-  /// closed and empty; then finishes the map and writes the outputs. Throws
-  /// std::runtime_error where those cannot be written.
+  /// closed and empty; then finishes the map and writes the outputs. Throws std::runtime_error where those
+  /// cannot be written, or where the disk refused the journal's last events to the end.
   void run();
 
   const Engine& engine() const { return map_.engine; }
@@ -67,15 +69,19 @@ class LiveServer {
   void begin();
   RecoveryOptions recovery_options() const;
   void begin_recovery();
+  void know_robots();
   void recover();
   void handle(Message message);
   void take(const Event& event);
-  void journal(const Message& message);
+  bool journal(const Message& message);
+  void reserve_queue(const Event& event);
+  std::string finish_journal();
   void publish_poses(const Outcome& outcome);
   void tick_if_due();
   void count_inbox_drops();
   void publish_status_if_due();
   void keep_snapshots();
+  ServerCounters server_counters() const;
   void write_results();
   void say(LogLevel level, std::string_view message, const LogFields& fields) const;
 

@@ -88,7 +88,11 @@ void add_map(MetricsText& text, const status_t& status) {
 void add_server(MetricsText& text, const status_t& status) {
   text.gauge("queued_messages", "Messages received and not yet handled.", status.queued);
   text.counter("journal_bytes_total", "Bytes written to the journal.", status.journal_bytes);
-  text.counter("journal_failures_total", "Events that the disk refused.", status.journal_failures);
+  text.counter("journal_failures_total", "Events that the disk did not take at once.",
+               status.journal_failures);
+  text.gauge("journal_waiting_events", "Events that wait in memory for the disk.", status.journal_waiting);
+  text.counter("publish_failures_total", "Messages of the server that the network refused.",
+               status.publish_failures);
   text.begin("dropped_total", "counter", "Messages of all robots that were dropped, by reason.");
   for (const count_t& dropped : status.dropped) text.add(dropped.count, label("reason", dropped.reason));
 }

@@ -86,6 +86,8 @@ status_t RobotMonitor::status(const MapCopy& map, const ServerCounters& server, 
   status.queued = server.queued;
   status.journal_bytes = server.journal_bytes;
   status.journal_failures = server.journal_failures;
+  status.journal_waiting = server.journal_waiting;
+  status.publish_failures = server.publish_failures;
   status.dropped = to_counts(map.counters.dropped);
   status.ndropped = static_cast<std::int32_t>(status.dropped.size());
   for (auto& [name, robot] : robots_) {

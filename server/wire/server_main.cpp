@@ -23,6 +23,7 @@ struct Arguments {
   std::string config_file;
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string journal_directory;
+  std::int64_t journal_waiting_mb = 64;
   std::string output_directory;
   std::string checked_file;
   std::string log_level = "info";
@@ -47,6 +48,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--keep-segments", arguments.keep_segments,
                  "how many files of the journal stay that a snapshot holds too; without it all do")
       ->check(CLI::Range(0, 1'000'000));
+  app.add_option("--journal-waiting-mb", arguments.journal_waiting_mb,
+                 "so much of what a full disk refuses waits in memory; what comes beyond is refused")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
   app.add_option("--output", arguments.output_directory,
                  "directory for maps and trajectories, written at the end");
   app.add_option("--metrics-port", arguments.metrics_port,
@@ -107,7 +112,7 @@ void serve(const Arguments& arguments, const std::string& toml) {
   const std::string url = complete_lcm_url(arguments.lcm_url);
   for (const std::string& warning : lcm_url_warnings(url, kernel_receive_buffer_bytes()))
     log(LogLevel::warning, warning, {});
-  LcmLink link(url);
+  LcmLink link(url, log);
   const std::string log_file = log_file_of(url);
   Inbox inbox({}, log_file.empty() ? InboxOrder::fair : InboxOrder::arrival);
 
@@ -123,8 +128,10 @@ void serve(const Arguments& arguments, const std::string& toml) {
   options.journal.segment_bytes = arguments.segment_mb * 1'000'000;
   options.snapshots = !arguments.no_snapshots;
   if (arguments.keep_segments >= 0) options.keep_segments = arguments.keep_segments;
+  options.journal.waiting_bytes = arguments.journal_waiting_mb * 1024 * 1024;
   options.journal.report = [&](const std::string& text) { log(LogLevel::warning, text, {}); };
   options.log = log;
+  options.publish_failures = [&] { return link.publish_failures(); };
   std::optional<MetricsServer> metrics;
   if (arguments.metrics_port > 0) {
     metrics.emplace(arguments.metrics_port);

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
@@ -36,11 +37,17 @@ void remove_unfinished(const std::string& directory) {
   }
 }
 
+void sync(const std::string& path) {
+  const FileHandle file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open() || ::fsync(file.get()) != 0) throw std::runtime_error(path + ": " + errno_text(errno));
+}
+
 void write_next(const std::string& directory, int segment, const SnapshotPolicy& policy) {
   Recovery recovery(directory, {segment, policy.warn});
   ServedMap map = recovery.begin();
   while (recovery.step(map)) {
   }
+  sync(segment_path(directory, segment));  // a snapshot must not know what a power cut takes from the journal
   write_snapshot(directory, segment, map, recovery.trajectory());
 }
 

@@ -114,5 +114,27 @@ TEST(Health, OdometryOfAnotherTime) {
   EXPECT_TRUE(is_among("time_offset", keys_of(map, "R1")));
 }
 
+// R2's clock is an hour off: both are mapped, each on its own time; whom they saw when cannot be told.
+TEST(Health, AClockAnHourOffIsToldAndMappedOnItsOwnTime) {
+  for (const std::int64_t off_us : {3'600'000'000, -3'600'000'000}) {
+    Events events = simulate(load_scenario("meeting"), 1).events;
+    for (Event& event : events) {
+      if (auto* odometry = std::get_if<OdometryEvent>(&event.body); odometry && odometry->robot == "R2")
+        odometry->utime += off_us;
+      if (auto* scan = std::get_if<ScanEvent>(&event.body); scan && scan->robot == "R2")
+        scan->scan.utime += off_us;
+      if (auto* sighting = std::get_if<SightingEvent>(&event.body); sighting && sighting->robot == "R2")
+        sighting->utime += off_us;
+    }
+    const MapCopy map = map_events(events);
+    EXPECT_EQ(keys_of(map, "R1"), Keys{});
+    EXPECT_EQ(keys_of(map, "R2"), Keys{off_us > 0 ? "clock_ahead" : "clock_behind"});
+    EXPECT_EQ(map.counters.scans, 2 * 298);
+    EXPECT_GT(map.counters.scans_matched, 2 * 290);
+    EXPECT_TRUE(map.counters.dropped.empty());
+    for (const SightingRecord& record : map.sightings) EXPECT_EQ(record.verdict, "refused") << record.reason;
+  }
+}
+
 }  // namespace
 }  // namespace isthmus

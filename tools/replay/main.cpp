@@ -2,7 +2,9 @@
 #include <cstdio>
 #include <exception>
 #include <limits>
+#include <optional>
 
+#include "server/output/csv.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/text/progress.hpp"
 
@@ -14,10 +16,28 @@ struct Arguments {
   std::string log;
   std::string output;
   std::string config_file;
+  std::string memory_file;
   std::vector<std::int32_t> forbid;
   double until_s = std::numeric_limits<double>::infinity();
   bool refine = false;
   bool json = false;
+};
+
+/// Memory by event time, a row a minute.
+class MemoryFile {
+ public:
+  explicit MemoryFile(const std::string& path)
+      : file_(path, "event_s,resident_mb,patches,relations,sightings,closures") {}
+
+  void add(const Engine& engine, double event_s) {
+    const MapCopy map = engine.copy();
+    file_.row(event_s, process_rss_mb(), map.patches.size(), map.graph.relations().size(),
+              map.counters.sightings, map.closures.size());
+  }
+  void commit() { file_.commit(); }
+
+ private:
+  CsvFile file_;
 };
 
 void run(const Arguments& arguments) {
@@ -29,11 +49,17 @@ void run(const Arguments& arguments) {
   options.warn = [](const std::string& warning) {
     std::fprintf(stderr, "isthmus-replay: %s\n", warning.c_str());
   };
+  std::optional<MemoryFile> memory;
+  if (!arguments.memory_file.empty()) {
+    memory.emplace(arguments.memory_file);
+    options.sample = [&](const Engine& engine, double event_s) { memory->add(engine, event_s); };
+  }
   ReplayResult result = [&] {
     Progress progress("replay");
     options.progress = [&](double share) { progress.update(share); };
     return replay(arguments.log, options);
   }();
+  if (memory) memory->commit();
   const MapCopy map = result.map();
   write_outputs(map, result.cost, arguments.output);
   std::fputs((arguments.json ? summary_json(result, map) : summary_text(result, map)).c_str(), stdout);
@@ -52,6 +78,9 @@ int main(int argc, char** argv) {
                  "read no further than so many seconds of event time after the log's first event")
       ->type_name("SECONDS")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--memory", arguments.memory_file,
+                 "CSV file for the resident memory at every minute of event time")
+      ->type_name("FILE");
   app.add_flag("--refine", arguments.refine,
                "at the end, match and fit the whole map once more and match every scan with it");
   app.add_flag("--json", arguments.json, "print the summary as JSON");

@@ -87,9 +87,18 @@ class Replay {
       report_damage(" before the event at offset " + std::to_string(reader_.offset()));
       if (first_utime_ && seconds_after_first(*message) > options_.until_s) return;
       take(*message);
+      sample_if_due();
       if (options_.progress) options_.progress(reader_.progress());
     }
     report_damage(" at its end");
+  }
+
+  void sample_if_due() {
+    if (!options_.sample || !first_utime_) return;
+    const double event_s = 1e-6 * static_cast<double>(last_receive_utime_ - *first_utime_);
+    if (event_s < next_sample_s_) return;
+    options_.sample(result_.engine, event_s);
+    next_sample_s_ = event_s + options_.sample_every_s;
   }
 
   double seconds_after_first(const Message& message) const {
@@ -192,6 +201,7 @@ class Replay {
   std::optional<std::int64_t> first_utime_;  ///< of the first event
   std::int64_t last_receive_utime_ = 0;
   double since_scan_s_ = 0;
+  double next_sample_s_ = 0;
   ReplayResult result_;
 };
 

@@ -21,6 +21,9 @@ struct ReplayOptions {
   /// The whole map is matched and fitted once more at the end, as by the command `refine`, and then every
   /// scan is matched with it (Refinement), in a second pass over the log.
   bool refine = false;
+  /// Called at the first event and then after each so many seconds of event time.
+  std::function<void(const Engine&, double event_s)> sample;
+  double sample_every_s = 60;
   std::function<void(double)> progress;
   std::function<void(const std::string&)> warn;  ///< told of damaged parts of the log
 };

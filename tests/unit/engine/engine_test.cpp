@@ -61,6 +61,40 @@ TEST(Engine, ARobotDrivingThroughARoomIsLocalisedOnOneIsland) {
   EXPECT_EQ(map.trajectory_rows, 20U);
 }
 
+// The old patches stay, new ones are refused, and the robot is still told where it is.
+TEST(Engine, ARobotWithAllItsPatchesIsLocalisedAndAddsNoMore) {
+  Configuration configuration;
+  configuration.engine.patch_spacing_m = 0.3;
+  configuration.engine.patches_per_robot = 2;
+  Engine engine(configuration);
+  engine.handle(robot("R1"));
+  engine.handle(robot("R2"));
+  const RobotPose last = drive(engine, "R1", start_utime, 20, 0.1);
+  EXPECT_TRUE(last.matched);
+  EXPECT_NEAR(last.map_from_robot.x, 1.9, 0.05);
+  drive(engine, "R2", start_utime, 1, 0.1);
+  const MapCopy map = engine.copy();
+  EXPECT_EQ(map.patches.size(), 3U) << "each robot has its own limit";
+  EXPECT_GT(map.counters.dropped_by_robot.at("R1").at("too_many_patches"), 0);
+  EXPECT_FALSE(map.counters.dropped_by_robot.contains("R2"));
+  EXPECT_EQ(map.trajectory_rows, 21U);
+}
+
+TEST(Engine, ARobotWithAllItsPatchesDoesNotBeginAgain) {
+  Configuration configuration;
+  configuration.engine.patches_per_robot = 1;
+  Engine engine(configuration);
+  engine.handle(robot("R1"));
+  drive(engine, "R1", start_utime, 1, 0.1);
+  engine.handle(robot("R1", -1, true));
+  const std::int64_t later = start_utime + 1'000'000;
+  engine.handle(odometry("R1", later, Pose{}));
+  EXPECT_TRUE(engine.handle(scan("R1", later, Pose{-2, -1, 0})).poses.empty());
+  const MapCopy map = engine.copy();
+  EXPECT_EQ(map.patches.size(), 1U);
+  EXPECT_EQ(map.counters.dropped.at("too_many_patches"), 1);
+}
+
 TEST(Engine, EveryRelationSaysWhereItCameFrom) {
   Engine engine;
   engine.handle(robot("R1"));

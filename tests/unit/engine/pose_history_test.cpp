@@ -135,6 +135,21 @@ TEST(PoseHistory, AStandingRobotDoesNotDriveOutWhatItHasDriven) {
   EXPECT_NEAR(found->pose.patch_from_object.x, 2.025, 0.01);
 }
 
+// Ten minutes at ten scans a second, for a robot that comes back from a radio shadow as long.
+TEST(PoseHistory, KnowsTenMinutesOfARobotThatScansFast) {
+  PoseHistory history;
+  for (int i = 0; i < 6000; ++i) {
+    const double x = 0.06 * i;
+    history.add(place(i * second / 10, {x, 0, 0}, {x, 0, 0}));
+  }
+  EXPECT_EQ(history.oldest_utime(), 0);
+  for (const std::int64_t utime : {1 * second + 50'000, 100 * second + 30'000, 599 * second}) {
+    const auto found = history.at(utime, {}, {});
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->pose.patch_from_object.x, 0.6e-6 * static_cast<double>(utime), 1e-9);
+  }
+}
+
 TEST(PoseHistory, ForgetsTheOldestWhenFull) {
   PoseHistory history;
   constexpr int many = 20'000;

@@ -51,6 +51,24 @@ std::vector<std::string> keys(const RobotHealth& health) {
 
 using Keys = std::vector<std::string>;
 
+/// Whose stamps lie so far from the times of their receipt, the first few ten minutes more behind.
+RobotHealth with_clock_ahead(double ahead_s) {
+  RobotHealth health = driven([](const Pose& step) { return step; });
+  const auto ahead_us = static_cast<std::int64_t>(1e6 * ahead_s);
+  for (std::int64_t utime = 0; utime < 100'000'000; utime += 1'000'000)
+    health.heard_stamp(utime + ahead_us, utime < 10'000'000 ? utime + 600'000'000 : utime + 20'000);
+  return health;
+}
+
+TEST(RobotHealth, AClockOfAnotherTimeIsTold) {
+  EXPECT_EQ(keys(with_clock_ahead(3600)), Keys{"clock_ahead"});
+  EXPECT_EQ(keys(with_clock_ahead(-3600)), Keys{"clock_behind"});
+  EXPECT_NEAR(*with_clock_ahead(3600).figures().clock_ahead_s, 3600, 0.1);
+}
+
+// What comes late out of a radio shadow says nothing of the clock.
+TEST(RobotHealth, DataThatComesLateIsNoClockBehind) { EXPECT_EQ(keys(with_clock_ahead(0)), Keys{}); }
+
 TEST(RobotHealth, OdometryThatAgreesWarnsOfNothing) {
   const RobotHealth health = driven([](const Pose& step) {
     return Pose{1.03 * step.x, 0.002, 1.05 * step.yaw};

@@ -60,6 +60,7 @@ TEST(Configuration, ExampleShowsTheDefaults) {
   EXPECT_EQ(shown.engine.patch_spacing_m, defaults.patch_spacing_m);
   EXPECT_EQ(shown.engine.patch_spacing_rad, defaults.patch_spacing_rad);
   EXPECT_EQ(shown.engine.uncovered_share, defaults.uncovered_share);
+  EXPECT_EQ(shown.engine.patches_per_robot, defaults.patches_per_robot);
   EXPECT_EQ(shown.engine.patch.free_space.max_range_m, defaults.patch.free_space.max_range_m);
   EXPECT_EQ(shown.engine.patch.free_space.no_return_range_m, defaults.patch.free_space.no_return_range_m);
   ASSERT_EQ(shown.robots.size(), 1U);
@@ -96,6 +97,8 @@ TEST(Configuration, ReadsARobot) {
 tags = "any"
 [engine]
 patch_spacing_m = 2
+[limits]
+patches_per_robot = 7
 [robots.r1]
 barcode = 5
 laser = { x_m = 0.1, y_m = -0.2, yaw_rad = 3.1 }
@@ -107,6 +110,7 @@ channels = { odometry = "WHEELS" }
 )");
   EXPECT_TRUE(configuration.any_tag);
   EXPECT_EQ(configuration.engine.patch_spacing_m, 2);
+  EXPECT_EQ(configuration.engine.patches_per_robot, 7U);
   const RobotConfiguration& robot = configuration.robots.at("R1");
   EXPECT_TRUE(robot.declared);
   EXPECT_EQ(robot.robot.robot, "R1");
@@ -141,6 +145,8 @@ TEST(Configuration, NamesFileLineAndReason) {
   EXPECT_EQ(error_in("tags = 5"), "c.toml:1: tags must be a string");
   EXPECT_EQ(error_in("[engine]\n\npatch_spacing_m = 0"),
             "c.toml:3: patch_spacing_m = 0 is not within 0.05 to 100");
+  EXPECT_EQ(error_in("[limits]\npatches_per_robot = 0"),
+            "c.toml:2: patches_per_robot = 0 is not within 1 to 10000000");
   EXPECT_EQ(error_in("[engine]\npatch_spacing_m = nan"),
             "c.toml:2: patch_spacing_m = nan is not within 0.05 to 100");
   EXPECT_EQ(error_in("engine = 5"), "c.toml:1: engine must be a table");

@@ -62,6 +62,16 @@ TEST(Inbox, HasAPlaceForARobotAfterAFloodOfNames) {
   EXPECT_TRUE(inbox.take_drops().contains("R1"));
 }
 
+TEST(Inbox, KeepsAQueueForARobotWhoseNameIsReserved) {
+  InboxLimits limits = three_messages();
+  limits.senders = 2;
+  Inbox inbox(limits);
+  inbox.reserve("R1");
+  for (int i = 0; i < 100; ++i) push(inbox, "X" + std::to_string(i), i, true);
+  for (int i = 0; i < 4; ++i) push(inbox, "R1", i, true);
+  EXPECT_EQ(inbox.take_drops().at("R1").at("queue_full"), 1);
+}
+
 TEST(Inbox, DropsTheOldestScanOfTheRobotThatFloods) {
   Inbox inbox(three_messages(), InboxOrder::arrival);
   push(inbox, "R2", 1, true);

@@ -1,12 +1,15 @@
 #include "server/wire/journal.hpp"
 
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/resource.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
+#include "tests/support/failing_disk.hpp"
 #include "tests/support/log_files.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -26,26 +29,6 @@ JournalOptions small_segments() {
   options.segment_bytes = 1000;
   return options;
 }
-
-/// While it lives, this process can write no file beyond `bytes`: a full disk, as far as writing goes.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) : previous_handler_(signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &previous_);
-    const rlimit limited{bytes, previous_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limited);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &previous_);
-    signal(SIGXFSZ, previous_handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit previous_{};
-  void (*previous_handler_)(int);
-};
 
 TEST(Journal, BeginsWithTheConfigurationAndKeepsTheOrder) {
   TemporaryDirectory directory;
@@ -169,25 +152,150 @@ TEST(Journal, NamesTheDirectoryThatCannotBeMade) {
   EXPECT_EQ(error_of([&] { Journal journal(file + "/j"); }), file + "/j: Not a directory");
 }
 
-TEST(Journal, SurvivesADiskThatRefusesAndTakesEventsAgainAfterwards) {
-  TemporaryDirectory directory;
-  std::vector<std::string> reports;
-  JournalOptions options;
-  options.report = [&](const std::string& text) { reports.push_back(text); };
-  Journal journal(directory / "j", options);
-  EXPECT_TRUE(journal.append(configuration()));
-  EXPECT_TRUE(journal.append(message(2)));
-  {
-    const FileSizeLimit full(fs::file_size(directory / "j/journal-000001.lcm") + 20);
-    for (int i = 3; i < 6; ++i) EXPECT_FALSE(journal.append(message(i)));
+/// A journal on a disk that can be made to refuse, and what it reports.
+struct OnFailingDisk {
+  explicit OnFailingDisk(JournalOptions options = {})
+      : journal(directory / "j", with_disk(std::move(options))) {}
+
+  JournalOptions with_disk(JournalOptions options) {
+    options.disk = disk.operations();
+    options.report = [this](const std::string& text) { reports.push_back(text); };
+    return options;
   }
-  EXPECT_TRUE(journal.append(message(6)));
-  EXPECT_EQ(journal.failures(), 3);
-  EXPECT_EQ(reports.size(), 2U) << "once when it begins, once when it ends";
-  const LogContent content = read_log(directory / "j");
-  ASSERT_EQ(content.messages.size(), 3U);
-  EXPECT_TRUE(same(content.messages.back(), message(6)));
-  EXPECT_EQ(content.skipped, 0) << "no torn event in the middle";
+  std::vector<std::int64_t> utimes() const {
+    const LogContent content = read_log(directory / "j");
+    EXPECT_EQ(content.skipped, 0) << "no torn event in the middle";
+    std::vector<std::int64_t> utimes;
+    for (const Message& message : content.messages) utimes.push_back(message.utime);
+    return utimes;
+  }
+
+  TemporaryDirectory directory;
+  FailingDisk disk;
+  std::vector<std::string> reports;
+  Journal journal;
+};
+
+//   written: 1 2           3 4 5 6
+//   disk:    takes  full   takes
+TEST(Journal, WritesWhatWaitedForTheDiskInOrder) {
+  OnFailingDisk on;
+  EXPECT_TRUE(on.journal.append(configuration()));
+  EXPECT_TRUE(on.journal.append(message(2)));
+  on.disk.refuse_with(ENOSPC);
+  for (int i = 3; i < 6; ++i) EXPECT_TRUE(on.journal.append(message(i)));
+  EXPECT_EQ(on.journal.waiting(), 3U);
+  EXPECT_EQ(on.utimes(), (std::vector<std::int64_t>{1, 2}));
+  on.disk.refuse_with(0);
+  EXPECT_TRUE(on.journal.append(message(6)));
+  EXPECT_EQ(on.utimes(), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(on.journal.waiting(), 0U);
+  EXPECT_EQ(on.journal.failures(), 3);
+  ASSERT_EQ(on.reports.size(), 2U) << "once when it begins, once when it ends";
+  EXPECT_NE(on.reports[0].find("No space left on device"), std::string::npos) << on.reports[0];
+}
+
+TEST(Journal, WritesWhatWaitedWhenNothingNewComes) {
+  OnFailingDisk on;
+  on.disk.refuse_with(EROFS);
+  EXPECT_TRUE(on.journal.append(configuration()));
+  on.disk.refuse_with(0);
+  on.journal.write_waiting();
+  EXPECT_EQ(on.utimes(), (std::vector<std::int64_t>{1}));
+}
+
+// A disk that fills up within an event has the first part of it.
+TEST(Journal, LeavesNoTornEventWhereTheDiskFillsUpWithinOne) {
+  OnFailingDisk on;
+  on.journal.append(configuration());
+  for (std::size_t bytes = 0; bytes < 90; bytes += 7) {
+    on.disk.refuse_with(ENOSPC, bytes);
+    on.journal.append(message(2));
+    on.disk.refuse_with(0);
+    on.journal.write_waiting();
+  }
+  EXPECT_EQ(on.utimes().size(), 1U + 13U);
+}
+
+TEST(Journal, RefusesWhatCannotWaitAndTakesTheNextOnceThereIsRoom) {
+  JournalOptions options;
+  options.waiting_bytes = 10'000;
+  OnFailingDisk on(options);
+  on.disk.refuse_with(ENOSPC);
+  int taken = 0;
+  while (on.journal.append(message(taken + 1, 1000))) ++taken;
+  EXPECT_GE(taken, 5);
+  EXPECT_LE(taken, 10);
+  EXPECT_FALSE(on.journal.append(message(99, 1000)));
+  EXPECT_EQ(on.journal.waiting(), static_cast<std::size_t>(taken));
+  on.disk.refuse_with(0);
+  EXPECT_TRUE(on.journal.append(message(100, 1000)));
+  std::vector<std::int64_t> expected;
+  for (int i = 1; i <= taken; ++i) expected.push_back(i);
+  expected.push_back(100);
+  EXPECT_EQ(on.utimes(), expected);
+  EXPECT_EQ(on.reports.size(), 3U) << "waiting, full, taking again";
+}
+
+TEST(Journal, SaysOnceThatItRefusesWhereNothingMayWait) {
+  JournalOptions options;
+  options.waiting_bytes = 0;
+  OnFailingDisk on(options);
+  on.disk.refuse_with(ENOSPC);
+  for (int i = 1; i < 4; ++i) EXPECT_FALSE(on.journal.append(message(i)));
+  EXPECT_EQ(on.reports.size(), 1U);
+  on.disk.refuse_with(0);
+  EXPECT_TRUE(on.journal.append(message(4)));
+  EXPECT_EQ(on.reports.size(), 2U);
+  EXPECT_EQ(on.utimes(), (std::vector<std::int64_t>{4}));
+}
+
+TEST(Journal, TellsOfWhatTheDiskRefusedToTheEnd) {
+  OnFailingDisk on;
+  on.journal.append(configuration());
+  on.disk.refuse_with(ENOSPC);
+  on.journal.append(message(2));
+  on.journal.append(message(3));
+  EXPECT_EQ(on.journal.finish(), 2U);
+  on.disk.refuse_with(0);
+  EXPECT_EQ(on.journal.finish(), 0U);
+}
+
+// The name of the next segment is taken, as by a directory that lets nobody write.
+TEST(Journal, GoesOnInTheLastSegmentWhereNoneCanBeBegun) {
+  OnFailingDisk on(small_segments());
+  on.directory.write("j/journal-000002.lcm", "");
+  for (int i = 1; i < 50; ++i) EXPECT_TRUE(on.journal.append(message(i)));
+  EXPECT_GT(fs::file_size(on.directory / "j/journal-000001.lcm"), 1000U);
+  EXPECT_EQ(on.reports.size(), 1U);
+  fs::remove(on.directory / "j/journal-000002.lcm");
+  EXPECT_TRUE(on.journal.append(message(50)));
+  EXPECT_TRUE(fs::exists(on.directory / "j/journal-000002.lcm"));
+  EXPECT_EQ(on.utimes().size(), 50U);
+}
+
+TEST(Journal, IsNotHeldUpByASlowDisk) {
+  using namespace std::chrono_literals;
+  TemporaryDirectory directory;
+  std::atomic<int> syncs = 0;
+  std::atomic<bool> slow = true;
+  JournalOptions options = small_segments();
+  options.sync_interval = 1ms;
+  options.disk.sync = [&](int) {
+    ++syncs;
+    if (slow) std::this_thread::sleep_for(300ms);
+    return 0;
+  };
+  Journal journal(directory / "j", options);
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 1; i < 200; ++i) {  // ten segments and more
+    EXPECT_TRUE(journal.append(message(i)));
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);
+  slow = false;
+  EXPECT_GE(syncs, 1);
+  EXPECT_EQ(read_log(directory / "j").messages.size(), 199U);
 }
 
 }  // namespace
