@@ -63,7 +63,7 @@ Outcome Engine::State::take(const RobotEvent& event) {
   if (!fixed) robot.declaration = event;
   robot.declared = true;
   if (event.restarted) {
-    robot.place.reset();
+    forget_place(robot);
     robot.odometry.clear();
     robot.pending.clear();
   }
@@ -83,6 +83,7 @@ Outcome Engine::State::take(const OdometryEvent& event) {
   robot->health.heard_odometry(event.odom_from_robot);
   Outcome outcome;
   if (!has_no_laser(*robot)) return outcome;
+  if (frozen) return {drop(event.robot, "frozen"), {}};  // its way would have to become a map
   if (robot->place && event.utime < robot->place->utime - backward_us) {
     if (++robot->stale_scans < most_stale_scans) return {drop(event.robot, "stale_stamp"), {}};
     robot->place.reset();
@@ -105,7 +106,7 @@ Outcome Engine::State::take(const ScanEvent& event) {
   if (!first && scan.utime == robot->last_scan_utime) return {drop(event.robot, "duplicate_stamp"), {}};
   if (!first && scan.utime < robot->newest_scan_utime - backward_us) {
     if (++robot->stale_scans < most_stale_scans) return {drop(event.robot, "stale_stamp"), {}};
-    robot->place.reset();
+    forget_place(*robot);
     robot->newest_scan_utime = scan.utime;
   }
   robot->stale_scans = 0;
@@ -120,7 +121,7 @@ Outcome Engine::State::take(const SightingEvent& event) {
   ++counters.sightings;
   const Robot* observer = declared(event.robot);
   const auto refuse = [&](const std::string& reason) {
-    closures.refuse(event, reason);
+    if (!frozen) closures.refuse(event, reason);
     return Outcome{drop(event.robot, reason), {}};
   };
   if (!observer) return refuse("unknown_robot");
@@ -141,11 +142,13 @@ Outcome Engine::State::take(const SightingEvent& event) {
     if (now) note_teammate(seer, event, target, *odometry);
     rendezvous.take_sighting(event.robot, target);
   }
+  if (frozen) return {drop(event.robot, "frozen"), {}};
   closures.take(event, target, worn == robots.end(), counters.last_receive_utime);
   return {};
 }
 
 Outcome Engine::State::take(const CommandEvent& event) {
+  if (frozen && event.verb != "send_map") return {drop("", "frozen"), {}};
   if (event.verb == "refine") {
     weaving.weave_all(map);
     refine_asked = true;
@@ -184,8 +187,10 @@ void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_
     }
     const Scan scan = std::move(robot.pending.front().scan);
     robot.pending.pop_front();
-    const bool refused = may_not_begin(robot, configuration.engine);
-    if (odometry && !refused) {
+    const bool refused = !frozen && may_not_begin(robot, configuration.engine);
+    if (odometry && frozen) {
+      localise_scan(robot, scan, *odometry, outcome);
+    } else if (odometry && !refused) {
       map_scan(robot, scan, *odometry, outcome);
     } else {
       drop(robot.declaration.robot, refused ? "too_many_patches" : "no_odometry");
@@ -222,7 +227,7 @@ void Engine::State::settle(Robot& robot, ScanOutcome done, const Pose& odom_from
     session.from_utime = robot.unplaced.empty() ? utime : robot.unplaced.front().utime;
     session.first_patch = done.pose.pose.patch;
     sessions.push_back(session);
-    if (!robot.first_patch.valid()) {
+    if (!frozen && !robot.first_patch.valid()) {
       robot.first_patch = session.first_patch;
       relate_measured_starts();
     }
@@ -308,6 +313,28 @@ void Engine::State::arrange_meeting() {
   rendezvous.choose(map, robots, hypotheses.undecided(), counters.last_receive_utime);
 }
 
+// What an event brings on beside the scans it answers.
+void Engine::State::work_on_map() {
+  closures.advance(world());
+  hypotheses.advance(world(), closures);
+  for (const PatchId patch : closures.take_changed()) {
+    settling.map_changed();
+    weaving.map_changed();
+    settling.request(patch);
+  }
+  weaving.advance(map, configuration.engine, counters.last_receive_utime);
+  if (refine_asked && !weaving.busy()) {
+    refine_asked = false;
+    map_changed(map.graph().islands());
+  }
+  settling.advance(map, counters.last_receive_utime);
+  arrange_meeting();
+}
+
+void Engine::State::fit_all() {
+  for (const std::vector<PatchId>& island : map.graph().islands()) map.refit_island(island.front());
+}
+
 Engine::Engine(Configuration configuration) : state_(std::make_unique<State>(std::move(configuration))) {}
 Engine::~Engine() = default;
 Engine::Engine(Engine&&) noexcept = default;
@@ -320,20 +347,12 @@ Outcome Engine::handle(const Event& event) {
   counters.last_receive_utime = std::max(counters.last_receive_utime, event.receive_utime);
   Outcome outcome = std::visit([&](const auto& body) { return state.take(body); }, event.body);
   for (auto& [name, robot] : state.robots) state.answer_pending(robot, outcome, false);
-  state.closures.advance(state.world());
-  state.hypotheses.advance(state.world(), state.closures);
-  for (const PatchId patch : state.closures.take_changed()) {
-    state.settling.map_changed();
-    state.weaving.map_changed();
-    state.settling.request(patch);
+  if (state.frozen) {
+    // What is heard need not come after the journal: a log of another day may be localised.
+    state.frozen->advance(state.map, state.configuration.engine, event.receive_utime);
+  } else {
+    state.work_on_map();
   }
-  state.weaving.advance(state.map, state.configuration.engine, counters.last_receive_utime);
-  if (state.refine_asked && !state.weaving.busy()) {
-    state.refine_asked = false;
-    state.map_changed(state.map.graph().islands());
-  }
-  state.settling.advance(state.map, counters.last_receive_utime);
-  state.arrange_meeting();
   return outcome;
 }
 
@@ -344,23 +363,24 @@ void Engine::count_dropped(const std::string& robot, const std::string& reason) 
 Outcome Engine::finish() {
   Outcome outcome;
   for (auto& [name, robot] : state_->robots) state_->answer_pending(robot, outcome, true);
+  if (is_frozen()) return outcome;
   for (auto& [name, robot] : state_->robots) {
     if (robot.place) state_->record(robot, robot.place->pose, robot.place->odom_from_robot);
   }
   state_->hypotheses.finish(state_->world(), state_->closures);
   state_->closures.finish(state_->world());
   state_->weaving.finish(state_->map, state_->configuration.engine);
-  for (const std::vector<PatchId>& island : state_->map.graph().islands())
-    state_->map.refit_island(island.front());
+  state_->fit_all();
   return outcome;
 }
 
 bool Engine::has_queued_work() const {
-  if (state_->closures.has_work() || state_->hypotheses.has_work() || state_->settling.busy() ||
-      state_->weaving.busy())
-    return true;
-  return std::any_of(state_->robots.begin(), state_->robots.end(),
-                     [](const auto& entry) { return !entry.second.pending.empty(); });
+  const State& state = *state_;
+  const bool works = state.frozen ? state.frozen->has_work()
+                                  : state.closures.has_work() || state.hypotheses.has_work() ||
+                                        state.settling.busy() || state.weaving.busy();
+  return works || std::any_of(state.robots.begin(), state.robots.end(),
+                              [](const auto& entry) { return !entry.second.pending.empty(); });
 }
 
 const Configuration& Engine::configuration() const { return state_->configuration; }

@@ -51,6 +51,11 @@ class Engine {
   /// Returns the answers to scans that were still waiting.
   Outcome finish();
 
+  /// From now on robots are localised and the map changes no more. What is under way on it is finished first,
+  /// as `finish` does.
+  void freeze();
+  bool is_frozen() const;
+
   /// Whether work waits that a TickEvent would advance.
   bool has_queued_work() const;
 
@@ -58,7 +63,7 @@ class Engine {
   MapCopy copy() const;
 
   /// All that the engine knows but the rows of its trajectory: what `restore` makes an engine of that goes on
-  /// as this one would. Waits for jobs in other threads.
+  /// as this one would. Waits for jobs in other threads. Not to be asked of one that is frozen.
   std::vector<std::uint8_t> save() const;
   /// `trajectory` holds the rows there were. Throws std::runtime_error saying what is wrong with `saved`.
   static Engine restore(std::span<const std::uint8_t> saved, std::shared_ptr<TrajectoryStore> trajectory);

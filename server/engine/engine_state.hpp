@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -9,6 +10,7 @@
 
 #include "server/engine/closures.hpp"
 #include "server/engine/engine.hpp"
+#include "server/engine/frozen.hpp"
 #include "server/engine/hypotheses.hpp"
 #include "server/engine/mapper.hpp"
 #include "server/engine/rendezvous.hpp"
@@ -40,6 +42,7 @@ struct Engine::State {
     auto members() { return std::tie(relations, end); }
   };
   std::map<std::string, Dropped> dropped;  // by robot
+  std::optional<Frozen> frozen;            // the map changes no more
 
   explicit State(Configuration given) { configure(std::move(given)); }
 
@@ -63,8 +66,13 @@ struct Engine::State {
   Outcome take(const CommandEvent& event);
   Outcome take(const TickEvent&) { return {}; }
 
+  /// Its odometry begins anew: nothing tells any longer where it is.
+  void forget_place(Robot& robot);
+  void work_on_map();
+
   void answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting);
   void map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome);
+  void localise_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome);
   void settle(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);
   void record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot);
   void relate_measured_starts();
@@ -72,8 +80,9 @@ struct Engine::State {
   void arrange_meeting();
   std::string drop_data(const std::string& name);
   std::string take_back_drop(const std::string& name);
+  void fit_all();
 
-  /// For snapshots: all but the configuration and the trajectory.
+  /// For snapshots, which are not made of frozen maps: all but the configuration and the trajectory.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(map, robots, sessions, closures, hypotheses, settling, weaving, rendezvous, tags, counters,

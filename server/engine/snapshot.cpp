@@ -44,6 +44,7 @@ void load(SnapshotReader& reader, PatchPtr& patch) {
 }
 
 std::vector<std::uint8_t> Engine::save() const {
+  if (is_frozen()) throw std::logic_error("a frozen engine was to be saved");
   SnapshotWriter writer;
   writer(state_->configuration.toml, static_cast<std::uint64_t>(state_->trajectory->size()), *state_);
   return writer.take();

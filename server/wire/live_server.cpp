@@ -44,8 +44,13 @@ LiveServer::LiveServer(LiveOptions options, Inbox& inbox, Publish publish)
   const auto shown = parse_configuration(options_.toml, "configuration without its keys");
   if (const std::string* error = std::get_if<std::string>(&shown)) throw std::runtime_error(*error);
   start_ = last_event_ = last_status_ = Clock::now();
-  if (!options_.journal_directory.empty())
+  if (options_.frozen) {
+    recovery_ = std::make_unique<Recovery>(options_.journal_directory, recovery_options());
+    if (!recovery_->has_events())
+      throw std::runtime_error(options_.journal_directory + ": holds no event of a journal to make a map of");
+  } else if (!options_.journal_directory.empty()) {
     journal_ = std::make_unique<Journal>(options_.journal_directory, options_.journal);
+  }
   if (journal_ && !journal_->earlier_segments().empty())
     recovery_ = std::make_unique<Recovery>(options_.journal_directory, recovery_options());
   if (recovery_ && recovery_->has_events()) {
@@ -121,11 +126,7 @@ void LiveServer::run() {
 
 /// Messages that come meanwhile wait in the inbox.
 void LiveServer::recover() {
-  const std::int64_t torn_bytes = journal_->torn_bytes();
-  say(torn_bytes > 0 ? LogLevel::warning : LogLevel::info, "recovering the journal",
-      {{"directory", options_.journal_directory},
-       {"segments", std::to_string(journal_->earlier_segments().size())},
-       {"torn_bytes_cut", std::to_string(torn_bytes)}});
+  tell_journal_found();
   const Clock::time_point start = Clock::now();
   Clock::time_point told = start;
   while (recovery_->step(map_)) {
@@ -142,7 +143,28 @@ void LiveServer::recover() {
        {"of_a_snapshot", std::to_string(map_.events - recovery_->events())},
        {"damaged_bytes_skipped", std::to_string(skipped_bytes)},
        {"seconds", std::to_string(seconds(Clock::now() - start))}});
+  if (options_.frozen) freeze();
   closure_log_.tell(map_.engine.copy().closures, {});  // told when they were new
+}
+
+void LiveServer::tell_journal_found() const {
+  const std::int64_t torn_bytes = journal_ ? journal_->torn_bytes() : 0;
+  LogFields fields = {{"directory", options_.journal_directory}};
+  if (journal_) {
+    fields.push_back({"segments", std::to_string(journal_->earlier_segments().size())});
+    fields.push_back({"torn_bytes_cut", std::to_string(torn_bytes)});
+  }
+  say(torn_bytes > 0 ? LogLevel::warning : LogLevel::info, "recovering the journal", fields);
+}
+
+void LiveServer::freeze() {
+  map_.engine.freeze();
+  map_.last_utime = 0;
+  const MapCopy map = map_.engine.copy();
+  say(LogLevel::info, "frozen: robots are localised, the map does not change and nothing is journalled",
+      {{"patches", std::to_string(map.patches.size())},
+       {"islands", std::to_string(map.graph.islands().size())},
+       {"map_sha256", map_sha256(map)}});
 }
 
 void LiveServer::handle(Message message) {

@@ -25,6 +25,7 @@ namespace isthmus {
 struct LiveOptions {
   std::string toml;               ///< the configuration's text; must parse; empty: that of a found journal
   std::string journal_directory;  ///< empty: no journal; one that holds a journal: it goes on
+  bool frozen = false;            ///< the journal is only read: robots are localised in its map
   std::string output_directory;   ///< empty: nothing is exported
   /// The time of ticks, microseconds; none where the messages carry the time of a log.
   std::function<std::int64_t()> clock;
@@ -71,6 +72,8 @@ class LiveServer {
   void begin_recovery();
   void know_robots();
   void recover();
+  void tell_journal_found() const;
+  void freeze();
   void handle(Message message);
   void take(const Event& event);
   bool journal(const Message& message);

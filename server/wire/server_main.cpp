@@ -31,6 +31,7 @@ struct Arguments {
   std::int64_t segment_mb = 64;
   bool no_snapshots = false;
   int keep_segments = -1;
+  bool frozen = false;
 };
 
 void add_options(CLI::App& app, Arguments& arguments) {
@@ -52,6 +53,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "so much of what a full disk refuses waits in memory; what comes beyond is refused")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
+  app.add_flag("--frozen", arguments.frozen,
+               "localise robots in the map of a journal, which is only read: neither changes")
+      ->needs("--journal");
   app.add_option("--output", arguments.output_directory,
                  "directory for maps and trajectories, written at the end");
   app.add_option("--metrics-port", arguments.metrics_port,
@@ -119,6 +123,7 @@ void serve(const Arguments& arguments, const std::string& toml) {
   LiveOptions options;
   options.toml = toml;
   options.journal_directory = arguments.journal_directory;
+  options.frozen = arguments.frozen;
   options.output_directory = arguments.output_directory;
   if (log_file.empty()) {
     options.clock = wall_clock_utime;
