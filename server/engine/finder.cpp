@@ -17,8 +17,6 @@ constexpr double piece_way_m = 8;            // what is searched for: so much of
 constexpr double least_piece_way_m = 2;      // and at least
 constexpr double least_half_yaw_rad = 0.15;  // of a window
 constexpr double least_score = 0.6;
-constexpr double apart_m = 1;  // what counts as another answer
-constexpr double apart_rad = 0.26;
 constexpr double agreeing_m = 0.5;  // two finds that say the same
 constexpr double agreeing_rad = 0.1;
 constexpr double agreeing_way_m = 1;  // between them: less is the same view twice
@@ -39,18 +37,6 @@ void append_anchors(const Map& map, const std::vector<PatchId>& island, std::vec
     });
     if (!covered) anchors.push_back(id);
   }
-}
-
-// Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
-bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first) {
-  const PlaceAnswer& best = best_first.front();
-  const Pose best_map_from_piece = map.manifold().pose(best.anchor) * best.anchor_from_piece;
-  return std::ranges::none_of(best_first, [&](const PlaceAnswer& other) {
-    if (other.score < ambiguous_share * best.score) return false;
-    if (map.graph().island(other.anchor) != map.graph().island(best.anchor)) return true;
-    const Pose off = ominus(map.manifold().pose(other.anchor) * other.anchor_from_piece, best_map_from_piece);
-    return std::hypot(off.x, off.y) > apart_m || std::abs(off.yaw) > apart_rad;
-  });
 }
 
 }  // namespace

@@ -14,9 +14,7 @@ constexpr double least_piece_way_m = 5;
 constexpr std::size_t most_queries = 8;
 constexpr double least_score = 0.5;
 constexpr double least_score_anywhere = 0.6;  // on islands where nothing says where to look
-constexpr double apart_m = 1;
-constexpr double apart_rad = 0.26;
-constexpr double work_share = 0.02;  // of the time that passes
+constexpr double work_share = 0.02;           // of the time that passes
 constexpr std::int64_t most_credit_us = 10'000;
 constexpr std::int64_t least_price_us = 1'000;  // nominal, of one step
 constexpr double price_per_evaluation_us = 0.1;
@@ -170,21 +168,10 @@ std::int64_t Hypotheses::search_next(World world, Query& query) {
 }
 
 // Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
-bool Hypotheses::unique(const Map& map, const Query& query) const {
-  const PlaceAnswer& best = query.answers.front();
-  const Pose best_map_from_piece = map.manifold().pose(best.anchor) * best.anchor_from_piece;
-  return std::ranges::none_of(query.answers, [&](const PlaceAnswer& other) {
-    if (other.score < ambiguous_share * best.score) return false;
-    if (map.graph().island(other.anchor) != map.graph().island(best.anchor)) return true;
-    const Pose off = ominus(map.manifold().pose(other.anchor) * other.anchor_from_piece, best_map_from_piece);
-    return std::hypot(off.x, off.y) > apart_m || std::abs(off.yaw) > apart_rad;
-  });
-}
-
 std::int64_t Hypotheses::decide(World world, Query& query) {
   std::ranges::stable_sort(query.answers, std::ranges::greater{}, &PlaceAnswer::score);
   if (query.answers.empty()) return 0;
-  if (query.exhausted || !unique(world.map, query)) {
+  if (query.exhausted || !is_unique(world.map, query.answers)) {
     ++counts_.ambiguous;
     return 0;
   }

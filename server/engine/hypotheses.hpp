@@ -92,7 +92,6 @@ class Hypotheses {
   std::int64_t begin(World world, Query& query);
   std::int64_t search_next(World world, Query& query);
   std::int64_t decide(World world, Query& query);
-  bool unique(const Map& map, const Query& query) const;
   void take(World world, const std::string& robot, Find find);
   bool propose(World world, Closures& closures);
   bool propose(World world, Closures& closures, const std::vector<std::size_t>& set);

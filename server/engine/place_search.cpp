@@ -151,6 +151,17 @@ PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const
   return found;
 }
 
+bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first) {
+  const PlaceAnswer& best = best_first.front();
+  const Pose best_map_from_piece = map.manifold().pose(best.anchor) * best.anchor_from_piece;
+  return std::ranges::none_of(best_first, [&](const PlaceAnswer& other) {
+    if (other.score < ambiguous_share * best.score) return false;
+    if (map.graph().island(other.anchor) != map.graph().island(best.anchor)) return true;
+    const Pose off = ominus(map.manifold().pose(other.anchor) * other.anchor_from_piece, best_map_from_piece);
+    return std::hypot(off.x, off.y) > apart_m || std::abs(off.yaw) > apart_rad;
+  });
+}
+
 std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, const PlaceAnswer& answer,
                            const EngineOptions& options) {
   MatchOptions match_options = options.match;

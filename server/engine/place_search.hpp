@@ -44,6 +44,9 @@ struct PlaceSearch {
 PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const SearchWindow& window,
                          double least_score);
 
+/// Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
+bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first);
+
 /// How a robot's patch lies at a place, as scans say in full.
 struct Find {
   PatchId query;   ///< the robot's patch
