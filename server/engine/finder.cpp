@@ -97,7 +97,7 @@ void Finder::begin(std::size_t places, FinderCounts& counts) {
   due_ = false;
   ++counts.queries;
   const std::vector<PatchId> way(newest_first_.begin(), newest_first_.end());
-  query_.emplace();
+  query_ = Query{};
   query_->piece = piece_of_way(sketch_, way);
   for (std::size_t i = 0; i < places; ++i) query_->windows.push_back({i, Pose{}, std::numbers::pi});
 }

@@ -88,7 +88,7 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
   way.since_query_m += step_m;
   if (way.since_query_m < query_every_m || way.from_newest_m.back() < least_piece_way_m) return;
   way.since_query_m = 0;
-  Query query;
+  PlaceQuery query;
   query.newest_first.assign(way.newest_first.begin(), way.newest_first.end());
   query.robot = robot;
   queue_.push_back(std::move(query));
@@ -106,7 +106,7 @@ void Hypotheses::look_up(World world) {
   asked_.assign(std::make_move_iterator(queue_.begin()), std::make_move_iterator(queue_.end()));
   queue_.clear();
   std::vector<PatchId> newest;
-  for (const Query& query : asked_) newest.push_back(query.newest_first.front());
+  for (const PlaceQuery& query : asked_) newest.push_back(query.newest_first.front());
   looking_up_.emplace(world.map, std::move(newest), world.now_utime);
 }
 
@@ -143,14 +143,14 @@ std::int64_t Hypotheses::step(World world) {
   return price;
 }
 
-std::int64_t Hypotheses::begin(World world, Query& query) {
+std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
   std::ranges::copy(places_on_other_islands(world.map, query.newest_first.front()),
                     std::back_inserter(query.places));
   if (!query.places.empty()) query.piece = piece_of_way(world.map, query.newest_first);
   return least_price_us;
 }
 
-std::int64_t Hypotheses::search_next(World world, Query& query) {
+std::int64_t Hypotheses::search_next(World world, PlaceQuery& query) {
   const PlaceCandidate& place = query.places[query.next++];
   ++counts_.places_searched;
   const PlaceSearch search = search_place(
@@ -168,7 +168,7 @@ std::int64_t Hypotheses::search_next(World world, Query& query) {
 }
 
 // Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
-std::int64_t Hypotheses::decide(World world, Query& query) {
+std::int64_t Hypotheses::decide(World world, PlaceQuery& query) {
   std::ranges::stable_sort(query.answers, std::ranges::greater{}, &PlaceAnswer::score);
   if (query.answers.empty()) return 0;
   if (query.exhausted || !is_unique(world.map, query.answers)) {

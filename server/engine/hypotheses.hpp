@@ -15,6 +15,22 @@
 
 namespace isthmus {
 
+/// Where on the map the last metres of a robot's way may be, on the way to an answer.
+struct PlaceQuery {
+  std::vector<PatchId> newest_first;
+  std::string robot;
+  RigidPiece piece;
+  std::vector<PlaceCandidate> places;
+  std::size_t next = 0;
+  std::vector<PlaceAnswer> answers;
+  double best_score = 0;
+  bool exhausted = false;
+
+  auto members() {
+    return std::tie(newest_first, robot, piece, places, next, answers, best_score, exhausted);
+  }
+};
+
 /// Loops and merges that scans alone suggest, closed lazily: every few metres of a robot's way, what it saw
 /// last is searched for at the places where it may have been before, on its own island within the relative
 /// covariance and on others anywhere. What is found there, once and only once, waits until several finds
@@ -52,20 +68,6 @@ class Hypotheses {
 
     auto members() { return std::tie(newest_first, from_newest_m, since_query_m); }
   };
-  struct Query {
-    std::vector<PatchId> newest_first;
-    std::string robot;
-    RigidPiece piece;
-    std::vector<PlaceCandidate> places;
-    std::size_t next = 0;
-    std::vector<PlaceAnswer> answers;
-    double best_score = 0;
-    bool exhausted = false;
-
-    auto members() {
-      return std::tie(newest_first, robot, piece, places, next, answers, best_score, exhausted);
-    }
-  };
   struct Waiting {
     Find find;
     std::string robot;
@@ -89,9 +91,9 @@ class Hypotheses {
   bool can_step() const { return query_ || !ready_.empty(); }
   /// One bounded piece of the search; what it costs, in nominal microseconds.
   std::int64_t step(World world);
-  std::int64_t begin(World world, Query& query);
-  std::int64_t search_next(World world, Query& query);
-  std::int64_t decide(World world, Query& query);
+  std::int64_t begin(World world, PlaceQuery& query);
+  std::int64_t search_next(World world, PlaceQuery& query);
+  std::int64_t decide(World world, PlaceQuery& query);
   void take(World world, const std::string& robot, Find find);
   bool propose(World world, Closures& closures);
   bool propose(World world, Closures& closures, const std::vector<std::size_t>& set);
@@ -102,11 +104,11 @@ class Hypotheses {
   std::map<std::string, Way> ways_;
   std::map<std::string, PatchId> newest_;
   // A query's way: it waits, its places are looked up beside the engine, it is ready, it is searched.
-  std::deque<Query> queue_;
-  std::vector<Query> asked_;  ///< what is being looked up; no patches: not wanted any more
+  std::deque<PlaceQuery> queue_;
+  std::vector<PlaceQuery> asked_;  ///< what is being looked up; no patches: not wanted any more
   std::optional<PlacesJob> looking_up_;
-  std::deque<Query> ready_;
-  std::optional<Query> query_;
+  std::deque<PlaceQuery> ready_;
+  std::optional<PlaceQuery> query_;
   std::vector<Waiting> pool_;
   AgreementTable agreements_;
   bool pool_changed_ = false;

@@ -179,10 +179,10 @@ void Hypotheses::forget_robot(const Map& map, const std::string& robot) {
   remove(gone);
   for (auto& [id, finds] : parked_) std::erase_if(finds, is_its);
   if (query_ && query_->robot == robot) query_.reset();
-  const auto asks = [&](const Query& query) { return query.robot == robot; };
+  const auto asks = [&](const PlaceQuery& query) { return query.robot == robot; };
   std::erase_if(queue_, asks);
   std::erase_if(ready_, asks);
-  for (Query& query : asked_)
+  for (PlaceQuery& query : asked_)
     if (asks(query)) query.newest_first.clear();
   ways_.erase(robot);
 }

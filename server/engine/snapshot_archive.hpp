@@ -30,7 +30,7 @@ class SnapshotWriter : public cereal::OutputArchive<SnapshotWriter, cereal::Allo
 
   void write(const void* value, std::size_t size) {
     const auto* from = static_cast<const std::uint8_t*>(value);
-    bytes_.insert(bytes_.end(), from, from + size);
+    if (size > 0) bytes_.insert(bytes_.end(), from, from + size);
   }
   std::vector<std::uint8_t> take() { return std::move(bytes_); }
 
@@ -47,7 +47,7 @@ class SnapshotReader : public cereal::InputArchive<SnapshotReader, cereal::Allow
 
   void read(void* value, std::size_t size) {
     if (size > left_.size()) throw std::runtime_error("it ends too early");
-    std::memcpy(value, left_.data(), size);
+    if (size > 0) std::memcpy(value, left_.data(), size);
     left_ = left_.subspan(size);
   }
   std::size_t bytes_left() const { return left_.size(); }

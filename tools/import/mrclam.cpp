@@ -62,7 +62,7 @@ RobotEvent describe(const RobotFiles& files, std::int64_t utime) {
 void leave_out_robots(const std::map<int, std::int32_t>& barcodes, std::vector<MeasurementLine>& lines) {
   for (const auto& [subject, barcode] : barcodes) {
     if (subject > last_mrclam_robot) continue;
-    std::erase_if(lines, [&](const MeasurementLine& line) { return line.barcode == barcode; });
+    std::erase_if(lines, [worn = barcode](const MeasurementLine& line) { return line.barcode == worn; });
   }
 }
 
