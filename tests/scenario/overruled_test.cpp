@@ -26,7 +26,7 @@ Events overruled(const std::vector<Said>& said) {
   return events;
 }
 
-constexpr double merged_s = 11.5;  // a moment after closure 0 was accepted
+constexpr double merged_s = 11.6;  // a moment after closure 0 was accepted
 
 MapCopy forbidden_from_the_beginning() {
   Events events = meeting().events;
