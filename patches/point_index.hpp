@@ -24,7 +24,7 @@ class PointIndex {
   int nearest(const Eigen::Vector2d& position) const;
 
  private:
-  static constexpr int tile_cells = 16;
+  static constexpr int tile_cells = 8;
   static constexpr double tile_m = cell_m * tile_cells;
 
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();

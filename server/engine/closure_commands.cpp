@@ -38,7 +38,7 @@ std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   closure.record.reason = "forbidden";
   if (closure.from_scans) rule(closure);
   for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", "forbidden", id);
-  std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "refused"; });
+  std::erase_if(pool_, [&](const Evidence& e) { return records_.verdict(e.record) == "refused"; });
   tried_.clear();
   consider_pool_again();
   return "";

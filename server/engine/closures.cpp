@@ -59,20 +59,17 @@ void Closures::take(const SightingEvent& sighting, const std::string& target, bo
   evidence.target = target;
   evidence.is_tag = tag;
   evidence.receive_utime = now_utime;
-  records_.push_back({sighting, "waiting", "not_placed_yet", {}});
+  records_.append({sighting, "waiting", "not_placed_yet", {}});
   unplaced_.push_back(std::move(evidence));
 }
 
 void Closures::refuse(const SightingEvent& sighting, const std::string& reason) {
-  records_.push_back({sighting, "refused", reason, {}});
+  records_.append({sighting, "refused", reason, {}});
 }
 
 void Closures::verdict(const Evidence& evidence, const std::string& verdict, const std::string& reason,
                        ClosureId closure) {
-  SightingRecord& record = records_[evidence.record];
-  record.verdict = verdict;
-  record.reason = reason;
-  record.closure = closure;
+  records_.set_verdict(evidence.record, verdict, reason, closure);
 }
 
 // Returns why the sighting cannot be placed; "wait" while it still may. Empty: it is placed.
@@ -188,7 +185,7 @@ void Closures::place_tags(World world) {
     if (tag_patches_.contains(key.first)) placed.insert(key.first);
   }
   if (placed.empty()) return;
-  std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "accepted"; });
+  std::erase_if(pool_, [&](const Evidence& e) { return records_.verdict(e.record) == "accepted"; });
   consider_pool_again();
 }
 
@@ -239,7 +236,7 @@ void Closures::judge_again(World world) {
     if (!evidence.target_place || !judge_by_map(world, evidence))
       verdict(evidence, "waiting", evidence.doubt);
   }
-  std::erase_if(pool_, [&](const Evidence& e) { return records_[e.record].verdict == "accepted"; });
+  std::erase_if(pool_, [&](const Evidence& e) { return records_.verdict(e.record) == "accepted"; });
   judging_again_ = std::ranges::any_of(pool_, &Evidence::judge_again);
   pool_changed_ = true;
 }

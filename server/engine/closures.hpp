@@ -90,7 +90,7 @@ class Closures {
   /// A robot's data is taken out: nothing that it saw, or that saw it, waits any longer. A trial is put off.
   void forget_robot(const std::string& robot);
 
-  const std::vector<SightingRecord>& sightings() const { return records_; }
+  const SightingLog& sightings() const { return records_; }
   std::vector<ClosureRecord> closures() const;
   const std::map<std::int32_t, PatchId>& tags() const { return tag_patches_; }
   /// Counts of the sightings by verdict.
@@ -159,7 +159,7 @@ class Closures {
   void put_off(ClosureId id);
   void rule(const Closure& closure, double value = 0);
 
-  std::vector<SightingRecord> records_;
+  SightingLog records_;
   std::deque<Evidence> unplaced_;
   std::vector<Evidence> pool_;
   bool pool_changed_ = false;

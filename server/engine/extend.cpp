@@ -10,6 +10,8 @@
 namespace isthmus {
 namespace {
 
+constexpr int same_place_hops = 2;  // so near in the graph, what lies together in the map does so in truth
+
 Relation odometry_relation(PatchId previous, PatchId next, const OdometryPath& path,
                            const Eigen::Matrix3d& covariance) {
   Relation relation;
@@ -31,6 +33,20 @@ std::vector<PatchId> unpaired_patches(const LocalMap& local_map, std::span<const
     if (!paired) unpaired.push_back(id);
   }
   return unpaired;
+}
+
+// Whether a patch of like heading lies where a robot is, though the surroundings lack it: they hold the
+// patches nearest in the graph, the oldest of those equally near, and a team that drives about for hours
+// makes the graph so dense that the newest would never be seen, and made again and again.
+bool has_looked_from_here(const Map& map, PatchId reference, const Pose& local_from_robot,
+                          const EngineOptions& options) {
+  const std::vector<PatchId> near = map.graph().within_hops(reference, same_place_hops, says_where_walls_are);
+  const Pose map_from_robot = map.manifold().pose(reference) * local_from_robot;
+  return std::ranges::any_of(near, [&](PatchId id) {
+    const Pose patch_from_robot = ominus(map_from_robot, map.manifold().pose(id));
+    return std::hypot(patch_from_robot.x, patch_from_robot.y) < options.patch_spacing_m &&
+           std::abs(patch_from_robot.yaw) < options.patch_spacing_rad;
+  });
 }
 
 }  // namespace
@@ -114,7 +130,9 @@ bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Place
     patches.push_back({map.manifold().shared_patch(n.determined->patch), n.determined->local_from_patch});
   const double uncovered = uncovered_share(star, patches, local_from_robot);
   // Seen from here before, but turned away: worth a patch only if those who looked elsewhere saw less of it.
-  if (!close && (score < options.turned_score || uncovered > options.turned_uncovered_share)) return true;
+  if (!close && (score < options.turned_score || uncovered > options.turned_uncovered_share) &&
+      !has_looked_from_here(map, surroundings.reference(), local_from_robot, options))
+    return true;
   return uncovered > options.uncovered_share;
 }
 

@@ -11,8 +11,8 @@
 
 #include "patches/manifold.hpp"
 #include "relations/graph.hpp"
-#include "server/engine/event.hpp"
 #include "server/engine/health_warnings.hpp"
+#include "server/engine/sighting_log.hpp"
 #include "server/engine/trajectory_store.hpp"
 
 namespace isthmus {
@@ -26,16 +26,6 @@ struct Session {
   PatchId first_patch;        ///< none while nothing was mapped
 
   auto members() { return std::tie(robot, number, from_utime, to_utime, first_patch); }
-};
-
-/// A sighting and what became of it.
-struct SightingRecord {
-  SightingEvent sighting;
-  std::string verdict;  ///< "accepted", "refused", "waiting"
-  std::string reason;
-  ClosureId closure;
-
-  auto members() { return std::tie(sighting, verdict, reason, closure); }
 };
 
 struct TagRecord {
@@ -128,7 +118,7 @@ struct MapCopy {
   std::vector<Session> sessions;
   std::shared_ptr<const TrajectoryStore> trajectory;  ///< rows of all sessions up to `trajectory_rows`
   std::size_t trajectory_rows = 0;
-  std::vector<SightingRecord> sightings;
+  SightingLog sightings;
   std::vector<TagRecord> tags;
   std::vector<ClosureRecord> closures;
   std::vector<PatchId> left_out;  ///< by id: patches whose robot's data operators have dropped

@@ -30,19 +30,14 @@ std::int32_t count_closures(const MapCopy& map, std::string_view state) {
                     [&](const ClosureRecord& closure) { return closure.state == state; }));
 }
 
-std::int64_t count_sightings(const MapCopy& map, std::string_view verdict) {
-  return std::count_if(map.sightings.begin(), map.sightings.end(),
-                       [&](const SightingRecord& record) { return record.verdict == verdict; });
-}
-
 void count_meetings(const MapCopy& map, status_t& status) {
   status.closures = count_closures(map, "accepted");
   status.closures_refused = count_closures(map, "refused");
   status.closures_waiting = count_closures(map, "waiting");
   status.closures_withdrawn = count_closures(map, "withdrawn");
-  status.sightings_accepted = count_sightings(map, "accepted");
-  status.sightings_refused = count_sightings(map, "refused");
-  status.sightings_waiting = count_sightings(map, "waiting");
+  status.sightings_accepted = map.sightings.count("accepted");
+  status.sightings_refused = map.sightings.count("refused");
+  status.sightings_waiting = map.sightings.count("waiting");
 }
 
 void set_pose(double (&components)[3], const Pose& pose) {

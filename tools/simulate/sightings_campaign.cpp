@@ -109,7 +109,7 @@ double SightingScore::true_share() const {
   return true_ones == 0 ? 1 : static_cast<double>(true_accepted) / static_cast<double>(true_ones);
 }
 
-SightingScore judge_sightings(const SimulatedRun& run, const std::vector<SightingRecord>& records) {
+SightingScore judge_sightings(const SimulatedRun& run, const SightingLog& records) {
   const auto sightings = static_cast<std::size_t>(std::ranges::count_if(
       run.events, [](const Event& event) { return std::holds_alternative<SightingEvent>(event.body); }));
   if (sightings != records.size()) {
@@ -121,7 +121,7 @@ SightingScore judge_sightings(const SimulatedRun& run, const std::vector<Sightin
   for (const FalseSighting& one : run.false_sightings) is_false[one.row - 1] = truth.is_false(one.reported);
   SightingScore score;
   for (std::size_t i = 0; i < sightings; ++i) {
-    const bool accepted = records[i].verdict == "accepted";
+    const bool accepted = records.verdict(i) == "accepted";
     ++(is_false[i] ? score.false_ones : score.true_ones);
     if (accepted) ++(is_false[i] ? score.false_accepted : score.true_accepted);
   }

@@ -23,7 +23,7 @@ struct SightingScore {
 /// A sighting is false if it is off by more than 1 m or 20 degrees, or names who is not there. One that was
 /// spoilt and is still right counts among the true ones. Throws std::runtime_error where the map does not
 /// have one record for each sighting of the run.
-SightingScore judge_sightings(const SimulatedRun& run, const std::vector<SightingRecord>& records);
+SightingScore judge_sightings(const SimulatedRun& run, const SightingLog& records);
 
 /// Translational errors over true relations of one kind, those that both maps can tell.
 struct RelationComparison {

@@ -36,9 +36,9 @@ SimulatedRun run_with(const std::vector<SightingEvent>& sightings, const std::se
   return run;
 }
 
-std::vector<SightingRecord> records(const std::vector<std::string>& verdicts) {
-  std::vector<SightingRecord> all;
-  for (const std::string& verdict : verdicts) all.push_back({{}, verdict, "", {}});
+SightingLog records(const std::vector<std::string>& verdicts) {
+  SightingLog all;
+  for (const std::string& verdict : verdicts) all.append({{}, verdict, "", {}});
   return all;
 }
 

@@ -12,7 +12,7 @@ TEST(RobotMonitor, CountsClosuresAndSightingsByWhatBecameOfThem) {
     map.closures.emplace_back().state = state;
   }
   for (const char* verdict : {"waiting", "accepted", "refused", "waiting", "waiting", "refused", "waiting"}) {
-    map.sightings.emplace_back().verdict = verdict;
+    map.sightings.append({{}, verdict, "", {}});
   }
   map.counters.sightings = 7;
   const status_t status = RobotMonitor().status(map, {}, 5, 1);
