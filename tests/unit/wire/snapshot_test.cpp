@@ -166,5 +166,19 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
   EXPECT_FALSE(is_snapshot(segment_path(journal, 1)));
 }
 
+/// A file of each version that there ever was: what this program makes of it. A change of what is written
+/// needs a new version (server/wire/snapshot.cpp), and the old file must then be refused by word, or
+/// migrated.
+TEST(Snapshots, OfVersion1AreRead) {
+  const std::string path = "tests/unit/wire/snapshots/version-1/snapshot-000002.isthmus";
+  const Snapshot snapshot = read_snapshot(path);
+  const MapCopy map = snapshot.map.engine.copy();
+  EXPECT_EQ(snapshot.map.events, 168);
+  EXPECT_EQ(map.patches.size(), 11U);
+  EXPECT_EQ(map.trajectory_rows, 73U);
+  EXPECT_EQ(map.sightings.size(), 18U);
+  EXPECT_EQ(map_sha256(map), "218d9cd79bebf4b8b2ff557de4717fa89faa7c65dde917aaf5f4f9558037c6bb");
+}
+
 }  // namespace
 }  // namespace isthmus
