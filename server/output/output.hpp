@@ -17,6 +17,9 @@ struct RunCost {
 };
 /// CPU time and peak memory of this process so far.
 double process_cpu_s();
+/// To be called before a program begins threads: memory that they give back is not kept apart for each.
+/// Copies of the map go from thread to thread, and what that leaves in glibc's arenas grows for hours.
+void share_memory_among_threads();
 double process_peak_rss_mb();
 /// Resident memory of this process now; 0 where the system does not tell.
 double process_rss_mb();

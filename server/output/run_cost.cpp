@@ -1,3 +1,4 @@
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -6,6 +7,8 @@
 #include "server/output/output.hpp"
 
 namespace isthmus {
+
+void share_memory_among_threads() { ::mallopt(M_ARENA_MAX, 1); }
 
 double process_cpu_s() {
   rusage usage{};

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "server/output/output.hpp"
 #include "server/wire/event_log.hpp"
 #include "server/wire/lcm_link.hpp"
 #include "server/wire/live_server.hpp"
@@ -159,6 +160,7 @@ void serve(const Arguments& arguments, const std::string& toml) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  share_memory_among_threads();
   CLI::App app("Maps for a team of robots over LCM. Stop it with SIGINT or SIGTERM.");
   Arguments arguments;
   add_options(app, arguments);

@@ -68,6 +68,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  share_memory_among_threads();
   CLI::App app("Maps a recorded log: the server's engine, reading as fast as it can.", "isthmus-replay");
   Arguments arguments;
   app.add_option("log", arguments.log, "an LCM event log, or a journal directory")->required();
