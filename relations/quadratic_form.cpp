@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -32,7 +33,8 @@ class YawProblem {
 
   double cost(double yaw) const { return 0.5 * value(yaw).squaredNorm(); }
 
-  /// Newton's method on the one angle, Gauss-Newton's curvature where the function bends downwards.
+  /// Newton's method on the one angle, with the absolute value of the curvature, so that it leaves a maximum
+  /// as fast as it approaches a minimum (Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4).
   double minimise(double yaw) const {
     for (int iteration = 0; iteration < 50; ++iteration) {
       const Eigen::Matrix<double, 5, 1> e = value(yaw);
@@ -43,7 +45,7 @@ class YawProblem {
       if (gauss_newton <= rank_tolerance * rank_tolerance * scale_) return yaw;
       const double newton =
           gauss_newton - e.dot(b_.leftCols<2>() * Eigen::Vector2d(std::cos(yaw), std::sin(yaw)));
-      double step = -gradient / (newton > 1e-4 * gauss_newton ? newton : gauss_newton);
+      double step = -gradient / std::max(std::abs(newton), 1e-4 * gauss_newton);
       if (std::abs(step) > 0.5) step = std::copysign(0.5, step);
       const double before = 0.5 * e.squaredNorm();
       while (cost(yaw + step) > before && std::abs(step) > 1e-15) step *= 0.5;

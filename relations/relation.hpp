@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 #include <variant>
 
@@ -14,7 +15,8 @@ enum class OriginKind { odometry, match, sighting, propagation, hypothesis, star
 
 struct Origin {
   OriginKind kind = OriginKind::match;
-  ClosureId closure;  ///< of propagation, sighting and hypothesis; none otherwise
+  ClosureId closure;           ///< of propagation, sighting and hypothesis; none otherwise
+  std::int32_t sighting = -1;  ///< of a sighting: its number among all sightings
 
   bool operator==(const Origin&) const = default;
 };

@@ -10,6 +10,8 @@ The log is played over UDP (lcm-logplayer, ttl=0). Faults, all by default:
     full_and_over    the same, and more comes than may wait: the rest is refused before the map has it
     full_for_good    the disk stays full: the server goes on, ends with an error, and says what the journal lacks
     read_only        the journal's directory lets nobody write: the server does not begin, and says why
+    deleted_segment  the file that is written is deleted: it is written again, and no event is lost
+    deleted_journal  the journal's directory is deleted: what can be saved is, and the server ends with an error
     network          the interface goes down and comes back: the server goes on and hears the robots again
     no_network       there is no multicast route: the server does not begin, and says what to do
 """
@@ -18,6 +20,7 @@ import argparse
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -178,6 +181,46 @@ def read_only(one, disk):
     return one.said().strip()
 
 
+def segments_of(one):
+    return sorted(os.path.join(one.journal, name) for name in os.listdir(one.journal) if name.endswith(".lcm"))
+
+
+def wait_for_segments(one, count, seconds=120):
+    for _ in range(10 * seconds):
+        if len(segments_of(one)) >= count:
+            return
+        time.sleep(0.1)
+    raise RuntimeError(f"there were no {count} segments: see {one.errors}")
+
+
+def deleted_segment(one, disk):
+    disk.grow(500)
+    one.start(os.path.join(disk.path, "journal"), "--segment-mb", "1")
+    one.play()
+    wait_for_segments(one, 2)
+    os.remove(segments_of(one)[-1])
+    one.wait_until_said("is written again")
+    time.sleep(3)
+    expect(one.end() == 0, "the server failed")
+    server, replay = one.compare()
+    expect_same_map(server, replay)
+    return f"{server['patches']} patches, same map; written again"
+
+
+def deleted_journal(one, disk):
+    disk.grow(500)
+    one.start(os.path.join(disk.path, "journal"), "--segment-mb", "1", "--no-snapshots")
+    one.play()
+    wait_for_segments(one, 3)
+    shutil.rmtree(one.journal)
+    one.wait_until_said("is not whole any more")
+    time.sleep(3)
+    code = one.end()
+    kept = len(segments_of(one))
+    expect(code == 1 and kept > 0, "the server did not say what is lost, or kept nothing")
+    return f"exit code {code}; {kept} segments kept; {one.said().strip().splitlines()[-1]}"
+
+
 def network_up():
     run("ip", "-n", NETWORK, "link", "set", "lo", "up")
     run("ip", "-n", NETWORK, "route", "replace", "224.0.0.0/4", "dev", "lo")
@@ -214,7 +257,8 @@ def no_network(one, disk):
     return " ".join(one.said().split())
 
 
-FAULTS = {f.__name__: f for f in (full_then_free, full_and_over, full_for_good, read_only, network, no_network)}
+FAULTS = {f.__name__: f for f in (full_then_free, full_and_over, full_for_good, read_only, deleted_segment,
+                                   deleted_journal, network, no_network)}
 
 
 def play_out(name, arguments, work):

@@ -105,7 +105,7 @@ def play(arguments, log, work):
         raise RuntimeError(f"the server failed: see {work}/server.log")
     with open(os.path.join(output, "report.json"), encoding="utf-8") as file:
         report = json.load(file)
-    return sorted(os.path.join(journal, name) for name in os.listdir(journal)), heard, report
+    return sorted(os.path.join(journal, name) for name in os.listdir(journal) if name.endswith(".lcm")), heard, report
 
 
 def main():

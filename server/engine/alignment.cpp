@@ -196,4 +196,28 @@ std::optional<Alignment> best_alignment(std::span<const ChartSighting> sightings
   return alignment;
 }
 
+bool ready(const Alignment& alignment, std::span<const ChartSighting> sightings, std::int64_t now_utime,
+           bool no_more_waiting) {
+  constexpr std::int64_t rival_us = 10'000'000;
+  constexpr std::int64_t lone_pair_us = 3'000'000;
+  constexpr int enough_supporters = 3;
+  constexpr double one_way_baseline_m = 1;
+  std::int64_t from = sightings[alignment.supporters.front()].utime;
+  std::int64_t to = from;
+  for (const std::size_t i : alignment.supporters) {
+    from = std::min(from, sightings[i].utime);
+    to = std::max(to, sightings[i].utime);
+  }
+  int rivals = 0;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const bool supports = std::ranges::find(alignment.supporters, i) != alignment.supporters.end();
+    if (!supports && sightings[i].utime >= from - rival_us && sightings[i].utime <= to + rival_us) ++rivals;
+  }
+  const auto supporters = static_cast<int>(alignment.supporters.size());
+  if (supporters <= rivals) return false;
+  if (!alignment.two_way)
+    return supporters >= enough_supporters && alignment.baseline_m >= one_way_baseline_m;
+  return supporters >= enough_supporters || no_more_waiting || now_utime > to + lone_pair_us;
+}
+
 }  // namespace isthmus

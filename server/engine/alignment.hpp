@@ -59,4 +59,10 @@ std::optional<Alignment> best_alignment(std::span<const ChartSighting> sightings
 Alignment refine(std::span<const ChartSighting> sightings, std::vector<std::size_t> supporters,
                  const Pose& start);
 
+/// Whether an alignment of some of these sightings is worth a trial: its supporters are enough, and more than
+/// those that disagree within 10 s of them. A lone pair of either direction waits 3 s for a third; sightings
+/// of one direction alone must be three and tie points that lie a metre apart.
+bool ready(const Alignment& alignment, std::span<const ChartSighting> sightings, std::int64_t now_utime,
+           bool no_more_waiting);
+
 }  // namespace isthmus

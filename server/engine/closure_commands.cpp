@@ -2,9 +2,13 @@
 #include <iterator>
 
 #include "server/engine/closures.hpp"
-#include "server/engine/withdrawal.hpp"
 
 namespace isthmus {
+namespace {
+
+constexpr std::size_t most_kept = 400;  // of the sightings that say what is forbidden, the newest
+
+}  // namespace
 
 std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   const auto found = closures_.find(id);
@@ -16,21 +20,13 @@ std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   Closure& closure = found->second;
   if (must_be_accepted && closure.record.state != "accepted") return "not_accepted";
   closure.forbidden = true;
-  if (trial_ && trial_->proposal().id == id) trial_.reset();
+  if (trial_ && trial_->proposal().id == id) {
+    closure.joining = as_mapped(trial_->map(), closure.joining);
+    trial_.reset();
+  }
   if (closure.record.state == "accepted") {
-    if (trial_) {  // it was begun on a map that will no longer be
-      Closure& other = closures_.at(trial_->proposal().id);
-      trial_.reset();
-      if (other.from_scans) {
-        put_off(other.record.id);
-      } else {
-        other.record.state = "refused";
-        other.record.reason = "map_changed";
-        std::ranges::copy(other.evidence, std::back_inserter(pool_));
-      }
-    }
-    withdraw(world.map, id, world.robots);
-    changed_ = {closure.likeness.first, closure.likeness.second};
+    put_off_trial();  // it was begun on a map that will no longer be
+    take_back(world, closure);
     closure.record.state = "withdrawn";
   } else {
     closure.record.state = "refused";
@@ -40,6 +36,7 @@ std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", "forbidden", id);
   std::erase_if(pool_, [&](const Evidence& e) { return records_.verdict(e.record) == "refused"; });
   tried_.clear();
+  looked_at_.clear();
   consider_pool_again();
   return "";
 }
@@ -52,16 +49,53 @@ std::string Closures::allow(ClosureId id) {
   closure.forbidden = false;
   forbidden_.erase(id);
   closure.record.reason = "allowed_again";
-  if (closure.from_scans) rulings_.push_back({id, "waiting", closure.record.reason, 0});
-  for (Evidence& evidence : closure.evidence) {
-    verdict(evidence, "waiting", "allowed_again");
-    pool_.push_back(std::move(evidence));
+  for (auto& [other, its] : closures_) {
+    if (!its.from_scans || (other != id && its.forbidden_as != id)) continue;
+    its.forbidden_as = {};
+    rulings_.push_back({other, "waiting", closure.record.reason, 0});
   }
-  closure.evidence.clear();
-  std::ranges::stable_sort(pool_, {}, &Evidence::record);
+  return_to_pool(closure.evidence, closure.record.reason);
   tried_.clear();
-  pool_changed_ = true;
+  looked_at_.clear();
+  consider_pool_again();
   return "";
+}
+
+// What was tried out and would be accepted, if nobody had forbidden it.
+bool Closures::refuse_if_forbidden(World world, ClosureId id, const Map& tried) {
+  if (!forbidden_.contains(id)) return refuse_as_forbidden(world, id, tried);
+  Closure& closure = closures_.at(id);
+  closure.forbidden = true;
+  closure.joining = as_mapped(tried, closure.joining);
+  closure.record.state = "refused";
+  closure.record.reason = "forbidden";
+  for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", "forbidden", id);
+  if (closure.from_scans) rule(closure);
+  return true;
+}
+
+// What says once more what is forbidden already. Sightings are kept with the closure that they speak for.
+bool Closures::refuse_as_forbidden(World world, ClosureId id, const Map& tried) {
+  const auto forbidden = std::ranges::find_if(closures_, [&](const auto& entry) {
+    return entry.second.forbidden && brings_about(world.map, tried, entry.second.joining);
+  });
+  if (forbidden == closures_.end()) return false;
+  Closure& closure = closures_.at(id);
+  if (closure.from_scans) {
+    closure.record.state = "refused";
+    closure.record.reason = "forbidden";
+    closure.forbidden_as = forbidden->first;
+    rule(closure);
+    return true;
+  }
+  for (const Evidence& evidence : closure.evidence)
+    verdict(evidence, "refused", "forbidden", forbidden->first);
+  std::vector<Evidence>& kept = forbidden->second.evidence;
+  std::ranges::move(closure.evidence, std::back_inserter(kept));
+  if (kept.size() > most_kept) kept.erase(kept.begin(), kept.end() - most_kept);
+  closures_.erase(id);
+  if (id.value + 1 == next_id_) --next_id_;
+  return true;
 }
 
 void Closures::forget_robot(const std::string& robot) {

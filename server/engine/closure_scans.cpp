@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "server/engine/closures.hpp"
 #include "server/engine/place_candidates.hpp"
 
@@ -7,7 +9,6 @@ ClosureId Closures::propose_from_scans(World world, const ScanProposal& says) {
   const Manifold& manifold = world.map.manifold();
   const RelationGraph& graph = world.map.graph();
   const ClosureId id = note_from_scans(world, says, "on_trial");
-  Closure& closure = closures_.at(id);
   Proposal proposal;
   proposal.id = id;
   proposal.older = graph.island(says.first);
@@ -21,15 +22,7 @@ ClosureId Closures::propose_from_scans(World world, const ScanProposal& says) {
   proposal.from_scans = true;
   proposal.cautious = says.cautious;
   proposal.beyond_covariance = systematic_variance(says.way_m);
-  const bool forbidden = forbidden_.contains(id) || forbidden_like(world, closure.likeness) != nullptr;
-  if (forbidden) {
-    closure.forbidden = true;
-    closure.record.state = "refused";
-    closure.record.reason = "forbidden";
-    rule(closure);
-  } else {
-    trial_ = std::make_unique<Trial>(world.map, std::move(proposal), world.options, world.now_utime);
-  }
+  begin_trial(world, std::move(proposal));
   return id;
 }
 
@@ -37,7 +30,7 @@ ClosureId Closures::note_from_scans(World world, const ScanProposal& says, const
   const ClosureId id = says.id.valid() ? says.id : ClosureId{next_id_++};
   Closure& closure = closures_[id];
   closure.from_scans = true;
-  closure.likeness = {says.first, says.second, says.first_from_second};
+  closure.joining = {says.first, says.second, says.first_from_second, Eigen::Matrix3d::Zero()};
   const RelationGraph& graph = world.map.graph();
   ClosureRecord& record = closure.record;
   if (!record.id.valid()) record.start_utime = world.now_utime;

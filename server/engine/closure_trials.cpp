@@ -1,24 +1,18 @@
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "server/engine/closures.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr std::int64_t meeting_us = 60'000'000;   // sightings of a loop so far apart are different meetings
-constexpr std::int64_t rival_us = 10'000'000;     // those that disagree count so near in time
-constexpr std::int64_t lone_pair_us = 3'000'000;  // a pair waits so long for a third
-constexpr int enough_supporters = 3;
-constexpr double one_way_baseline_m = 1;
-constexpr std::size_t most_waiting = 400;      // sightings of one group
-constexpr std::size_t most_compared = 24;      // of them, spread evenly, each with each
-constexpr std::int64_t step_price_us = 5'000;  // nominal, of one step of a trial
-constexpr double work_share = 0.5;             // of the time that passes
+constexpr std::int64_t meeting_us = 60'000'000;  // sightings of a loop so far apart are different meetings
+constexpr std::size_t most_waiting = 400;        // sightings of one group
+constexpr std::size_t most_compared = 24;        // of them, spread evenly, each with each
+constexpr std::int64_t step_price_us = 5'000;    // nominal, of one step of a trial
+constexpr double work_share = 0.5;               // of the time that passes
 constexpr std::int64_t most_credit_us = 10'000;
-constexpr double alike_m = 1;
-constexpr double alike_rad = 0.35;
 
 std::string pair_key(const Evidence& evidence) {
   const auto [first, second] = std::minmax(evidence.sighting.robot, evidence.target);
@@ -40,27 +34,6 @@ std::vector<ChartSighting> charts(const Map& map, const std::vector<Evidence>& p
   return sightings;
 }
 
-// Whether enough sightings agree, and more than disagree at the time.
-bool ready(const Alignment& alignment, std::span<const ChartSighting> sightings, std::int64_t now_utime,
-           bool no_more_waiting) {
-  std::int64_t from = sightings[alignment.supporters.front()].utime;
-  std::int64_t to = from;
-  for (const std::size_t i : alignment.supporters) {
-    from = std::min(from, sightings[i].utime);
-    to = std::max(to, sightings[i].utime);
-  }
-  int rivals = 0;
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
-    const bool supports = std::ranges::find(alignment.supporters, i) != alignment.supporters.end();
-    if (!supports && sightings[i].utime >= from - rival_us && sightings[i].utime <= to + rival_us) ++rivals;
-  }
-  const auto supporters = static_cast<int>(alignment.supporters.size());
-  if (supporters <= rivals) return false;
-  if (!alignment.two_way)
-    return supporters >= enough_supporters && alignment.baseline_m >= one_way_baseline_m;
-  return supporters >= enough_supporters || no_more_waiting || now_utime > to + lone_pair_us;
-}
-
 // Every so manieth of a group's members, the newest among them.
 template <class Group>
 Group spread(const Group& group, std::size_t most) {
@@ -69,6 +42,38 @@ Group spread(const Group& group, std::size_t most) {
   const std::size_t size = group.members.size();
   for (std::size_t i = 1; i <= most; ++i) some.members.push_back(group.members[i * size / most - 1]);
   return some;
+}
+
+// How the patches of the first of the sightings that agree lie to one another, by what they say together.
+Joining joining_of(const Map& map, const Evidence& first, bool observer_first, const Alignment& alignment) {
+  Joining joining;
+  const PatchId observer = ground_of(map, first.observer.pose.patch);
+  const PatchId target = ground_of(map, first.target_place->pose.patch);
+  joining.first = observer_first ? observer : target;
+  joining.second = observer_first ? target : observer;
+  const Pose first_from_map = inverse(map.manifold().pose(joining.first));
+  const Pose& second = map.manifold().pose(joining.second);
+  const Pose first_from_chart = first_from_map * alignment.first_from_second;
+  joining.first_from_second = first_from_chart * second;
+  const Eigen::Matrix3d by_alignment =
+      compose_jacobians(first_from_chart, second).by_left *
+      compose_jacobians(first_from_map, alignment.first_from_second).by_right;
+  joining.covariance = by_alignment * alignment.covariance * by_alignment.transpose();
+  return joining;
+}
+
+// Where a fixed tag lies in the patch that it is seen from.
+Joining joining_of_tag(const Map& map, const Evidence& first, const Eigen::Vector2d& point) {
+  Joining joining;
+  joining.first = first.observer.pose.patch;
+  joining.second = first.target_place->pose.patch;
+  const Eigen::Vector2d seen = inverse(map.manifold().pose(joining.first)) * point;
+  joining.first_from_second = {seen.x(), seen.y(), 0};
+  const SightingEvent& s = first.sighting;
+  const double sigma_m = std::max(s.range_sigma_m, s.range_m * s.bearing_sigma_rad);
+  joining.covariance.diagonal().setConstant(sigma_m * sigma_m);
+  joining.point = true;
+  return joining;
 }
 
 std::vector<std::string> robots_of(const std::vector<Evidence>& evidence) {
@@ -165,7 +170,9 @@ bool Closures::propose(World world, const Group& group) {
   const std::optional<Alignment> alignment = best_alignment(sightings);
   if (!alignment || alignment->supporters.size() < least) return false;
   if (!ready(*alignment, sightings, world.now_utime, world.no_more_waiting)) return false;
-  begin_trial(world, group, *alignment);
+  const Evidence& first = pool_[group.members[alignment->supporters.front()]];
+  const bool observer_first = observer_is_first(world.map, first, group.merge, group.older);
+  begin_trial(world, group, *alignment, joining_of(world.map, first, observer_first, *alignment));
   return trial_ != nullptr;
 }
 
@@ -180,42 +187,9 @@ bool Closures::propose_by_tag(World world, const Group& group, std::size_t least
   for (std::size_t k = 0; k < group.members.size(); ++k)
     if (std::ranges::find(consensus.supporters, group.members[k]) != consensus.supporters.end())
       alignment.supporters.push_back(k);
-  begin_trial(world, group, alignment);
+  const Evidence& first = pool_[consensus.supporters.front()];
+  begin_trial(world, group, alignment, joining_of_tag(world.map, first, consensus.point));
   return trial_ != nullptr;
-}
-
-Closures::Likeness Closures::likeness(World world, const Evidence& evidence, const Pose& first_from_second,
-                                      bool observer_first) const {
-  const PatchId observer = evidence.observer.pose.patch;
-  const PatchId target = evidence.target_place->pose.patch;
-  Likeness likeness{observer_first ? observer : target, observer_first ? target : observer, {}};
-  const Manifold& manifold = world.map.manifold();
-  likeness.first_from_second =
-      ominus(first_from_second * manifold.pose(likeness.second), manifold.pose(likeness.first));
-  return likeness;
-}
-
-Closures::Closure* Closures::forbidden_like(World world, const Likeness& likeness) {
-  const Manifold& manifold = world.map.manifold();
-  const RelationGraph& graph = world.map.graph();
-  for (auto& [id, closure] : closures_) {
-    if (!closure.forbidden) continue;
-    Likeness its = closure.likeness;
-    if (graph.island(its.first) != graph.island(likeness.first)) {
-      std::swap(its.first, its.second);
-      its.first_from_second = inverse(its.first_from_second);
-    }
-    if (graph.island(its.first) != graph.island(likeness.first) ||
-        graph.island(its.second) != graph.island(likeness.second))
-      continue;
-    const Pose same = ominus(manifold.pose(its.first), manifold.pose(likeness.first)) *
-                      its.first_from_second *
-                      ominus(manifold.pose(likeness.second), manifold.pose(its.second));
-    if (std::hypot(same.x - likeness.first_from_second.x, same.y - likeness.first_from_second.y) < alike_m &&
-        std::abs(wrap_angle(same.yaw - likeness.first_from_second.yaw)) < alike_rad)
-      return &closure;
-  }
-  return nullptr;
 }
 
 // The sightings that agree, out of the pool.
@@ -230,54 +204,46 @@ std::vector<Evidence> Closures::take_supporters(const Group& group, const Alignm
   return supporters;
 }
 
-void Closures::begin_trial(World world, const Group& group, const Alignment& alignment) {
-  std::vector<Evidence> supporters = take_supporters(group, alignment);
-  const Evidence& first = supporters.front();
-  const Likeness says = likeness(world, first, alignment.first_from_second,
-                                 observer_is_first(world.map, first, group.merge, group.older));
-  const auto refuse_all = [&](const std::string& reason, ClosureId id) {
-    for (const Evidence& evidence : supporters) verdict(evidence, "refused", reason, id);
-  };
-  if (Closure* forbidden = forbidden_like(world, says)) {
-    refuse_all("forbidden", forbidden->record.id);
-    std::ranges::move(supporters, std::back_inserter(forbidden->evidence));
+void Closures::begin_trial(World world, const Group& group, const Alignment& alignment,
+                           const Joining& joining) {
+  const ClosureId id{next_id_++};
+  Closure& closure = closures_[id];
+  closure.evidence = take_supporters(group, alignment);
+  closure.joining = joining;
+  ClosureRecord& record = closure.record;
+  record.id = id;
+  record.kind = group.merge ? "merge" : "closure";
+  record.state = "waiting";
+  record.utime = closure.evidence.front().sighting.utime;
+  record.robots = robots_of(closure.evidence);
+  record.start_utime = record.end_utime = world.now_utime;
+  Proposal proposal;
+  proposal.id = id;
+  proposal.merge = group.merge;
+  proposal.older = group.older;
+  proposal.younger = group.younger;
+  proposal.older_from_younger = alignment.first_from_second;
+  proposal.supporters = static_cast<int>(closure.evidence.size());
+  proposal.two_way = alignment.two_way;
+  for (const Evidence& evidence : closure.evidence)
+    if (auto relation = sighting_relation(world.map, evidence, id)) proposal.relations.push_back(*relation);
+  tried_[group.key] = static_cast<int>(closure.evidence.size());
+  if (proposal.relations.empty()) {
+    record.state = "refused";
+    record.reason = "no_relation";
+    for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", record.reason, id);
     return;
   }
-  const ClosureId id{next_id_++};
-  Proposal proposal{id,
-                    group.merge,
-                    group.older,
-                    group.younger,
-                    alignment.first_from_second,
-                    {},
-                    static_cast<int>(supporters.size()),
-                    alignment.two_way};
-  for (const Evidence& evidence : supporters)
-    if (auto relation = sighting_relation(world.map, evidence, id)) proposal.relations.push_back(*relation);
-  Closure closure;
-  closure.record = {id,
-                    group.merge ? "merge" : "closure",
-                    "waiting",
-                    first.sighting.utime,
-                    robots_of(supporters),
-                    "",
-                    0,
-                    0,
-                    world.now_utime,
-                    world.now_utime};
-  closure.likeness = says;
-  closure.forbidden = forbidden_.contains(id);
-  if (closure.forbidden || proposal.relations.empty()) {
-    closure.record.state = "refused";
-    closure.record.reason = closure.forbidden ? "forbidden" : "no_relation";
-    refuse_all(closure.record.reason, id);
-  } else {
-    for (const Evidence& evidence : supporters) verdict(evidence, "waiting", "on_trial", id);
-    trial_ = std::make_unique<Trial>(world.map, std::move(proposal), world.options, world.now_utime);
-  }
-  tried_[group.key] = static_cast<int>(supporters.size());
-  closure.evidence = std::move(supporters);
-  closures_.emplace(id, std::move(closure));
+  for (const Evidence& evidence : closure.evidence) verdict(evidence, "waiting", "on_trial", id);
+  begin_trial(world, std::move(proposal));
+}
+
+// What would bring two islands together as is forbidden is known to before it is tried out.
+void Closures::begin_trial(World world, Proposal proposal) {
+  const ClosureId id = proposal.id;
+  const bool merge = proposal.merge;
+  trial_ = std::make_unique<Trial>(world.map, std::move(proposal), world.options, world.now_utime);
+  if (merge && refuse_as_forbidden(world, id, trial_->map())) trial_.reset();
 }
 
 void Closures::propose_start(World world, const Relation& relation, const std::string& robot,
@@ -308,7 +274,8 @@ void Closures::propose_start(World world, const Relation& relation, const std::s
   closure.record.reason = "measured_start";
   closure.record.robots = {robot, with};
   closure.record.utime = closure.record.start_utime = world.now_utime;
-  closure.likeness = {relation.a, relation.b, a_from_b};
+  const Eigen::Matrix3d& information = std::get<RelativePose>(relation.measurement).information;
+  closure.joining = {relation.a, relation.b, a_from_b, information.inverse()};
   closures_.emplace(proposal.id, std::move(closure));
   trial_ = std::make_unique<Trial>(world.map, std::move(proposal), world.options, world.now_utime);
 }
@@ -342,6 +309,9 @@ void Closures::end_trial(World world) {
     record.reason = trial->refusal();
     return rule(closure, trial->patches_touched());
   }
+  const bool measured = trial->proposal().measured;
+  if (trial->accepted() && !measured && refuse_if_forbidden(world, record.id, trial->map()))
+    return consider_pool_again();
   if (trial->accepted()) {
     trial->commit(world.map);
     changed_.push_back(trial->proposal().older);
@@ -372,12 +342,7 @@ void Closures::put_off(ClosureId id) {
     found->second.record.reason = "map_changed";
     return rule(found->second);
   }
-  for (Evidence& evidence : found->second.evidence) {
-    evidence.doubt = "too_little_support";
-    verdict(evidence, "waiting", evidence.doubt);
-    pool_.push_back(std::move(evidence));
-  }
-  std::ranges::stable_sort(pool_, {}, &Evidence::record);
+  return_to_pool(found->second.evidence, "too_little_support");
   closures_.erase(found);
   if (id.value + 1 == next_id_) --next_id_;
   consider_pool_again();

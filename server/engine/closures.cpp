@@ -219,6 +219,7 @@ void Closures::place_tag(World world, std::int32_t barcode, const std::vector<st
 void Closures::consider_pool_again() {
   for (Evidence& evidence : pool_) {
     const auto tag = tag_patches_.find(evidence.sighting.barcode);
+    if (evidence.is_tag) evidence.target_place.reset();
     if (evidence.is_tag && tag != tag_patches_.end())
       evidence.target_place = tag_place(tag->second, evidence.sighting.utime);
     evidence.judge_again = true;
@@ -231,7 +232,7 @@ void Closures::judge_again(World world) {
   int judged = 0;
   for (Evidence& evidence : pool_) {
     if (!evidence.judge_again) continue;
-    if (judged++ >= most_judged_again && !world.no_more_waiting) break;
+    if (judged++ >= most_judged_again) break;
     evidence.judge_again = false;
     if (!evidence.target_place || !judge_by_map(world, evidence))
       verdict(evidence, "waiting", evidence.doubt);
@@ -259,24 +260,40 @@ void Closures::advance(World world) {
   last_utime_ = world.now_utime;
 }
 
-void Closures::finish(World world) {
+void Closures::begin_finish(World world) {
   world.no_more_waiting = true;
   place_sightings(world);
   place_tags(world);
-  do {
-    end_trial_now(world);
-    if (judging_again_) judge_again(world);
-    pool_changed_ = false;
-    propose(world);
-  } while (trial_ || pool_changed_ || judging_again_);
+}
+
+bool Closures::finish_step(World world) {
+  if (step_trial(world)) return true;
+  if (judging_again_) {
+    judge_again(world);
+    return true;
+  }
+  world.no_more_waiting = true;
+  pool_changed_ = false;
+  propose(world);
+  if (trial_ || pool_changed_ || judging_again_) return true;
   for (const Evidence& evidence : pool_) verdict(evidence, "refused", evidence.doubt);
   pool_.clear();
+  return false;
 }
 
 void Closures::end_trial_now(World world) {
-  if (!trial_) return;
-  trial_->finish(world.now_utime);
-  end_trial(world);
+  while (step_trial(world)) {
+  }
+}
+
+bool Closures::step_trial(World world) {
+  if (!trial_) return false;
+  if (!trial_->done()) {
+    trial_->finish_step(world.now_utime);
+  } else {
+    end_trial(world);
+  }
+  return trial_ != nullptr;
 }
 
 std::vector<ClosureRecord> Closures::closures() const {

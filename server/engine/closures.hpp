@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/engine/evidence.hpp"
+#include "server/engine/joining.hpp"
 #include "server/engine/map_copy.hpp"
 #include "server/engine/trial.hpp"
 
@@ -54,12 +55,15 @@ class Closures {
 
   /// What an event brings on: places and judges sightings, and works at the trial within its credit.
   void advance(World world);
-  /// The same to the end, as if nothing more will come.
-  void finish(World world);
+  /// The same to the end, as if nothing more will come: first this, then steps until one returns false.
+  void begin_finish(World world);
+  bool finish_step(World world);
   /// Whether something is on trial: one thing at a time.
   bool on_trial() const { return trial_ != nullptr; }
   /// The running trial to its end.
   void end_trial_now(World world);
+  /// One step towards that, whatever the credit; false: nothing is on trial any more.
+  bool step_trial(World world);
 
   /// What scans say goes the same way, through the same trial and record. There must be none on trial.
   ClosureId propose_from_scans(World world, const ScanProposal& proposal);
@@ -105,23 +109,15 @@ class Closures {
   }
 
  private:
-  /// What a closure says, by which another is known to say the same: the pose of a patch of one chart as
-  /// seen from one of the other.
-  struct Likeness {
-    PatchId first;
-    PatchId second;
-    Pose first_from_second;
-
-    auto members() { return std::tie(first, second, first_from_second); }
-  };
   struct Closure {
     ClosureRecord record;
     std::vector<Evidence> evidence;
-    Likeness likeness;
+    Joining joining;
     bool forbidden = false;
     bool from_scans = false;
+    ClosureId forbidden_as;  ///< of one that was refused: it says what this one says, which is forbidden
 
-    auto members() { return std::tie(record, evidence, likeness, forbidden, from_scans); }
+    auto members() { return std::tie(record, evidence, joining, forbidden, from_scans, forbidden_as); }
   };
   /// Sightings between the same two charts.
   struct Group {
@@ -149,14 +145,21 @@ class Closures {
   void propose(World world);
   bool propose(World world, const Group& group);
   bool propose_by_tag(World world, const Group& group, std::size_t least);
-  void begin_trial(World world, const Group& group, const Alignment& alignment);
-  Likeness likeness(World world, const Evidence& evidence, const Pose& first_from_second,
-                    bool observer_first) const;
-  Closure* forbidden_like(World world, const Likeness& likeness);
+  void begin_trial(World world, const Group& group, const Alignment& alignment, const Joining& joining);
+  void begin_trial(World world, Proposal proposal);
+  bool refuse_if_forbidden(World world, ClosureId id, const Map& tried);
+  bool refuse_as_forbidden(World world, ClosureId id, const Map& tried);
   std::vector<Evidence> take_supporters(const Group& group, const Alignment& alignment);
   void work(World world);
   void end_trial(World world);
   void put_off(ClosureId id);
+  void put_off_trial();
+  void take_back(World world, Closure& closure);
+  void fall(ClosureId id);
+  void put_on_own_ground(World world, const Map& together);
+  void unplace_tags(World world, std::vector<Relation>& gone);
+  void reopen(World world, std::size_t record);
+  void return_to_pool(std::vector<Evidence>& evidence, const std::string& doubt);
   void rule(const Closure& closure, double value = 0);
 
   SightingLog records_;

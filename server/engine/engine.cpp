@@ -18,7 +18,14 @@ namespace {
 constexpr std::int64_t odometry_wait_us = 200'000;  // a scan waits so long, in event time, for its odometry
 constexpr std::int64_t backward_us = 1'000'000;     // stamps may go back by so much
 constexpr std::int64_t teammate_stamp_us = 1'000'000;
+constexpr std::size_t most_pending_scans =
+    64;                               // of a robot, however slowly event time passes: 1.6 s at 40 Hz
 constexpr int most_stale_scans = 10;  // then the robot's clock was set back: a new session
+
+bool same_laser(const Laser& a, const Laser& b) {
+  return a.robot_from_laser == b.robot_from_laser && a.range_min_m == b.range_min_m &&
+         a.range_max_m == b.range_max_m;
+}
 
 }  // namespace
 
@@ -33,10 +40,11 @@ void Engine::State::configure(Configuration given) {
 
 std::string Engine::State::drop(const std::string& robot, const std::string& reason) {
   ++counters.dropped[reason];
-  // Anybody can make up names: strangers beyond so many are counted together.
+  // Anybody can make up names: strangers are counted together, and names beyond so many too.
   constexpr std::size_t most_names = 256;
-  const bool countable = robots.contains(robot) || counters.dropped_by_robot.contains(robot) ||
-                         counters.dropped_by_robot.size() < most_names;
+  const bool countable = robots.contains(robot) ||
+                         (reason != "unknown_robot" && (counters.dropped_by_robot.contains(robot) ||
+                                                        counters.dropped_by_robot.size() < most_names));
   if (!robot.empty()) ++counters.dropped_by_robot[countable ? robot : "(others)"][reason];
   return reason;
 }
@@ -60,14 +68,26 @@ Outcome Engine::State::take(const RobotEvent& event) {
   // What the configuration says of a robot stands against what the robot says.
   const auto configured = configuration.robots.find(event.robot);
   const bool fixed = configured != configuration.robots.end() && configured->second.declared;
+  Outcome outcome;
+  if (!fixed && robot.declared && !same_laser(event.laser, robot.declaration.laser)) {
+    // What was measured by the laser as it was is not to be read as one of the laser as it is.
+    answer_pending(robot, outcome, true);
+    robot.way.clear();
+  }
   if (!fixed) robot.declaration = event;
   robot.declared = true;
-  if (event.restarted) {
-    forget_place(robot);
-    robot.odometry.clear();
-    robot.pending.clear();
-  }
-  return {};
+  if (event.restarted) begin_anew(robot);
+  return outcome;
+}
+
+// The robot was switched off and on: its odometry has another origin.
+void Engine::State::begin_anew(Robot& robot) {
+  for (std::size_t i = 0; i < robot.pending.size(); ++i) drop(robot.declaration.robot, "restarted");
+  robot.pending.clear();
+  if (robot.place && !frozen) record(robot, robot.place->pose, robot.place->odom_from_robot);
+  robot.unplaced.clear();
+  forget_place(robot);
+  robot.odometry.clear();
 }
 
 Outcome Engine::State::take(const TagEvent& event) {
@@ -101,6 +121,7 @@ Outcome Engine::State::take(const ScanEvent& event) {
   const Scan& scan = event.scan;
   robot->health.heard_stamp(scan.utime, counters.last_receive_utime);
   robot->health.heard_scan(scan, robot->declaration.laser);
+  if (has_no_laser(*robot)) return {drop(event.robot, "no_laser"), {}};
   if (scan.ranges_m.empty() || scan.bearing_step_rad == 0) return {drop(event.robot, "zero_beams"), {}};
   const bool first = robot->last_scan_utime == 0;
   if (!first && scan.utime == robot->last_scan_utime) return {drop(event.robot, "duplicate_stamp"), {}};
@@ -131,7 +152,7 @@ Outcome Engine::State::take(const SightingEvent& event) {
   });
   const bool is_tag = tags.contains(event.barcode) || configuration.any_tag;
   if (worn == robots.end() && !is_tag) return refuse("unknown_barcode");
-  const std::string target = worn != robots.end() ? worn->first : "TAG " + std::to_string(event.barcode);
+  const std::string target = worn != robots.end() ? worn->first : tag_name(event.barcode);
   if (worn != robots.end()) {
     Robot& seer = robots.at(event.robot);
     // One with a stamp of another time says nothing of who stands there now.
@@ -179,7 +200,7 @@ void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_
     const PendingScan& waiting = robot.pending.front();
     std::optional<Pose> odometry = robot.odometry.at(waiting.scan.utime);
     if (!odometry) {
-      const bool waited = no_more_waiting ||
+      const bool waited = no_more_waiting || robot.pending.size() > most_pending_scans ||
                           counters.last_receive_utime > waiting.receive_utime + odometry_wait_us ||
                           (!robot.odometry.empty() && robot.odometry.newest_utime() > waiting.scan.utime);
       if (!waited) return;
@@ -283,6 +304,7 @@ std::string Engine::State::drop_data(const std::string& name) {
   Dropped& kept = dropped[name];
   kept.relations.insert(kept.relations.end(), taken.begin(), taken.end());
   kept.end = map.manifold().next_id();
+  for (std::size_t i = 0; i < robot->pending.size(); ++i) drop(name, "robot_dropped");
   robot->place.reset();
   robot->history = {};
   robot->pending.clear();
@@ -331,10 +353,6 @@ void Engine::State::work_on_map() {
   arrange_meeting();
 }
 
-void Engine::State::fit_all() {
-  for (const std::vector<PatchId>& island : map.graph().islands()) map.refit_island(island.front());
-}
-
 Engine::Engine(Configuration configuration) : state_(std::make_unique<State>(std::move(configuration))) {}
 Engine::~Engine() = default;
 Engine::Engine(Engine&&) noexcept = default;
@@ -342,6 +360,7 @@ Engine& Engine::operator=(Engine&&) noexcept = default;
 
 Outcome Engine::handle(const Event& event) {
   State& state = *state_;
+  if (is_stranger(event)) return std::visit([&](const auto& body) { return state.take(body); }, event.body);
   Counters& counters = state.counters;
   if (counters.events++ == 0) counters.first_receive_utime = event.receive_utime;
   counters.last_receive_utime = std::max(counters.last_receive_utime, event.receive_utime);
@@ -356,22 +375,12 @@ Outcome Engine::handle(const Event& event) {
   return outcome;
 }
 
-void Engine::count_dropped(const std::string& robot, const std::string& reason) {
-  state_->drop(robot, reason);
+bool Engine::is_stranger(const Event& event) const {
+  return std::visit([&](const auto& body) { return state_->is_stranger(body); }, event.body);
 }
 
-Outcome Engine::finish() {
-  Outcome outcome;
-  for (auto& [name, robot] : state_->robots) state_->answer_pending(robot, outcome, true);
-  if (is_frozen()) return outcome;
-  for (auto& [name, robot] : state_->robots) {
-    if (robot.place) state_->record(robot, robot.place->pose, robot.place->odom_from_robot);
-  }
-  state_->hypotheses.finish(state_->world(), state_->closures);
-  state_->closures.finish(state_->world());
-  state_->weaving.finish(state_->map, state_->configuration.engine);
-  state_->fit_all();
-  return outcome;
+void Engine::count_dropped(const std::string& robot, const std::string& reason) {
+  state_->drop(robot, reason);
 }
 
 bool Engine::has_queued_work() const {

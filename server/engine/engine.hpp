@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/engine/configuration.hpp"
@@ -41,8 +42,12 @@ class Engine {
   Engine(Engine&&) noexcept;
   Engine& operator=(Engine&&) noexcept;
 
-  /// A ConfigurationEvent is taken only before every other event, and replaces the configuration.
+  /// A ConfigurationEvent is taken only before every other event, and replaces the configuration. What a
+  /// stranger sends is refused and has no effect on the map, so that a journal need not hold it.
   Outcome handle(const Event& event);
+
+  /// Whether it is odometry, a scan or a sighting of a robot that has not introduced itself.
+  bool is_stranger(const Event& event) const;
 
   /// Counts a message that never became an event. `robot` may be empty.
   void count_dropped(const std::string& robot, const std::string& reason);
@@ -50,6 +55,12 @@ class Engine {
   /// What remains to be done when no more events will come: waiting scans, queued work, the last fit.
   /// Returns the answers to scans that were still waiting.
   Outcome finish();
+  /// The same in bounded pieces, of which each takes no longer than one search, one step of a trial or the
+  /// fit of one island: false once all is done. Answers are added to `outcome`. Between pieces the map may be
+  /// copied; events may come after the last.
+  bool finish_step(Outcome& outcome);
+  /// What the next piece is of, in a word for people.
+  std::string_view finishing() const;
 
   /// From now on robots are localised and the map changes no more. What is under way on it is finished first,
   /// as `finish` does.

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "server/engine/closures.hpp"
@@ -44,6 +45,11 @@ struct Engine::State {
   std::map<std::string, Dropped> dropped;  // by robot
   std::optional<Frozen> frozen;            // the map changes no more
 
+  /// What of finishing is next; not in snapshots, which are made of maps that go on.
+  enum class FinishStage { scans, trial, searches, finds, sightings, weaving, fit };
+  FinishStage finish_stage = FinishStage::scans;
+  std::vector<std::vector<PatchId>> islands_to_fit;
+
   explicit State(Configuration given) { configure(std::move(given)); }
 
   void configure(Configuration given);
@@ -57,6 +63,15 @@ struct Engine::State {
     return found == robots.end() || !found->second.declared ? nullptr : &found->second;
   }
 
+  /// For every body: whether it is of a robot that has not introduced itself.
+  template <class Body>
+  bool is_stranger(const Body& body) {
+    constexpr bool of_robot = std::is_same_v<Body, OdometryEvent> || std::is_same_v<Body, ScanEvent> ||
+                              std::is_same_v<Body, SightingEvent>;
+    if constexpr (of_robot) return declared(body.robot) == nullptr;
+    return false;
+  }
+
   Outcome take(const ConfigurationEvent& event);
   Outcome take(const RobotEvent& event);
   Outcome take(const TagEvent& event);
@@ -66,6 +81,8 @@ struct Engine::State {
   Outcome take(const CommandEvent& event);
   Outcome take(const TickEvent&) { return {}; }
 
+  /// A robot that says that it was restarted.
+  void begin_anew(Robot& robot);
   /// Its odometry begins anew: nothing tells any longer where it is.
   void forget_place(Robot& robot);
   void work_on_map();
@@ -80,7 +97,9 @@ struct Engine::State {
   void arrange_meeting();
   std::string drop_data(const std::string& name);
   std::string take_back_drop(const std::string& name);
-  void fit_all();
+
+  /// The next piece of what remains to be done at the end; false: that was the last.
+  bool finish_step(Outcome& outcome);
 
   /// For snapshots, which are not made of frozen maps: all but the configuration and the trajectory.
   template <class Archive>

@@ -32,23 +32,25 @@ Vector5d yaw_row(bool sine) {
   return row;
 }
 
-Relation related(PatchId a, PatchId b, RelationKind kind, Measurement measurement, ClosureId closure) {
+Relation related(const Evidence& evidence, RelationKind kind, Measurement measurement, ClosureId closure) {
   Relation relation;
-  relation.a = a;
-  relation.b = b;
+  relation.a = evidence.observer.pose.patch;
+  relation.b = evidence.target_place->pose.patch;
   relation.kind = kind;
   relation.measurement = std::move(measurement);
-  relation.origin = {OriginKind::sighting, closure};
+  relation.origin = {OriginKind::sighting, closure, static_cast<std::int32_t>(evidence.record)};
   relation.robust_scale = robust_scale;
   return relation;
 }
 
 }  // namespace
 
+std::string tag_name(std::int32_t barcode) { return "TAG " + std::to_string(barcode); }
+
 PatchPtr make_tag_patch(PatchId id, std::int32_t barcode, std::int64_t utime) {
   auto patch = std::make_shared<Patch>();
   patch->id = id;
-  patch->robot = "TAG " + std::to_string(barcode);
+  patch->robot = tag_name(barcode);
   patch->utime = utime;
   patch->tag = barcode;
   return patch;
@@ -136,11 +138,11 @@ std::optional<Relation> sighting_relation(const Map& map, const Evidence& eviden
   const double range = std::max(has_range ? s.range_m : 1.0, 0.1);
   const double bearing_variance = s.bearing_sigma_rad * s.bearing_sigma_rad + yaw_variance;
   if (!has_bearing) {
-    return related(a, b, RelationKind::range,
+    return related(evidence, RelationKind::range,
                    Range{position(a_from_observer), point_b, s.range_m, range_sigma}, closure);
   }
   if (!has_range) {
-    return related(a, b, RelationKind::bearing,
+    return related(evidence, RelationKind::bearing,
                    Bearing{a_from_observer, point_b, s.bearing_rad,
                            correlation * std::sqrt(bearing_variance + variance / (range * range))},
                    closure);
@@ -155,7 +157,7 @@ std::optional<Relation> sighting_relation(const Map& map, const Evidence& eviden
     form.row(yaw_row(true));
     form.row(yaw_row(false));
   }
-  return related(a, b, RelationKind::range_bearing, Correspondences{form.build(), 1, {}}, closure);
+  return related(evidence, RelationKind::range_bearing, Correspondences{form.build(), 1, {}}, closure);
 }
 
 }  // namespace isthmus

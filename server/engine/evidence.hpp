@@ -14,6 +14,9 @@
 
 namespace isthmus {
 
+/// How a fixed tag is called where robots are by their names.
+std::string tag_name(std::int32_t barcode);
+
 /// A fixed tag on the map: a patch without extent, whose yaw means nothing.
 PatchPtr make_tag_patch(PatchId id, std::int32_t barcode, std::int64_t utime);
 

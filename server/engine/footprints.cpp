@@ -61,6 +61,16 @@ void stand_on_new_patch(Map& map, Robot& robot, const Pose& map_from_robot) {
   put_robot_on(robot, id);
 }
 
+// The first odometry since the robot says that it has no laser any more: it stands on a patch of its own,
+// tied to the one on which its scans have put it, as surely as they have.
+void leave_laser(Map& map, Robot& robot, bool full) {
+  Localisation& place = *robot.place;
+  place.last_patch = place.pose.patch;
+  place.since_last_patch = {place.pose.patch_from_object, place.covariance};
+  robot.way = {place.odom_from_robot};
+  if (!full) stand_on_new_patch(map, robot, map.manifold().project(place.pose));
+}
+
 }  // namespace
 
 bool has_no_laser(const Robot& robot) { return robot.declaration.laser.range_max_m <= 0; }
@@ -87,14 +97,18 @@ std::optional<ScanOutcome> take_odometry(Map& map, Robot& robot, const Pose& odo
   const bool first = !robot.place;
   const bool full = has_all_patches(robot, options);
   const bool jumped = !first && !full && !expect(robot, odom_from_robot, utime).plausible;
-  if (first || jumped) {
+  const bool had_laser = !first && robot.way.empty();
+  const bool lost = had_laser && !full && robot.place->suspect;
+  if (first || jumped || lost) {
     robot.place = Localisation{};
     robot.place->odom_from_robot = odom_from_robot;
     robot.place->utime = utime;
+    robot.rejoins.clear();
     robot.way.clear();
     stand_on_new_patch(map, robot, Pose{});
     return answered(map, robot, true);
   }
+  if (had_laser) leave_laser(map, robot, full);
   const Expectation expectation = expect(robot, odom_from_robot, utime);
   Localisation& place = *robot.place;
   place.pose.patch_from_object = expectation.local_from_robot;

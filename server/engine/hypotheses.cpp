@@ -36,21 +36,26 @@ void Hypotheses::advance(World world, Closures& closures) {
   if (pool_changed_ && !closures.on_trial()) pool_changed_ = propose(world, closures);
 }
 
-void Hypotheses::finish(World world, Closures& closures) {
-  closures.end_trial_now(world);
+void Hypotheses::begin_finish(World world, Closures& closures) {
   hear(world, closures);
   follow(world);
-  while (has_work()) {
-    look_up(world);
-    if (looking_up_) end_look_up();
-    if (can_step()) step(world);
-  }
-  // The maps are as large now as they will be: what was undecided may be plain.
+}
+
+bool Hypotheses::finish_search(World world) {
+  if (!has_work()) return false;
+  look_up(world);
+  if (looking_up_) end_look_up();
+  if (can_step()) step(world);
+  return true;
+}
+
+void Hypotheses::try_all_again() {
   for (auto& [id, hypothesis] : hypotheses_) hypothesis.tried = 0;
-  while (propose(world, closures)) {
-    closures.end_trial_now(world);
-    hear(world, closures);
-  }
+}
+
+bool Hypotheses::propose_last(World world, Closures& closures) {
+  hear(world, closures);
+  return propose(world, closures);
 }
 
 // Keeps each robot's way, and asks where it is every few metres of it.

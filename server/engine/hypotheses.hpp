@@ -40,8 +40,14 @@ struct PlaceQuery {
 class Hypotheses {
  public:
   void advance(World world, Closures& closures);
-  /// All that is left, as if nothing more will come.
-  void finish(World world, Closures& closures);
+  /// All that is left, as if nothing more will come, and with nothing on trial: first this, then searches
+  /// until there are no more,
+  void begin_finish(World world, Closures& closures);
+  bool finish_search(World world);
+  /// then, as the maps are as large now as they will be and what was undecided may be plain, all that was
+  /// tried once more: what is put on trial by one call is to be decided before the next. False: nothing was.
+  void try_all_again();
+  bool propose_last(World world, Closures& closures);
   bool has_work() const { return !queue_.empty() || looking_up_ || can_step(); }
 
   /// A robot's data is taken out.

@@ -128,7 +128,8 @@ struct MapCopy {
   std::vector<HealthRecord> health;      ///< of declared robots, by name
 };
 
-/// SHA-256, in hex, over patches, accepted relations and closures by id, numbers as the bits of f64.
+/// SHA-256, in hex, over patches, accepted relations and closures by id, numbers as the bits of f64; and over
+/// the ids of patches that operators have dropped, if any.
 std::string map_sha256(const MapCopy& map);
 
 }  // namespace isthmus

@@ -146,6 +146,12 @@ std::string map_sha256(const MapCopy& map) {
     digest.add(std::string_view(closure.kind));
     digest.add(closure.utime);
   }
+
+  // Patches that operators have dropped are still there, but no part of what is exported.
+  if (!map.left_out.empty()) {
+    digest.add(std::string_view("left_out"));
+    for (const PatchId patch : map.left_out) digest.add(patch);
+  }
   return digest.hex();
 }
 

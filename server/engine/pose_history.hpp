@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <tuple>
 
@@ -35,6 +37,9 @@ class PoseHistory {
   /// not on the map then, or where odometry does not reach.
   std::optional<PastPlace> at(std::int64_t utime, const OdometryTrack& odometry,
                               const OdometryNoise& noise) const;
+
+  /// Changes where the robot was, but not when.
+  void correct(const std::function<void(PastPlace&)>& place) { std::ranges::for_each(places_, place); }
 
   auto members() { return std::tie(places_, since_thinned_); }
 

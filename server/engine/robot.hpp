@@ -93,7 +93,7 @@ struct Robot {
   WaitingRejoins rejoins;
   std::vector<UnplacedScan> unplaced;
   PoseHistory history;
-  std::vector<Pose> way;                     ///< of one without a laser: odometry since its last patch
+  std::vector<Pose> way;  ///< of one without a laser: odometry since its last patch; empty: it had one
   std::map<std::string, SeenTeammate> seen;  ///< by name
   PatchId first_patch;                       ///< of its first session
   int stale_scans = 0;                       ///< in a row

@@ -29,8 +29,10 @@ class SnapshotWriter : public cereal::OutputArchive<SnapshotWriter, cereal::Allo
   SnapshotWriter() : OutputArchive(this) {}
 
   void write(const void* value, std::size_t size) {
-    const auto* from = static_cast<const std::uint8_t*>(value);
-    if (size > 0) bytes_.insert(bytes_.end(), from, from + size);
+    if (size == 0) return;
+    const std::size_t end = bytes_.size();
+    bytes_.resize(end + size);
+    std::memcpy(bytes_.data() + end, value, size);
   }
   std::vector<std::uint8_t> take() { return std::move(bytes_); }
 

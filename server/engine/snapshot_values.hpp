@@ -94,7 +94,7 @@ void serialize(Archive& archive, PolygonWithHoles& polygon) {
 
 template <class Archive>
 void serialize(Archive& archive, Origin& origin) {
-  archive(origin.kind, origin.closure);
+  archive(origin.kind, origin.closure, origin.sighting);
 }
 
 template <class Archive>

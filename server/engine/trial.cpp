@@ -144,11 +144,13 @@ void Trial::propagate(std::int64_t now_utime) {
   if (propagation_.matched().size() > matched_at_fit_ || stage_ == Stage::judge) begin_fit(now_utime, false);
 }
 
+void Trial::finish_step(std::int64_t now_utime) {
+  if (job_) end_fit();
+  step(now_utime);
+}
+
 void Trial::finish(std::int64_t now_utime) {
-  while (!done()) {
-    if (job_) end_fit();
-    step(now_utime);
-  }
+  while (!done()) finish_step(now_utime);
 }
 
 double Trial::mean_contradiction() const {

@@ -46,7 +46,8 @@ class Trial {
   void advance(std::int64_t now_utime);
   /// One bounded piece of work. Returns false where a job has to end first.
   bool step(std::int64_t now_utime);
-  /// Runs to the end, waiting for jobs.
+  /// The same, but waits for a job that has to end first: repeated until it is done, it runs to the end.
+  void finish_step(std::int64_t now_utime);
   void finish(std::int64_t now_utime);
 
   bool done() const { return stage_ == Stage::done; }
@@ -56,6 +57,8 @@ class Trial {
   /// Why it was refused or is undecided; empty where it was accepted.
   const std::string& refusal() const { return refusal_; }
   const Proposal& proposal() const { return proposal_; }
+  /// The map as the trial has it now.
+  const Map& map() const { return map_; }
   int patches_touched() const { return static_cast<int>(propagation_.matched().size()); }
   int work_steps() const { return propagation_.steps() + fits_; }
 

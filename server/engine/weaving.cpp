@@ -31,8 +31,10 @@ void Weaving::advance(Map& map, const EngineOptions& options, std::int64_t now_u
   propagation_.step(map, options);
 }
 
-void Weaving::finish(Map& map, const EngineOptions& options) {
-  while (!propagation_.done()) propagation_.step(map, options);
+bool Weaving::finish_step(Map& map, const EngineOptions& options) {
+  if (propagation_.done()) return false;
+  propagation_.step(map, options);
+  return true;
 }
 
 }  // namespace isthmus

@@ -21,7 +21,7 @@ class Weaving {
   void map_changed() { propagation_.forget_visits(); }
 
   void advance(Map& map, const EngineOptions& options, std::int64_t now_utime);
-  void finish(Map& map, const EngineOptions& options);
+  bool finish_step(Map& map, const EngineOptions& options);
   bool busy() const { return !propagation_.done(); }
 
   auto members() { return std::tie(propagation_, stands_on_, credit_us_, last_utime_); }

@@ -1,19 +1,14 @@
 #include "server/engine/withdrawal.hpp"
 
-#include <cmath>
-#include <vector>
+#include <utility>
+
+#include "server/engine/rejudging.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr double consistent_m = 0.5;
-constexpr double consistent_rad = 0.3;
-
-// Whether the fitted poses are about where the relation alone would have them.
-bool consistent(const Map& map, const Relation& relation) {
-  const Pose fitted = ominus(map.manifold().pose(relation.b), map.manifold().pose(relation.a));
-  const Pose off = ominus(minimiser(relation.measurement, fitted), fitted);
-  return std::hypot(off.x, off.y) < consistent_m && std::abs(off.yaw) < consistent_rad;
+bool is_evidence(const Origin& origin) {
+  return origin.closure.valid() && origin.kind != OriginKind::propagation;
 }
 
 void put_back(const Map& map, Robot& robot) {
@@ -24,33 +19,33 @@ void put_back(const Map& map, Robot& robot) {
   place.covariance = place.spread = place.since_last_patch.covariance;
 }
 
+void take_over(Map& map, const Rejudging& judged) {
+  std::vector<RelationId> gone;
+  for (const Relation& relation : judged.gone()) gone.push_back(relation.id);
+  map.remove(gone);
+  for (const IslandId island : judged.changed()) {
+    map.adopt(judged.rest().graph().patches_of(island), judged.rest().manifold().poses());
+    map.refit_island(island);
+  }
+}
+
 }  // namespace
 
-void withdraw(Map& map, ClosureId closure, std::map<std::string, Robot>& robots) {
-  std::vector<RelationId> gone;
-  std::vector<Relation> doubtful;
-  for (const auto& [id, relation] : map.graph().relations()) {
-    const bool own = relation.origin.closure == closure;
-    const bool made_since = !gone.empty() && relation.origin.kind == OriginKind::match;
-    if (!own && !made_since) continue;
-    gone.push_back(id);
-    if (!own) doubtful.push_back(relation);
+Withdrawal withdraw(Map& map, ClosureId closure, std::map<std::string, Robot>& robots,
+                    const EngineOptions& options) {
+  const Dependencies dependencies(map.graph());
+  std::set<ClosureId> without{closure};
+  while (true) {
+    const Rejudging judged(map, dependencies, without, options);
+    const std::size_t known = without.size();
+    for (const Relation& relation : judged.gone())
+      if (is_evidence(relation.origin)) without.insert(relation.origin.closure);
+    if (without.size() > known) continue;
+    take_over(map, judged);
+    for (auto& [name, robot] : robots) put_back(map, robot);
+    without.erase(closure);
+    return {judged.gone(), without};
   }
-  if (gone.empty()) return;
-  const PatchId a = map.graph().find(gone.front())->a;
-  const PatchId b = map.graph().find(gone.front())->b;
-  map.remove(gone);
-  const auto refit = [&] {
-    map.refit_island(map.graph().island(a));
-    if (map.graph().island(a) != map.graph().island(b)) map.refit_island(map.graph().island(b));
-  };
-  refit();
-  for (const Relation& relation : doubtful) {
-    if (map.graph().island(relation.a) == map.graph().island(relation.b) && consistent(map, relation))
-      map.relate(relation);
-  }
-  refit();
-  for (auto& [name, robot] : robots) put_back(map, robot);
 }
 
 std::vector<Relation> take_out(Map& map, const std::string& robot, std::map<std::string, Robot>& robots) {

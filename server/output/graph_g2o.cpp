@@ -1,5 +1,8 @@
 #include "server/output/graph_g2o.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
 #include "server/output/atomic_file.hpp"
 #include "server/output/number.hpp"
 
@@ -15,6 +18,19 @@ Eigen::Matrix3d a_from_error(const Pose& measured_a_from_b) {
   return turn;
 }
 
+/// Solvers ask for a positive definite information, which a range or a bearing alone does not have: what was
+/// not measured is given a sigma of 1 km or 1000 rad, or what share of the largest weight a double can still
+/// tell from none once it is squared, where that is more.
+Eigen::Matrix3d positive_definite(const Eigen::Matrix3d& information) {
+  constexpr double least = 1e-6, least_share = 1e-11;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
+  const double floor = std::max(least, least_share * eigen.eigenvalues()(2));
+  if (eigen.eigenvalues()(0) >= floor) return information;
+  const Eigen::Vector3d raised = eigen.eigenvalues().cwiseMax(floor);
+  const Eigen::Matrix3d whole = eigen.eigenvectors() * raised.asDiagonal() * eigen.eigenvectors().transpose();
+  return 0.5 * (whole + whole.transpose());
+}
+
 std::string pose_text(const Pose& pose) {
   return number(pose.x) + " " + number(pose.y) + " " + number(pose.yaw);
 }
@@ -24,8 +40,9 @@ std::string fix_line(PatchId id) { return "FIX " + std::to_string(id.value) + "\
 std::string edge_line(const Relation& relation, const G2oEdge& edge) {
   std::string line = "EDGE_SE2 " + std::to_string(relation.a.value) + " " + std::to_string(relation.b.value) +
                      " " + pose_text(edge.measured_a_from_b);
+  const Eigen::Matrix3d information = positive_definite(edge.information);
   for (int row = 0; row < 3; ++row) {
-    for (int column = row; column < 3; ++column) line += " " + number(edge.information(row, column));
+    for (int column = row; column < 3; ++column) line += " " + number(information(row, column));
   }
   return line + "\n";
 }

@@ -1,5 +1,7 @@
 #include "server/output/output.hpp"
 
+#include <utility>
+
 #include "server/output/atomic_file.hpp"
 #include "server/output/graph_g2o.hpp"
 #include "server/output/grid.hpp"
@@ -22,15 +24,24 @@ MapCopy aligned(const MapCopy& map, const Pose& out_from_map) {
   return out;
 }
 
+/// Pictures that are drawn at once, in pixels, however many islands there are: each time the whole trajectory
+/// is read.
+constexpr std::size_t most_pixels = 64'000'000;
+
 void write_grids(const MapCopy& map, const RankedIslands& islands, const std::string& directory,
                  double resolution_m) {
   std::vector<Picture> pictures;
+  std::size_t pixels = 0;
   for (std::size_t k = 0; k < islands.patches.size(); ++k) {
     const OccupancyGrid grid = render_island(map, islands.patches[k], resolution_m);
     write_grid(grid, directory + "/island-" + std::to_string(k));
     pictures.emplace_back(grid);
+    pixels += grid.pixels.size();
+    if (pixels < most_pixels && k + 1 < islands.patches.size()) continue;
+    const std::size_t first = k + 1 - pictures.size();
+    write_pictures(map, islands, first, std::exchange(pictures, {}), directory);
+    pixels = 0;
   }
-  write_pictures(map, islands, std::move(pictures), directory);
 }
 
 }  // namespace

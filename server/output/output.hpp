@@ -12,7 +12,8 @@ struct RunCost {
   double wall_s = 0;
   double cpu_s = 0;
   double peak_rss_mb = 0;
-  double finish_s = 0;  ///< after the last event: waiting work and the last fit
+  double finish_s = 0;   ///< after the last event: waiting work and the last fit
+  bool finished = true;  ///< false: of that some was left, for want of time
   LatencyHistogram event_latency;
 };
 /// CPU time and peak memory of this process so far.

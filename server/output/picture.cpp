@@ -101,35 +101,39 @@ void Picture::set(int column, int row, std::uint8_t colour) {
           static_cast<std::size_t>(column)] = colour;
 }
 
-void write_pictures(const MapCopy& map, const RankedIslands& islands, std::vector<Picture> pictures,
-                    const std::string& directory) {
+void write_pictures(const MapCopy& map, const RankedIslands& islands, std::size_t first,
+                    std::vector<Picture> pictures, const std::string& directory) {
+  const auto picture_of = [&](PatchId patch) -> Picture* {
+    const int k = islands.rank(patch);
+    const bool here = k >= 0 && static_cast<std::size_t>(k) >= first &&
+                      static_cast<std::size_t>(k) - first < pictures.size();
+    return here ? &pictures[static_cast<std::size_t>(k) - first] : nullptr;
+  };
   std::map<std::string, std::size_t> robots;
   for (const std::string& robot : robots_of(map)) robots.emplace(robot, robots.size());
 
   std::map<std::int32_t, ProjectedRow> previous;  // by session
   for_each_row(map, [&](const ProjectedRow& row) {
-    const int k = islands.rank(row.patch);
+    Picture* picture = picture_of(row.patch);
     const Eigen::Vector2d here(row.map_from_robot.x, row.map_from_robot.y);
     const auto last = previous.find(row.session.number);
-    if (k >= 0 && last != previous.end() && islands.rank(last->second.patch) == k) {
+    if (picture && last != previous.end() && picture_of(last->second.patch) == picture) {
       const Eigen::Vector2d there(last->second.map_from_robot.x, last->second.map_from_robot.y);
-      if ((here - there).norm() < max_step_m) {
-        pictures[static_cast<std::size_t>(k)].line(there, here, robots.at(row.session.robot));
-      }
+      if ((here - there).norm() < max_step_m) picture->line(there, here, robots.at(row.session.robot));
     }
     if (last != previous.end()) previous.erase(last);
     previous.emplace(row.session.number, row);
   });
 
   for (std::size_t i = 0; i < map.patches.size(); ++i) {
-    const int k = islands.rank(map.patches[i]->id);
+    Picture* picture = picture_of(map.patches[i]->id);
     const auto robot = robots.find(map.patches[i]->robot);
-    if (k < 0 || robot == robots.end()) continue;
-    pictures[static_cast<std::size_t>(k)].dot({map.poses[i].x, map.poses[i].y}, robot->second);
+    if (!picture || robot == robots.end()) continue;
+    picture->dot({map.poses[i].x, map.poses[i].y}, robot->second);
   }
   for (std::size_t k = 0; k < pictures.size(); ++k) {
     pictures[k].scale_bar();
-    pictures[k].write(directory + "/island-" + std::to_string(k) + "-trajectory.png");
+    pictures[k].write(directory + "/island-" + std::to_string(first + k) + "-trajectory.png");
   }
 }
 

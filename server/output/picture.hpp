@@ -34,8 +34,9 @@ class Picture {
   std::vector<std::uint8_t> pixels_;
 };
 
-/// Writes island-K-trajectory.png for each island, one picture made from each grid.
-void write_pictures(const MapCopy& map, const RankedIslands& islands, std::vector<Picture> pictures,
-                    const std::string& directory);
+/// Writes island-K-trajectory.png for successive islands, of which `first` is one and each has a picture made
+/// from its grid.
+void write_pictures(const MapCopy& map, const RankedIslands& islands, std::size_t first,
+                    std::vector<Picture> pictures, const std::string& directory);
 
 }  // namespace isthmus

@@ -160,6 +160,7 @@ std::string report_json(const MapCopy& map, const RankedIslands& islands, const 
                        {"event_latency_ms", latency_ms(cost.event_latency)},
                        {"peak_rss_mb", cost.peak_rss_mb},
                        {"finish_s", cost.finish_s},
+                       {"finished", cost.finished},
                        {"map_sha256", map_sha256(map)}};
   // Names and reasons may hold bytes that are no UTF-8; those are replaced, for a report must not fail on
   // them.

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "relations/confidence.hpp"
+#include "server/engine/dependencies.hpp"
 #include "server/output/csv.hpp"
 
 namespace isthmus {
@@ -57,10 +58,14 @@ void write_patches(const MapCopy& map, const RankedIslands& islands, const std::
 }
 
 void write_relations(const MapCopy& map, const std::string& path) {
-  CsvFile csv(path, "id,a,b,kind,count,origin,closure");
+  const Dependencies dependencies(map.graph);
+  CsvFile csv(path, "id,a,b,kind,count,origin,closure,depends_on");
   for (const auto& [id, relation] : map.graph.relations()) {
+    std::string depends_on;
+    for (const ClosureId closure : dependencies.of(id))
+      depends_on += (depends_on.empty() ? "" : " ") + std::to_string(closure.value);
     csv.row(id, relation.a, relation.b, name(relation.kind), count(relation), name(relation.origin.kind),
-            relation.origin.closure);
+            relation.origin.closure, depends_on);
   }
   csv.commit();
 }

@@ -26,7 +26,11 @@ bool may_send(const Authentication& keys, const std::string& sender, const Chann
 }  // namespace
 
 Authenticator::Authenticator(Authentication keys, SignatureCounters counters)
-    : keys_(std::move(keys)), counters_(std::move(counters)) {}
+    : keys_(std::move(keys)), counters_(std::move(counters)) {
+  for (const auto* group : {&keys_.robots, &keys_.operators}) {
+    for (const auto& [sender, key] : *group) signers_[sender] = {key, sender + "@" + key_fingerprint(key)};
+  }
+}
 
 Opened Authenticator::open(const Configuration& configuration, std::int64_t utime,
                            std::span<const std::uint8_t> bytes) {
@@ -35,26 +39,29 @@ Opened Authenticator::open(const Configuration& configuration, std::int64_t utim
   if (std::string reason = read_envelope(bytes, envelope); !reason.empty())
     return {{}, "", std::move(reason)};
   const std::string sender = upper_case(envelope.sender);
-  const AuthKey* key = key_of(sender);
-  if (key == nullptr) return {{}, "", "unknown_sender"};
+  const auto signer = signers_.find(sender);
+  if (signer == signers_.end()) return {{}, "", "unknown_sender"};
   const std::string robot = keys_.robots.contains(sender) ? sender : "";
-  if (!is_genuine(*key, bytes)) return {{}, robot, "forged"};
+  if (!is_genuine(signer->second.key, bytes)) return {{}, robot, "forged"};
   const std::optional<Channel> channel = find_channel(configuration, envelope.channel);
   if (!channel || !may_send(keys_, sender, *channel)) return {{}, robot, "foreign_channel"};
   const std::string stream = default_channel(channel->input, channel->robot);
-  const auto [counter, is_first] = counters_.emplace(std::pair(sender, stream), envelope.counter);
-  if (!is_first && envelope.counter <= counter->second) return {{}, robot, "replayed"};
-  counter->second = envelope.counter;
+  if (!counts_on(sender, stream, signer->second, envelope.counter)) return {{}, robot, "replayed"};
   Message message{utime, std::move(envelope.channel), std::move(envelope.payload)};
-  message.signature = Signature{sender, stream, envelope.counter};
+  message.signature = Signature{signer->second.name, stream, envelope.counter};
   return {std::move(message), channel->robot, ""};
 }
 
-const AuthKey* Authenticator::key_of(const std::string& sender) const {
-  for (const auto* group : {&keys_.robots, &keys_.operators}) {
-    if (const auto found = group->find(sender); found != group->end()) return &found->second;
-  }
-  return nullptr;
+/// Whether a counter is above all that this sender's key has signed on a channel so far; it is the last then.
+bool Authenticator::counts_on(const std::string& sender, const std::string& stream, const Signer& signer,
+                              std::int64_t counter) {
+  // A counter without a key's fingerprint is of an earlier form of the journal: of whatever key.
+  const auto of_any_key = counters_.find({sender, stream});
+  if (of_any_key != counters_.end() && counter <= of_any_key->second) return false;
+  const auto [last, is_first] = counters_.emplace(std::pair(signer.name, stream), counter);
+  if (!is_first && counter <= last->second) return false;
+  last->second = counter;
+  return true;
 }
 
 }  // namespace isthmus

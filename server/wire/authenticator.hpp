@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,7 +20,8 @@ struct Opened {
 
 /// Decides which messages are believed, once the configuration holds keys: those in an envelope whose sender
 /// has a key, signed with it, counting on, and on a channel that is the sender's: a robot's own and tags; for
-/// an operator commands and tags. One thread.
+/// an operator commands and tags. A sender with a new key counts from the beginning: what the old key signed
+/// is not believed any more, and a counter that ran out does no longer hold. One thread.
 class Authenticator {
  public:
   /// `counters`: what was accepted before is not taken again.
@@ -30,9 +32,16 @@ class Authenticator {
   Opened open(const Configuration& configuration, std::int64_t utime, std::span<const std::uint8_t> bytes);
 
  private:
-  const AuthKey* key_of(const std::string& sender) const;
+  struct Signer {
+    AuthKey key;
+    std::string name;  ///< of sender and key, for its counters
+  };
+
+  bool counts_on(const std::string& sender, const std::string& stream, const Signer& signer,
+                 std::int64_t counter);
 
   Authentication keys_;
+  std::map<std::string, Signer> signers_;  ///< by sender
   SignatureCounters counters_;
 };
 

@@ -5,43 +5,62 @@
 namespace isthmus {
 namespace {
 
-/// Takes bytes from the front; false where there are too few.
-bool take(std::span<const std::uint8_t>& rest, std::int64_t count) {
-  if (count > static_cast<std::int64_t>(rest.size())) return false;
-  rest = rest.subspan(static_cast<std::size_t>(count));
-  return true;
-}
+enum class Fit {
+  no,
+  yes,
+  cut_off,  ///< as far as the bytes go
+};
+
+/// What of a message is still to be walked over; of its last bytes some may not be there.
+struct Rest {
+  std::span<const std::uint8_t> there;
+  std::int64_t bytes = 0;
+
+  /// Takes bytes from the front.
+  Fit take(std::int64_t count) {
+    if (count > bytes) return Fit::no;
+    bytes -= count;
+    if (count > static_cast<std::int64_t>(there.size())) return Fit::cut_off;
+    there = there.subspan(static_cast<std::size_t>(count));
+    return Fit::yes;
+  }
+};
 
 /// Ends at its first NUL.
 bool is_text(std::span<const std::uint8_t> bytes) {
   return std::find(bytes.begin(), bytes.end(), 0) == bytes.end() - 1;
 }
 
-bool take_member(std::span<const std::uint8_t>& rest, const Member& member);
+Fit take_members(Rest& rest, std::span<const Member> members);
 
-bool take_structs(std::span<const std::uint8_t>& rest, const Member& list, std::int32_t count) {
-  const std::span members(list.of, static_cast<std::size_t>(list.size));
+Fit take_structs(Rest& rest, const Member& list, std::int32_t count) {
   for (std::int32_t i = 0; i < count; ++i) {
-    if (!std::all_of(members.begin(), members.end(),
-                     [&](const Member& one) { return take_member(rest, one); }))
-      return false;
+    const Fit fit = take_members(rest, {list.of, static_cast<std::size_t>(list.size)});
+    if (fit != Fit::yes) return fit;
   }
-  return true;
+  return Fit::yes;
 }
 
-bool take_member(std::span<const std::uint8_t>& rest, const Member& member) {
-  if (member.kind == Member::Kind::fixed) return take(rest, member.size);
-  if (rest.size() < 4) return false;
-  const std::int32_t count = read_int32(rest);
+Fit take_member(Rest& rest, const Member& member) {
+  if (member.kind == Member::Kind::fixed) return rest.take(member.size);
+  const auto counted = rest.there;
+  if (const Fit fit = rest.take(4); fit != Fit::yes) return fit;
+  const std::int32_t count = read_int32(counted);
   const std::int32_t least = member.kind == Member::Kind::text ? 1 : 0;
-  if (count < least || count > member.cap) return false;
-  take(rest, 4);
+  if (count < least || count > member.cap) return Fit::no;
   if (member.kind == Member::Kind::list) return take_structs(rest, member, count);
+  const auto elements = rest.there;
   const std::int64_t bytes = std::int64_t{count} * member.size;
-  if (bytes > static_cast<std::int64_t>(rest.size())) return false;
-  if (member.kind == Member::Kind::text && !is_text(rest.first(static_cast<std::size_t>(bytes))))
-    return false;
-  return take(rest, bytes);
+  const Fit fit = rest.take(bytes);
+  if (fit != Fit::yes || member.kind != Member::Kind::text) return fit;
+  return is_text(elements.first(static_cast<std::size_t>(bytes))) ? Fit::yes : Fit::no;
+}
+
+Fit take_members(Rest& rest, std::span<const Member> members) {
+  for (const Member& member : members) {
+    if (const Fit fit = take_member(rest, member); fit != Fit::yes) return fit;
+  }
+  return Fit::yes;
 }
 
 }  // namespace
@@ -50,11 +69,16 @@ std::string_view check_bytes(std::int64_t fingerprint, std::span<const Member> m
                              std::span<const std::uint8_t> bytes) {
   if (bytes.size() < 8) return "bad_length";
   if (read_int64(bytes) != fingerprint) return "bad_fingerprint";
-  std::span<const std::uint8_t> rest = bytes.subspan(8);
-  for (const Member& member : members) {
-    if (!take_member(rest, member)) return "bad_length";
-  }
-  return rest.empty() ? "" : "bad_length";
+  Rest rest{bytes.subspan(8), static_cast<std::int64_t>(bytes.size()) - 8};
+  return take_members(rest, members) == Fit::yes && rest.bytes == 0 ? "" : "bad_length";
+}
+
+bool may_begin(std::int64_t fingerprint, std::span<const Member> members,
+               std::span<const std::uint8_t> beginning, std::int64_t bytes) {
+  if (beginning.size() < 8 || read_int64(beginning) != fingerprint) return false;
+  Rest rest{beginning.subspan(8), bytes - 8};
+  const Fit fit = take_members(rest, members);
+  return fit == Fit::cut_off || (fit == Fit::yes && rest.bytes == 0);
 }
 
 std::int32_t read_int32(std::span<const std::uint8_t> bytes) {

@@ -38,6 +38,11 @@ constexpr Member list(const std::array<Member, size>& of, std::int32_t most) {
 std::string_view check_bytes(std::int64_t fingerprint, std::span<const Member> members,
                              std::span<const std::uint8_t> bytes);
 
+/// Whether these can be the first bytes of a message of so many: its fingerprint is there, and counts and
+/// lengths agree as far as they are. A message that is all there must be one that `check_bytes` finds safe.
+bool may_begin(std::int64_t fingerprint, std::span<const Member> members,
+               std::span<const std::uint8_t> beginning, std::int64_t bytes);
+
 /// Big-endian integers, as in LCM messages and logs. There must be enough bytes.
 std::int32_t read_int32(std::span<const std::uint8_t> bytes);
 std::int64_t read_int64(std::span<const std::uint8_t> bytes);

@@ -1,7 +1,5 @@
 #include "server/wire/checked_file.hpp"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -20,16 +18,9 @@ struct Header {
   std::uint32_t version = 0;
   std::uint32_t zero = 0;
   std::uint64_t content_bytes = 0;
-  std::array<std::uint8_t, 32> sha256 = {};
+  Digest sha256 = {};
 };
 static_assert(sizeof(Header) == 64 && std::endian::native == std::endian::little);
-
-std::array<std::uint8_t, 32> sha256(std::span<const std::uint8_t> bytes) {
-  std::array<std::uint8_t, 32> digest{};
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(), nullptr) != 1)
-    throw std::runtime_error("OpenSSL has no SHA-256");
-  return digest;
-}
 
 std::array<char, 16> padded(std::string_view kind) {
   std::array<char, 16> padded{};
@@ -50,8 +41,8 @@ std::string_view as_text(const void* bytes, std::size_t size) {
 
 }  // namespace
 
-void write_checked_file(const std::string& path, const FileForm& form,
-                        std::span<const std::uint8_t> content) {
+Digest write_checked_file(const std::string& path, const FileForm& form,
+                          std::span<const std::uint8_t> content) {
   Header header;
   header.kind = padded(form.kind);
   header.version = form.version;
@@ -61,9 +52,10 @@ void write_checked_file(const std::string& path, const FileForm& form,
   file.write(as_text(&header, sizeof header));
   file.write(as_text(content.data(), content.size()));
   file.commit();
+  return header.sha256;
 }
 
-std::vector<std::uint8_t> read_checked_file(const std::string& path, const FileForm& form) {
+CheckedContent read_checked_file(const std::string& path, const FileForm& form) {
   FileBytes file(path);
   const Header header = read_header(file);
   const auto fail = [&](const std::string& why) { throw std::runtime_error(path + ": " + why); };
@@ -76,7 +68,7 @@ std::vector<std::uint8_t> read_checked_file(const std::string& path, const FileF
   if (header.content_bytes != size || header.zero != 0) fail("is damaged: its size is not what it says");
   const auto bytes = file.at(sizeof header, static_cast<std::int64_t>(size));
   if (bytes.size() != size || sha256(bytes) != header.sha256) fail("is damaged: its checksum is another");
-  return {bytes.begin(), bytes.end()};
+  return {{bytes.begin(), bytes.end()}, header.sha256};
 }
 
 bool is_of_kind(const std::string& path, const FileForm& form) {

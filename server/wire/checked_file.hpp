@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "server/wire/digest.hpp"
+
 namespace isthmus {
 
 /// A file of this program's own: its kind, the version of its form, and a SHA-256 of what it holds.
@@ -14,12 +16,20 @@ struct FileForm {
   std::uint32_t version = 1;
 };
 
-/// Writes it complete or not at all. Throws std::runtime_error naming the file and the reason.
-void write_checked_file(const std::string& path, const FileForm& form, std::span<const std::uint8_t> content);
+/// Writes it complete or not at all. Returns the SHA-256 of the content. Throws std::runtime_error naming the
+/// file and the reason.
+Digest write_checked_file(const std::string& path, const FileForm& form,
+                          std::span<const std::uint8_t> content);
 
-/// What it holds. Throws std::runtime_error naming the file and the reason: it cannot be read, is of another
+/// What such a file holds, and the SHA-256 of that.
+struct CheckedContent {
+  std::vector<std::uint8_t> bytes;
+  Digest sha256{};
+};
+
+/// Throws std::runtime_error naming the file and the reason: it cannot be read, is of another
 /// kind or version, or is damaged.
-std::vector<std::uint8_t> read_checked_file(const std::string& path, const FileForm& form);
+CheckedContent read_checked_file(const std::string& path, const FileForm& form);
 
 /// Whether a file begins as one of that kind.
 bool is_of_kind(const std::string& path, const FileForm& form);

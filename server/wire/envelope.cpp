@@ -1,15 +1,12 @@
 #include "server/wire/envelope.hpp"
 
-#include <openssl/crypto.h>
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <array>
-#include <memory>
-#include <new>
+#include <string_view>
 
 #include "isthmus/signed_t.hpp"
 #include "server/wire/byte_check.hpp"
+#include "server/wire/digest.hpp"
 #include "server/wire/encoded.hpp"
 
 namespace isthmus {
@@ -19,40 +16,6 @@ constexpr std::size_t mac_bytes = 32;
 constexpr std::int32_t most_payload_bytes = 1024 * 1024;
 constexpr std::array members = {text(64), text(64), fixed(8), array(1, most_payload_bytes),
                                 fixed(static_cast<std::int32_t>(mac_bytes))};
-
-using Mac = std::array<std::uint8_t, mac_bytes>;
-
-template <auto function>
-struct Release {
-  template <class T>
-  void operator()(T* object) const {
-    function(object);
-  }
-};
-
-/// Looking up an algorithm takes longer than the sum itself: once a thread.
-EVP_MAC_CTX* hmac_sha256() {
-  thread_local const std::unique_ptr<EVP_MAC, Release<EVP_MAC_free>> hmac(
-      EVP_MAC_fetch(nullptr, "HMAC", nullptr));
-  thread_local const std::unique_ptr<EVP_MAC_CTX, Release<EVP_MAC_CTX_free>> context(
-      EVP_MAC_CTX_new(hmac.get()));
-  if (!context) throw std::bad_alloc();
-  return context.get();
-}
-
-Mac mac_of(const AuthKey& key, std::span<const std::uint8_t> bytes) {
-  char digest[] = "SHA256";
-  const std::array parameters = {OSSL_PARAM_construct_utf8_string("digest", digest, 0),
-                                 OSSL_PARAM_construct_end()};
-  EVP_MAC_CTX* context = hmac_sha256();
-  Mac mac{};
-  std::size_t size = 0;
-  const bool done = EVP_MAC_init(context, key.data(), key.size(), parameters.data()) == 1 &&
-                    EVP_MAC_update(context, bytes.data(), bytes.size()) == 1 &&
-                    EVP_MAC_final(context, mac.data(), &size, mac.size()) == 1;
-  if (!done || size != mac.size()) throw std::bad_alloc();  // OpenSSL has no other reason here
-  return mac;
-}
 
 }  // namespace
 
@@ -65,7 +28,7 @@ Message seal(const AuthKey& key, const std::string& sender, std::int64_t counter
   envelope.payload = message.bytes;
   Message sealed{message.utime, signed_channel, encoded(envelope)};
   const std::size_t signed_bytes = sealed.bytes.size() - mac_bytes;
-  const Mac mac = mac_of(key, std::span(sealed.bytes).first(signed_bytes));
+  const Digest mac = hmac_sha256(key, std::span(sealed.bytes).first(signed_bytes));
   std::copy(mac.begin(), mac.end(), sealed.bytes.begin() + static_cast<std::ptrdiff_t>(signed_bytes));
   return sealed;
 }
@@ -83,11 +46,20 @@ std::string read_envelope(std::span<const std::uint8_t> bytes, Envelope& envelop
   return "";
 }
 
+std::string key_fingerprint(const AuthKey& key) {
+  constexpr std::string_view label = "isthmus key fingerprint";  // no envelope: those begin with their type
+  const Digest mac = hmac_sha256(key, {reinterpret_cast<const std::uint8_t*>(label.data()), label.size()});
+  std::string digits;
+  for (const std::uint8_t byte : std::span(mac).first(6)) {
+    digits += "0123456789abcdef"[byte >> 4];
+    digits += "0123456789abcdef"[byte & 15];
+  }
+  return digits;
+}
+
 bool is_genuine(const AuthKey& key, std::span<const std::uint8_t> bytes) {
   const std::size_t signed_bytes = bytes.size() - mac_bytes;
-  const Mac mac = mac_of(key, bytes.first(signed_bytes));
-  // In a time that tells nothing of where they differ.
-  return CRYPTO_memcmp(mac.data(), bytes.subspan(signed_bytes).data(), mac_bytes) == 0;
+  return begins_with(hmac_sha256(key, bytes.first(signed_bytes)), bytes.subspan(signed_bytes));
 }
 
 }  // namespace isthmus

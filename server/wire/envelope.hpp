@@ -33,4 +33,7 @@ std::string read_envelope(std::span<const std::uint8_t> bytes, Envelope& envelop
 /// must be an envelope's.
 bool is_genuine(const AuthKey& key, std::span<const std::uint8_t> bytes);
 
+/// Tells one key from another, 12 characters, without telling the key.
+std::string key_fingerprint(const AuthKey& key);
+
 }  // namespace isthmus

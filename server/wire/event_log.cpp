@@ -9,151 +9,157 @@
 #include <numeric>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "server/wire/drop_record.hpp"
 #include "server/wire/file_bytes.hpp"
+#include "server/wire/log_file.hpp"
 #include "server/wire/log_frame.hpp"
+#include "server/wire/segment_reader.hpp"
 
 namespace isthmus {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The file itself, or the segments of a journal directory in order of name.
-std::vector<std::string> log_files(const std::string& path) {
-  std::error_code error;
-  if (!fs::is_directory(path, error)) return {path};
-  std::vector<std::string> files;
-  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->path().extension() == ".lcm") files.push_back(entry->path().string());
-  }
-  if (error) throw std::runtime_error(path + ": " + error.message());
-  if (files.empty()) throw std::runtime_error(path + ": no journal (no *.lcm in this directory)");
-  std::sort(files.begin(), files.end());
-  return files;
+bool is_segment(const std::string& path) {
+  FileBytes file(path);
+  return read_segment_header(file).has_value();
 }
 
-/// One file of a log: finds the next intact event from an offset on.
-class LogFileReader {
- public:
-  explicit LogFileReader(const std::string& path) : file_(path) {}
+/// What readers take instead of an event that is set aside.
+Message in_place_of(const Message& message, const SetAside& event) {
+  Message record = encode_drops(message.utime, {{event.robot, {{"set_aside", {1, {}}}}}});
+  record.received = message.received;
+  record.sequence = message.sequence;
+  return record;
+}
 
-  const std::string& path() const { return file_.path(); }
-  std::int64_t size() const { return file_.size(); }
-  std::int64_t position() const { return position_; }
-  std::int64_t skipped() const { return skipped_; }
-
-  /// Whether it begins as a log does, or is empty.
-  bool begins_as_log() {
-    const auto start = file_.at(0, 4);
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      if (start[i] != static_cast<std::uint8_t>(log_sync_word >> (24 - 8 * i))) return false;
-    }
-    return true;
-  }
-
-  /// Moves to the next intact event, counting what is passed over; nothing at the end of the file.
-  std::optional<LogHeader> find() {
-    while (position_ < size()) {
-      const std::optional<LogHeader> header = header_at(position_);
-      if (header && is_intact(*header)) return header;
-      const std::int64_t next = file_.find_word(log_sync_word, position_ + 1, size());
-      skipped_ += next - position_;
-      position_ = next;
-    }
-    return std::nullopt;
-  }
-
-  /// On to what follows the event found.
-  void pass(const LogHeader& header) { position_ += header.frame_bytes(); }
-
-  /// The event found, and on to what follows it.
-  Message take(const LogHeader& header) {
-    const auto frame = file_.at(position_, header.frame_bytes());
-    if (static_cast<std::int64_t>(frame.size()) != header.frame_bytes()) {
-      throw std::runtime_error(path() + ": became shorter while it was read");
-    }
-    const auto channel = frame.subspan(log_header_bytes, static_cast<std::size_t>(header.channel_bytes));
-    const auto data = frame.subspan(log_header_bytes + channel.size());
-    pass(header);
-    return {header.utime, {channel.begin(), channel.end()}, {data.begin(), data.end()}};
-  }
-
- private:
-  std::optional<LogHeader> header_at(std::int64_t offset) {
-    return parse_log_header(file_.at(offset, static_cast<std::int64_t>(log_header_bytes)));
-  }
-
-  /// Whether the event at the position can be taken at its word. A frame that ends at its successor or at the
-  /// end of the file can. Otherwise either its own lengths are damaged, or only what follows it: they are its
-  /// own if another event begins inside it. Where the successor's number does not follow on, the frame may
-  /// have swallowed an event; then the event inside must bear the number that does.
-  bool is_intact(const LogHeader& header) {
-    const std::int64_t end = position_ + header.frame_bytes();
-    if (end > size()) return false;
-    const std::optional<LogHeader> next = header_at(end);
-    if (next && next->number == header.number + 1) return true;
-    const bool ends_well = end == size() || next;
-    for (std::int64_t inner = position_ + 1;; ++inner) {
-      inner = file_.find_word(log_sync_word, inner, end);
-      if (inner == end) return true;
-      const std::optional<LogHeader> inside = header_at(inner);
-      if (inside && (!ends_well || inside->number == header.number + 1)) return false;
-    }
-  }
-
-  FileBytes file_;
-  std::int64_t position_ = 0;
-  std::int64_t skipped_ = 0;
-};
+constexpr const char* not_verified =
+    ": it holds a header of a journal's segment that is damaged, or was recorded anew: nothing can be "
+    "verified";
 
 }  // namespace
 
 struct EventLogReader::State {
   std::vector<std::string> files;
+  bool verified = false;  ///< they are segments
   std::vector<std::int64_t> sizes;
-  std::size_t current = 0;
-  std::optional<LogFileReader> file;
-  std::optional<LogHeader> found;  ///< the next event, at the file's position
-  std::int64_t skipped_before = 0;
+  std::size_t opened = 0;  ///< of the files; the last of them is read
+  std::variant<std::monostate, LogFile, SegmentReader> current;
+  std::optional<JournalPlace> place;  ///< of what was read before; none: unknown
   std::int64_t number = -1;
-  std::int64_t offset = 0;
-  std::string event_file;
+  std::int64_t skipped_bytes = 0;
+  std::int64_t missing_events = 0;
+  std::vector<std::string> warnings;
+  LogDamage more;  ///< of a file whose first damage was told
+  std::int64_t more_places = 0;
+  SetAsideEvents set_aside;
 
-  /// Whether any of the files begins as a log does, or is empty.
-  bool open(std::vector<std::string> names) {
-    files = std::move(names);
-    if (files.empty()) return true;
-    bool begins_as_log = false;
-    for (const std::string& name : files) {
-      LogFileReader opened(name);
-      sizes.push_back(opened.size());
-      begins_as_log = begins_as_log || opened.begins_as_log();
-    }
-    event_file = files.front();
-    file.emplace(files.front());
-    find();
-    return begins_as_log;
+  /// Calls `what` with the present file; `otherwise` where there is none.
+  template <class Result, class What>
+  Result with_file(Result otherwise, const What& what) const {
+    if (const auto* log = std::get_if<LogFile>(&current)) return what(*log);
+    if (const auto* segment = std::get_if<SegmentReader>(&current)) return what(*segment);
+    return otherwise;
   }
 
-  /// Finds the next intact event, in this file or those that follow.
-  void find() {
-    while (!(found = file->find()) && current + 1 < files.size()) {
-      skipped_before += file->skipped();
-      file.emplace(files[++current]);
+  void measure() {
+    for (const std::string& file : files) sizes.push_back(FileBytes(file).size());
+  }
+
+  std::optional<Message> next() {
+    while (true) {
+      std::optional<Message> message;
+      if (auto* log = std::get_if<LogFile>(&current)) {
+        message = log->next();
+        note(log->take_damage());
+      } else if (auto* segment = std::get_if<SegmentReader>(&current)) {
+        message = segment->next();
+        note(segment->take_damage());
+      }
+      if (message) return message;
+      if (opened == files.size()) {
+        tell_more();
+        return std::nullopt;
+      }
+      open_next();
     }
+  }
+
+  void open_next() {
+    const std::string& path = files[opened++];
+    if (!verified) {
+      current.emplace<LogFile>(path);
+      return;
+    }
+    if (const auto* before = std::get_if<SegmentReader>(&current)) place = before->place();
+    SegmentReader& segment = current.emplace<SegmentReader>(path);
+    if (!place) return;
+    const std::int64_t missing = segment.header().first_sequence - place->next_sequence;
+    if (missing > 0) note({{path, 0, 0, missing}});
+    segment.expect(std::max(segment.header().first_sequence, place->next_sequence));
+  }
+
+  /// The first damage of a file is told at once, all others of that file in one line at its end.
+  void note(const std::vector<LogDamage>& damage) {
+    for (const LogDamage& one : damage) {
+      skipped_bytes += one.bytes;
+      missing_events += one.missing;
+      if (one.file == more.file) {
+        more.bytes += one.bytes;
+        more.missing += one.missing;
+        more_places += 1;
+        continue;
+      }
+      tell_more();
+      more = {one.file, 0, 0, 0};
+      warnings.push_back(text_of(one));
+    }
+  }
+
+  void tell_more() {
+    if (more_places > 0) warnings.push_back(text_of_more(more, more_places));
+    more_places = 0;
+    more = {};
   }
 };
 
 EventLogReader::EventLogReader(const std::string& path) : state_(std::make_unique<State>()) {
-  const bool begins_as_log = state_->open(log_files(path));
-  if (!state_->found && !begins_as_log) {
-    throw std::runtime_error(path + ": not an LCM event log (no event found in it)");
+  State& state = *state_;
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    const JournalView journal = view_journal(path);
+    if (journal.segments.empty() && journal.unbegun.empty())
+      throw std::runtime_error(path + ": no journal (no *.lcm in this directory)");
+    *this = EventLogReader(journal, {});
+    return;
   }
+  state.files = {path};
+  state.verified = is_segment(path);
+  state.measure();
+  state.open_next();
+  auto* log = std::get_if<LogFile>(&state.current);
+  if (log == nullptr) return;
+  if (!log->has_next() && !log->begins_as_log())
+    throw std::runtime_error(path + ": not an LCM event log (no event found in it)");
+  if (const auto first = LogFile(path).next(); first && first->channel == journal_channel)
+    state.warnings.push_back(path + not_verified);
 }
 
-EventLogReader::EventLogReader(std::vector<std::string> files) : state_(std::make_unique<State>()) {
-  state_->open(std::move(files));
+EventLogReader::EventLogReader(const JournalView& journal, const JournalPlace& from, int last)
+    : state_(std::make_unique<State>()) {
+  State& state = *state_;
+  for (const JournalSegment& segment : journal.segments) {
+    if (segment.number > from.segment && segment.number <= last) state.files.push_back(segment.path);
+  }
+  state.verified = journal.verified;
+  state.place = from;
+  state.warnings = journal.warnings;
+  state.set_aside = journal.set_aside;
+  state.measure();
+  if (!state.files.empty()) state.open_next();
 }
 
 EventLogReader::~EventLogReader() = default;
@@ -161,40 +167,39 @@ EventLogReader::EventLogReader(EventLogReader&&) noexcept = default;
 EventLogReader& EventLogReader::operator=(EventLogReader&&) noexcept = default;
 
 std::optional<Message> EventLogReader::next() {
-  State& state = *state_;
-  if (!state.found) return std::nullopt;
-  state.number += 1;
-  state.offset = state.file->position();
-  state.event_file = state.file->path();
-  Message message = state.file->take(*state.found);
-  state.find();
+  std::optional<Message> message = state_->next();
+  if (!message) return message;
+  state_->number += 1;
+  if (const auto found = state_->set_aside.find(message->sequence); found != state_->set_aside.end())
+    return in_place_of(*message, found->second);
   return message;
 }
 
-std::string EventLogReader::file() const { return state_->event_file; }
+std::string EventLogReader::file() const {
+  return state_->with_file(std::string(), [](const auto& file) { return file.path(); });
+}
 std::int64_t EventLogReader::event_number() const { return state_->number; }
-std::int64_t EventLogReader::offset() const { return state_->offset; }
-std::int64_t EventLogReader::skipped_bytes() const {
-  return state_->skipped_before + (state_->file ? state_->file->skipped() : 0);
+std::int64_t EventLogReader::offset() const {
+  return state_->with_file(std::int64_t{0}, [](const auto& file) { return file.offset(); });
+}
+std::int64_t EventLogReader::skipped_bytes() const { return state_->skipped_bytes; }
+std::int64_t EventLogReader::missing_events() const { return state_->missing_events; }
+std::vector<std::string> EventLogReader::take_warnings() { return std::exchange(state_->warnings, {}); }
+
+JournalPlace EventLogReader::place() const {
+  if (const auto* segment = std::get_if<SegmentReader>(&state_->current)) return segment->place();
+  return state_->place.value_or(JournalPlace());
 }
 
 double EventLogReader::progress() const {
-  if (!state_->file) return 1;
   const auto& sizes = state_->sizes;
   const std::int64_t all = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
-  const auto current = sizes.begin() + static_cast<std::ptrdiff_t>(state_->current);
-  const std::int64_t done = std::accumulate(sizes.begin(), current, state_->file->position());
-  return all > 0 ? std::min(1.0, static_cast<double>(done) / static_cast<double>(all)) : 1.0;
-}
-
-LogEnd find_log_end(const std::string& name) {
-  LogFileReader file(name);
-  std::int64_t end = 0;
-  while (const std::optional<LogHeader> header = file.find()) {
-    file.pass(*header);
-    end = file.position();
-  }
-  return {end, file.size() - end};
+  if (state_->opened == 0 || all == 0) return 1;
+  const auto current = sizes.begin() + static_cast<std::ptrdiff_t>(state_->opened) - 1;
+  const std::int64_t position =
+      state_->with_file(std::int64_t{0}, [](const auto& file) { return file.position(); });
+  const std::int64_t done = std::accumulate(sizes.begin(), current, position);
+  return std::min(1.0, static_cast<double>(done) / static_cast<double>(all));
 }
 
 struct EventLogWriter::State {

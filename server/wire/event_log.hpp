@@ -1,24 +1,29 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "server/wire/journal_view.hpp"
 #include "server/wire/message.hpp"
 
 namespace isthmus {
 
-/// Reads an LCM event log, with caps on lengths and resynchronisation after damage. A directory is a journal:
-/// its segments `*.lcm` in order of name are read as one log.
+/// Reads an LCM event log: an ordinary one (LogFile), a segment of a journal, or a journal's directory, whose
+/// segments are read as one log. What a journal holds is verified (SegmentReader, view_journal), for the
+/// server and all tools alike; in place of an event that is set aside comes a record that it was dropped. One
+/// that was written before journals had checks is read like ordinary logs.
 class EventLogReader {
  public:
-  /// Throws std::runtime_error naming the file and the reason where it cannot be opened or is no LCM log.
+  /// Throws std::runtime_error naming the file and the reason where it cannot be opened, is no LCM log, or is
+  /// a journal whose segments do not belong together.
   explicit EventLogReader(const std::string& path);
-  /// Files read as one log; none: there is nothing to read.
-  explicit EventLogReader(std::vector<std::string> files);
+  /// A journal's segments after a place, up to the one with number `last`.
+  EventLogReader(const JournalView& journal, const JournalPlace& from,
+                 int last = std::numeric_limits<int>::max());
   ~EventLogReader();
   EventLogReader(EventLogReader&&) noexcept;
   EventLogReader& operator=(EventLogReader&&) noexcept;
@@ -26,25 +31,22 @@ class EventLogReader {
   /// The next intact event; nothing at the end.
   std::optional<Message> next();
 
-  std::string file() const;            ///< the file being read
-  std::int64_t event_number() const;   ///< of the last event returned, counted from 0
-  std::int64_t offset() const;         ///< of the last event returned, in its file
-  std::int64_t skipped_bytes() const;  ///< damaged bytes passed over so far, torn tail included
-  double progress() const;             ///< share of all bytes read, 0 to 1
+  std::string file() const;           ///< the file being read
+  std::int64_t event_number() const;  ///< of the last event returned, counted from 0
+  std::int64_t offset() const;        ///< of the last event returned, in its file
+  double progress() const;            ///< share of all bytes read, 0 to 1
+  JournalPlace place() const;         ///< how far a journal was read
+
+  std::int64_t skipped_bytes() const;   ///< damaged bytes passed over so far, torn tail included
+  std::int64_t missing_events() const;  ///< that a journal is known to lack, so far
+  /// What is to be said of the log since the last call: of each damaged file the first place, and at its end
+  /// the number of others.
+  std::vector<std::string> take_warnings();
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// Where the last intact event of a log file ends, and what follows it.
-struct LogEnd {
-  std::int64_t bytes = 0;
-  std::int64_t torn_bytes = 0;
-};
-
-/// Throws std::runtime_error naming the file and the reason where it cannot be read.
-LogEnd find_log_end(const std::string& file);
 
 /// Writes an LCM event log. `finish` renames the temporary file to its name; without it nothing is left
 /// there.

@@ -31,8 +31,9 @@ void FileHandle::close() {
   descriptor_ = -1;
 }
 
+// O_NONBLOCK: opening a FIFO would wait for a writer.
 FileBytes::FileBytes(std::string path)
-    : path_(std::move(path)), file_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+    : path_(std::move(path)), file_(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {
   struct stat status {};
   if (!file_.is_open() || ::fstat(file_.get(), &status) != 0) {
     throw std::runtime_error(path_ + ": " + errno_text(errno));
@@ -42,7 +43,8 @@ FileBytes::FileBytes(std::string path)
 }
 
 std::span<const std::uint8_t> FileBytes::at(std::int64_t offset, std::int64_t count) {
-  count = std::clamp<std::int64_t>(size_ - offset, 0, count);
+  if (offset >= size_) return {};
+  count = std::min(count, size_ - offset);
   const std::int64_t window_end = window_offset_ + static_cast<std::int64_t>(window_.size());
   if (offset < window_offset_ || offset + count > window_end) load(offset, count);
   const std::int64_t loaded = window_offset_ + static_cast<std::int64_t>(window_.size()) - offset;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/wire/spool.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -13,20 +15,47 @@ Message copy_of(std::int64_t utime, const std::string& channel, std::span<const 
 
 }  // namespace
 
+void Inbox::keep_in(std::shared_ptr<Spool> spool) {
+  const std::lock_guard lock(mutex_);
+  spool_ = std::move(spool);
+}
+
 void Inbox::push(const std::string& sender, bool is_scan, std::int64_t utime, const std::string& channel,
                  std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature) {
+  if (clock_) utime = clock_();
+  std::unique_lock lock(mutex_);
+  if (!is_welcome(queue_name(sender), bytes.size())) return;
+  Message message = copy_of(utime, channel, bytes, signature);
+  if (const std::shared_ptr<Spool> spool = spool_) {
+    const bool known = sender.empty() || reserved_.contains(sender);
+    lock.unlock();  // the engine need not wait for the disk
+    spool->append(message, known);
+    lock.lock();
+    if (closed_) return;  // in the spool, for the next start
+  }
+  push_locked(queue_name(sender), is_scan, std::move(message));
+}
+
+void Inbox::put_back(const std::string& sender, bool is_scan, Message message) {
   const std::lock_guard lock(mutex_);
-  if (closed_) return;
-  const std::string& queue = queue_name(sender);
-  if (bytes.size() > limits_.message_bytes) {
-    drops_[queue]["bad_length"] += 1;
-    return;
+  push_locked(queue_name(sender), is_scan, std::move(message));
+}
+
+/// False: it will not be taken, which has been counted.
+bool Inbox::is_welcome(const std::string& queue, std::size_t bytes) {
+  if (closed_) return false;
+  if (bytes > limits_.message_bytes) drops_[queue]["bad_length"].count += 1;
+  return bytes <= limits_.message_bytes;
+}
+
+void Inbox::push_locked(const std::string& queue, bool is_scan, Message message) {
+  while (!has_room(queue, message.bytes.size())) {
+    const std::int64_t number = remove_oldest(senders_[queue]);
+    Dropped& dropped = drops_[queue]["queue_full"];
+    dropped.count += 1;
+    if (number >= 0) dropped.received.push_back(number);
   }
-  while (!has_room(queue, bytes.size())) {
-    remove_oldest(senders_[queue]);
-    drops_[queue]["queue_full"] += 1;
-  }
-  add(queue, is_scan, copy_of(utime, channel, bytes, signature));
+  add(queue, is_scan, std::move(message));
 }
 
 bool Inbox::push_waiting(const std::string& sender, bool is_scan, std::int64_t utime,
@@ -34,10 +63,7 @@ bool Inbox::push_waiting(const std::string& sender, bool is_scan, std::int64_t u
                          const std::optional<Signature>& signature) {
   std::unique_lock lock(mutex_);
   const std::string& queue = queue_name(sender);
-  if (bytes.size() > limits_.message_bytes) {
-    drops_[queue]["bad_length"] += 1;
-    return !closed_;
-  }
+  if (!is_welcome(queue, bytes.size())) return !closed_;
   changed_.wait(lock, [&] { return closed_ || has_room(queue, bytes.size()); });
   if (closed_) return false;
   add(queue, is_scan, copy_of(utime, channel, bytes, signature));
@@ -49,9 +75,26 @@ void Inbox::reserve(const std::string& sender) {
   reserved_.insert(sender);
 }
 
+void Inbox::introduce(const std::string& robot) {
+  const std::lock_guard lock(mutex_);
+  if (reserved_.size() < limits_.robots) reserved_.insert(robot);
+}
+
+void Inbox::refuse_strangers() {
+  const std::lock_guard lock(mutex_);
+  refuses_strangers_ = true;
+}
+
+bool Inbox::is_stranger(const std::string& robot) const {
+  const std::lock_guard lock(mutex_);
+  return refuses_strangers_ && !reserved_.contains(robot);
+}
+
 void Inbox::count_drop(const std::string& sender, const std::string& reason) {
   const std::lock_guard lock(mutex_);
-  drops_[queue_name(sender)][reason] += 1;
+  // Anybody can make up names: not more of them than queues between one take_drops and the next.
+  const bool named = drops_.contains(sender) || drops_.size() < limits_.senders + reserved_.size();
+  drops_[named ? queue_name(sender) : "(others)"][reason].count += 1;
 }
 
 void Inbox::close() {
@@ -79,7 +122,7 @@ std::optional<Message> Inbox::pop(std::chrono::milliseconds wait) {
   return std::move(entry.message);
 }
 
-std::map<std::string, std::map<std::string, std::int64_t>> Inbox::take_drops() {
+Drops Inbox::take_drops() {
   const std::lock_guard lock(mutex_);
   return std::exchange(drops_, {});
 }
@@ -133,13 +176,16 @@ void Inbox::add(const std::string& sender, bool is_scan, Message message) {
   changed_.notify_all();
 }
 
-void Inbox::remove_oldest(Sender& sender) {
+/// Its number in the spool; −1: it is not there.
+std::int64_t Inbox::remove_oldest(Sender& sender) {
   std::deque<std::uint64_t>& keys = sender.scans.empty() ? sender.others : sender.scans;
   const auto entry = entries_.find(keys.front());
   keys.pop_front();
   sender.bytes -= entry->second.message.bytes.size();
   all_bytes_ -= entry->second.message.bytes.size();
+  const std::int64_t number = entry->second.message.received;
   entries_.erase(entry);
+  return number;
 }
 
 }  // namespace isthmus

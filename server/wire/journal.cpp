@@ -2,18 +2,21 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include "server/wire/event_log.hpp"
+#include "server/wire/journal_entry.hpp"
+#include "server/wire/journal_files.hpp"
 #include "server/wire/log_frame.hpp"
 
 namespace isthmus {
 namespace {
 
-/// What is written with a message's bytes: headers, channels and a counter.
-constexpr std::int64_t frame_overhead_bytes = 256;
 /// Events that are written at once of those that waited: with each new one more go than come, and a disk that
 /// comes back does not hold up the robots.
 constexpr std::size_t events_at_once = 64;
@@ -29,7 +32,7 @@ Journal::Journal(std::string directory, JournalOptions options)
     : directory_(std::move(directory)),
       options_(std::move(options)),
       torn_bytes_(directory_.cut_torn_tail()),
-      segment_(directory_.last_segment()) {
+      place_(directory_.place()) {
   if (const int error = open_segment())
     throw std::runtime_error(directory_.path() + ": " + errno_text(error));
   syncer_ = std::jthread([this](const std::stop_token& stop) { sync_loop(stop); });
@@ -41,18 +44,17 @@ Journal::~Journal() {
     syncer_.join();
   }
   finish();
-  sync_closed();
-  if (file_.is_open()) options_.disk.sync(file_.get());
-  directory_.sync();
+  // A segment without an event has no header, and is not missed.
+  if (segment_size_ == 0 && !is_gone()) directory_.remove_segment(header_.segment);
 }
 
 SignatureCounters Journal::count_signatures() {
   SignatureCounters counters;
-  const std::vector<std::string>& segments = directory_.segments();
+  const std::vector<JournalSegment>& segments = directory_.found().segments;
   // Backwards: what comes before a segment that begins with all counters need not be read.
   for (auto segment = segments.rbegin(); segment != segments.rend(); ++segment) {
     bool all_known = false;
-    EventLogReader reader(*segment);
+    EventLogReader reader(segment->path);
     while (const std::optional<Message> message = reader.next()) {
       bool complete = false;
       if (raise_counters(*message, counters, complete) && complete) all_known = true;
@@ -88,10 +90,16 @@ bool Journal::keep_waiting(const Message& message) {
   return true;
 }
 
-void Journal::write_waiting() { write_oldest(events_at_once); }
+void Journal::write_waiting() {
+  if (const int error = bring_back()) last_error_ = error;
+  write_oldest(events_at_once);
+}
 
 std::size_t Journal::finish() {
+  if (file_.is_open() && is_gone()) gone_ = true;
+  if (const int error = bring_back()) last_error_ = error;
   write_oldest(std::numeric_limits<std::size_t>::max());
+  sync();
   return waiting_.size();
 }
 
@@ -104,72 +112,136 @@ void Journal::write_oldest(std::size_t most) {
   if (waiting_.empty() && last_error_ == 0) note_state(State::taking);
 }
 
-/// Returns 0 or errno.
-int Journal::write(const Message& message) {
-  const std::int64_t number = next_number_;
-  rotate_if_full(static_cast<std::int64_t>(message.bytes.size()));
-  put_together(message);
-  const int error = write_frame();
-  if (error) next_number_ = number;
-  return error;
+std::string Journal::why_incomplete() const {
+  if (gone_ && segment_size_ > 0)
+    return segment_path(directory_.path(), header_.segment) +
+           ": was deleted or replaced, and cannot be written again: " + errno_text(last_error_);
+  try {
+    const JournalView journal = view_journal(directory_.path());
+    require_beginning(journal);
+    const int last = journal.segments.empty() ? 0 : journal.segments.back().number;
+    if (last < place_.segment) return segment_path(directory_.path(), last + 1) + ": is missing";
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
 }
 
-/// The event in frame_, and before it what a restart must know of its signature: what a crash leaves of them
-/// must not be a message that would be taken again.
-void Journal::put_together(const Message& message) {
+/// Returns 0 or errno.
+int Journal::write(const Message& message) {
+  if (const int error = bring_back()) return error;
+  std::int64_t next_number = put_together(message);
+  const bool is_full =
+      segment_size_ > 0 && segment_size_ + static_cast<std::int64_t>(frame_.size()) > options_.segment_bytes;
+  if (is_full && rotate() == 0) next_number = put_together(message);
+  if (const int error = write_frame()) return error;
+  next_number_ = next_number;
+  place_.journal = header_.journal;
+  place_.segment = header_.segment;
+  place_.header = header_.check;
+  place_.next_sequence += 1;
+  place_.received = std::max(place_.received, message.received);
+  return 0;
+}
+
+/// The event with its entry in frame_, and between them what a restart must know of its signature: what a
+/// crash leaves of them must not be a message that would be taken again. Returns the number of the next LCM
+/// log event.
+std::int64_t Journal::put_together(const Message& message) {
+  std::int64_t number = next_number_;
   frame_.clear();
+  event_.clear();
+  if (segment_size_ == 0) {
+    header_.utime = message.utime;
+    append_segment_header(frame_, header_);
+    number = 2;
+  }
+  const std::int64_t entry_number = number++;
   if (counters_ && message.signature) {
     const Signature& signature = *message.signature;
     (*counters_)[{signature.sender, signature.channel}] = signature.counter;
   }
   if (counters_ && all_counters_due_) {
-    put(encode_counters(message.utime, *counters_, true));
+    append_log_frame(event_, number++, encode_counters(message.utime, *counters_, true));
   } else if (counters_ && message.signature) {
     const Signature& signature = *message.signature;
     const SignatureCounters one = {{{signature.sender, signature.channel}, signature.counter}};
-    put(encode_counters(message.utime, one, false));
+    append_log_frame(event_, number++, encode_counters(message.utime, one, false));
   }
-  put(message);
+  append_log_frame(event_, number++, message);
+  append_entry(frame_, entry_number, message.utime, header_.secret, {place_.next_sequence, message.received},
+               event_);
+  return number;
 }
 
-void Journal::put(const Message& message) { append_log_frame(frame_, next_number_++, message); }
-
-/// Where no segment can be begun the present one grows on: better a long segment than a lost event.
-void Journal::rotate_if_full(std::int64_t message_bytes) {
-  const bool is_full =
-      segment_size_ > 0 && segment_size_ + message_bytes + frame_overhead_bytes > options_.segment_bytes;
-  if (!is_full) return;
-  const int error = open_segment();
+/// Where no segment can be begun the present one grows on: better a long segment than a lost event. Returns 0
+/// or errno.
+int Journal::rotate() {
+  // What has lost its name when it is closed is lost.
+  gone_ = gone_ || is_gone();
+  int error = bring_back();
+  if (error == 0) error = open_segment();
   const bool could = std::exchange(rotates_, error == 0);
   if (could && error) report(errno_text(error) + " on beginning a new segment; the last one grows on");
+  return error;
 }
 
 /// Writes frame_ whole, or leaves the segment as it was. Returns 0 or errno.
 int Journal::write_frame() {
-  const auto size = static_cast<std::int64_t>(frame_.size());
+  if (torn_ && ::ftruncate(file_.get(), segment_size_) != 0) return errno;
+  torn_ = false;
   if (const int error = options_.disk.write(file_.get(), frame_)) {
-    // Where even this fails, readers resynchronise behind the torn event.
-    if (::ftruncate(file_.get(), segment_size_) != 0) segment_size_ = ::lseek(file_.get(), 0, SEEK_END);
+    torn_ = ::ftruncate(file_.get(), segment_size_) != 0;
     return error;
   }
-  segment_size_ += size;
-  total_bytes_ += size;
-  unsynced_ = true;
+  segment_size_ += static_cast<std::int64_t>(frame_.size());
+  total_bytes_ += static_cast<std::int64_t>(frame_.size());
+  written_ += 1;
   all_counters_due_ = false;
   return 0;
 }
 
 int Journal::open_segment() {
   FileHandle next;
-  if (const int error = directory_.create_segment(segment_ + 1, next)) return error;
+  SegmentHeader header = header_after(place_);
+  if (const int error = directory_.create_segment(header.segment, next)) return error;
   const std::lock_guard lock(file_mutex_);
   if (file_.is_open()) closed_.push_back(std::move(file_));
   file_ = std::move(next);
-  segment_ += 1;
+  header_ = header;
+  next_number_ = 0;
   segment_size_ = 0;
+  torn_ = false;
   segment_unsynced_ = true;
   all_counters_due_ = true;
   return 0;
+}
+
+/// Where the segment has lost its name it is written again, or, where another file has that name, the next
+/// one is begun. Returns 0 or errno.
+int Journal::bring_back() {
+  if (!gone_.exchange(false) || !is_gone()) return 0;
+  gone_ = true;
+  const std::string path = segment_path(directory_.path(), header_.segment);
+  std::unique_lock lock(file_mutex_);
+  int error = directory_.restore_segment(header_.segment, file_);
+  lock.unlock();
+  const bool is_taken = error == EEXIST;
+  if (is_taken && segment_size_ > 0) error = open_segment();
+  if (error) return error;
+  gone_ = false;
+  segment_unsynced_ = true;
+  failures_ += 1;
+  report(is_taken
+             ? path + " was replaced while it was written: its events are lost; the next segment is begun"
+             : path + " was deleted while it was written, and is written again");
+  if (const std::string lost = why_incomplete(); !lost.empty()) report("is not whole any more: " + lost);
+  return 0;
+}
+
+bool Journal::is_gone() {
+  const std::lock_guard lock(file_mutex_);
+  return !directory_.names(header_.segment, file_);
 }
 
 void Journal::note_state(State state) {
@@ -193,26 +265,39 @@ void Journal::sync_loop(const std::stop_token& stop) {
   std::mutex mutex;
   std::unique_lock waiting(mutex);
   while (!stopped_.wait_for(waiting, stop, options_.sync_interval, [&] { return stop.stop_requested(); })) {
-    // A segment that the directory does not name is lost with all that is in it.
-    if (segment_unsynced_.exchange(false)) directory_.sync();
-    if (!unsynced_.exchange(false)) continue;
-    sync_closed();
-    std::unique_lock lock(file_mutex_);
-    const FileHandle file(::dup(file_.get()));
-    lock.unlock();  // a slow disk must not hold up the appending thread
-    if (const int error = options_.disk.sync(file.get()))
-      report(errno_text(error) + " on writing to the disk");
+    if (!gone_ && is_gone()) {
+      gone_ = true;
+      report("the segment that is written was deleted or replaced");
+    }
+    sync();
   }
 }
 
-void Journal::sync_closed() {
+/// What was written so far is on the disk, with the names of the segments that hold it.
+void Journal::sync() {
+  const std::lock_guard syncing(sync_mutex_);
+  const std::int64_t written = written_;
+  if (written == synced_ && !segment_unsynced_) return;
   std::unique_lock lock(file_mutex_);
-  const std::vector<FileHandle> closed = std::exchange(closed_, {});
-  lock.unlock();
-  for (const FileHandle& file : closed) {
-    if (const int error = options_.disk.sync(file.get()))
-      report(errno_text(error) + " on writing to the disk");
+  std::vector<FileHandle> closed = std::exchange(closed_, {});
+  // A slow disk must not hold up the appending thread at its next segment; but it does rather than that
+  // nothing is synced, where the process has no descriptor left.
+  const FileHandle copy(::dup(file_.get()));
+  if (copy.is_open()) lock.unlock();
+  int error = 0;
+  if (segment_unsynced_.exchange(false)) {
+    error = directory_.sync();
+    segment_unsynced_ = error != 0;
   }
+  for (std::size_t i = 0; i < closed.size() && !error; ++i) error = options_.disk.sync(closed[i].get());
+  if (!error) error = options_.disk.sync(copy.is_open() ? copy.get() : file_.get());
+  if (!error) {
+    synced_ = written;
+    return;
+  }
+  report(errno_text(error) + " on writing to the disk; trying on");
+  if (!lock.owns_lock()) lock.lock();
+  std::move(closed.begin(), closed.end(), std::back_inserter(closed_));
 }
 
 }  // namespace isthmus

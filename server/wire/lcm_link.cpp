@@ -1,35 +1,23 @@
 #include "server/wire/lcm_link.hpp"
 
 #include <chrono>
-#include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <lcm/lcm-cpp.hpp>
+#include <set>
 #include <span>
 #include <stdexcept>
 
 #include "server/wire/channel.hpp"
 #include "server/wire/envelope.hpp"
 #include "server/wire/event_log.hpp"
+#include "server/wire/message.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr std::int64_t receive_buffer_bytes = 4 * 1024 * 1024;
+using namespace std::chrono_literals;
+
 constexpr int queue_messages = 4000;
-
-bool is_udp(const std::string& url) { return url.starts_with("udpm://"); }
-
-/// The value of an option of the URL; empty where it is not given.
-std::string url_option(const std::string& url, const std::string& key) {
-  const std::size_t query = url.find('?');
-  for (std::size_t at = query; at != std::string::npos; at = url.find('&', at + 1)) {
-    if (url.compare(at + 1, key.size() + 1, key + "=") != 0) continue;
-    const std::size_t from = at + key.size() + 2;
-    return url.substr(from, url.find('&', from) - from);
-  }
-  return "";
-}
 
 /// A channel's name as a regular expression that matches nothing else.
 std::string quoted(const std::string& channel) {
@@ -53,8 +41,13 @@ std::string input_expression(const Configuration& configuration) {
   return expression + ")";
 }
 
-std::string cannot_open(const std::string& url) {
-  std::string reason = "cannot open LCM network " + url;
+/// Inputs that only a robot that has introduced itself may send.
+bool has_owner(Input input) {
+  return input == Input::odometry || input == Input::scan || input == Input::sighting;
+}
+
+std::string cannot_open(const std::string& url, const std::string& why = "") {
+  std::string reason = "cannot open LCM network " + url + (why.empty() ? "" : ": " + why);
   if (is_udp(url)) {
     reason +=
         "\nIf this machine has no route for multicast, give it one:\n"
@@ -65,18 +58,42 @@ std::string cannot_open(const std::string& url) {
 
 }  // namespace
 
-/// Copies messages into the inbox; for a network, called by liblcm in the receiving thread.
+/// Copies messages into the inbox; for a network, called in the receiving thread.
 struct LcmHandler {
   Inbox& inbox;
   Configuration configuration;
   Authenticator authenticator;
+  Log log;
+  std::set<std::string> strangers_told = {};
 
+  /// For liblcm's subscription.
   void handle(const lcm::ReceiveBuffer* buffer, const std::string& name) noexcept {
+    take(buffer->recv_utime, name, {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size});
+  }
+
+  /// For the receiver of UDP.
+  LcmSink sink() {
+    return {[this](std::string_view channel) { return wants(std::string(channel)); },
+            [this](std::int64_t utime, std::string_view channel, std::span<const std::uint8_t> bytes) {
+              take(utime, std::string(channel), bytes);
+            },
+            [this](std::string_view channel, std::string_view reason) {
+              const std::optional<Channel> found = find_channel(configuration, std::string(channel));
+              inbox.count_drop(found ? found->robot : "", std::string(reason));
+            }};
+  }
+
+  bool wants(const std::string& name) const {
+    if (name == signed_channel) return true;
+    const std::optional<Channel> channel = find_channel(configuration, name);
+    return channel && channel->input != Input::configuration && channel->input != Input::tick;
+  }
+
+  void take(std::int64_t utime, const std::string& name, std::span<const std::uint8_t> bytes) noexcept {
     // Nothing may escape into liblcm, whose next handle() would abort.
     try {
-      const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
       if (name == signed_channel) {
-        if (const std::optional<Message> message = opened(buffer->recv_utime, bytes)) put(*message);
+        if (const std::optional<Message> message = opened(utime, bytes)) put(*message);
         return;
       }
       const std::optional<Channel> channel = find_channel(configuration, name);
@@ -84,7 +101,7 @@ struct LcmHandler {
       if (authenticator.is_required()) {
         inbox.count_drop(channel->robot, "unsigned");
       } else {
-        inbox.push(channel->robot, channel->input == Input::scan, buffer->recv_utime, name, bytes);
+        push(*channel, utime, name, bytes);
       }
     } catch (const std::exception& error) {
       std::cerr << "isthmus-server: a message was lost on receipt: " << error.what() << "\n";
@@ -94,8 +111,26 @@ struct LcmHandler {
   void put(const Message& message) {
     const std::optional<Channel> channel = find_channel(configuration, message.channel);
     if (!channel) return;
-    inbox.push(channel->robot, channel->input == Input::scan, message.utime, message.channel, message.bytes,
-               message.signature);
+    push(*channel, message.utime, message.channel, message.bytes, message.signature);
+  }
+
+  /// Strangers are refused here, where they have cost nothing yet. What comes right behind a robot's first
+  /// introduction is let in: it need not wait for the engine.
+  void push(const Channel& channel, std::int64_t utime, const std::string& name,
+            std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature = std::nullopt) {
+    if (has_owner(channel.input) && inbox.is_stranger(channel.robot)) return refuse_stranger(channel.robot);
+    const bool introduces = channel.input == Input::robot && inbox.is_stranger(channel.robot) &&
+                            decode(configuration, name, bytes, utime).event;
+    if (introduces) inbox.introduce(channel.robot);
+    inbox.push(channel.robot, channel.input == Input::scan, utime, name, bytes, signature);
+  }
+
+  void refuse_stranger(const std::string& robot) {
+    constexpr std::size_t most_told = 16;  // enough to see a robot that forgets to introduce itself
+    inbox.count_drop("(others)", "unknown_robot");
+    if (!log || strangers_told.size() >= most_told || !strangers_told.insert(robot).second) return;
+    log(LogLevel::warning, "messages of a robot that has not introduced itself are refused",
+        {{"robot", robot}});
   }
 
   /// False once the inbox is closed.
@@ -118,61 +153,35 @@ struct LcmHandler {
   }
 };
 
-std::string complete_lcm_url(const std::string& url) {
-  if (!is_udp(url) || !url_option(url, "recv_buf_size").empty()) return url;
-  return url + (url.find('?') == std::string::npos ? "?" : "&") +
-         "recv_buf_size=" + std::to_string(receive_buffer_bytes);
-}
-
-std::vector<std::string> lcm_url_warnings(const std::string& url, std::int64_t kernel_buffer_bytes) {
-  std::vector<std::string> warnings;
-  if (!is_udp(url)) return warnings;
-  if (const std::string ttl = url_option(url, "ttl"); !ttl.empty() && std::atoi(ttl.c_str()) != 0) {
-    warnings.push_back(
-        "ttl=" + ttl +
-        ": messages leave this machine, and come in from others. LCM trusts every sender; use a "
-        "network whose every member you trust, or give the robots keys ([auth] in the configuration).");
-  }
-  const std::int64_t asked = std::atoll(url_option(url, "recv_buf_size").c_str());
-  if (kernel_buffer_bytes > 0 && kernel_buffer_bytes < asked) {
-    warnings.push_back(
-        "the kernel clips the receive buffer to " + std::to_string(kernel_buffer_bytes) + " of " +
-        std::to_string(asked) +
-        " bytes, so bursts of scans may be lost: sysctl -w net.core.rmem_max=" + std::to_string(asked));
-  }
-  return warnings;
-}
-
-std::string log_file_of(const std::string& url) {
-  const std::string scheme = "file://";
-  return url.starts_with(scheme) ? url.substr(scheme.size(), url.find('?') - scheme.size()) : "";
-}
-
-std::int64_t kernel_receive_buffer_bytes() {
-  std::ifstream file("/proc/sys/net/core/rmem_max");
-  std::int64_t bytes = 0;
-  return file >> bytes ? bytes : 0;
-}
-
 LcmLink::LcmLink(const std::string& url, Log log) : log_(std::move(log)), log_file_(log_file_of(url)) {
   if (!log_file_.empty()) return;
   lcm_ = std::make_unique<lcm::LCM>(url);
   if (!lcm_->good()) throw std::runtime_error(cannot_open(url));
+  if (!is_udp(url)) return;
+  try {
+    udp_ = std::make_unique<UdpReceiver>(parse_udp_url(url));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(cannot_open(url, error.what()));
+  }
 }
 
 LcmLink::~LcmLink() { stop(); }
 
 void LcmLink::receive_into(Inbox& inbox, const Configuration& configuration, Authenticator authenticator) {
-  handler_ = std::make_unique<LcmHandler>(LcmHandler{inbox, configuration, std::move(authenticator)});
+  handler_ = std::make_unique<LcmHandler>(LcmHandler{inbox, configuration, std::move(authenticator), log_});
   if (!lcm_) {
     thread_ = std::jthread([this](const std::stop_token& stop) { receive_log(stop); });
+    return;
+  }
+  if (udp_) {
+    thread_ = std::jthread([this](const std::stop_token& stop) { receive_udp(stop); });
     return;
   }
   lcm::Subscription* subscription =
       lcm_->subscribe(input_expression(configuration), &LcmHandler::handle, handler_.get());
   if (!subscription) throw std::runtime_error("cannot subscribe to the input channels");
   subscription->setQueueCapacity(queue_messages);
-  thread_ = std::jthread([this](const std::stop_token& stop) { receive_network(stop); });
+  thread_ = std::jthread([this](const std::stop_token& stop) { receive_queue(stop); });
 }
 
 void LcmLink::stop() {
@@ -195,13 +204,18 @@ void LcmLink::note(std::atomic<bool>& failing, bool fails, const char* begins, c
   log_(LogLevel::warning, fails ? begins : ends, {{"publish_failures", std::to_string(publish_failures_)}});
 }
 
-void LcmLink::receive_network(const std::stop_token& stop) {
-  using namespace std::chrono_literals;
-  while (!stop.stop_requested()) {
-    const bool fails = lcm_->handleTimeout(100) < 0;
-    note(receiving_fails_, fails, "receiving fails; trying on", "receiving again");
-    if (fails) std::this_thread::sleep_for(100ms);  // a network may come back
-  }
+void LcmLink::receive_udp(const std::stop_token& stop) {
+  Reassembly messages(handler_->sink());
+  while (!stop.stop_requested()) note_receiving(udp_->receive(100ms, messages) != 0);
+}
+
+void LcmLink::receive_queue(const std::stop_token& stop) {
+  while (!stop.stop_requested()) note_receiving(lcm_->handleTimeout(100) < 0);
+}
+
+void LcmLink::note_receiving(bool fails) {
+  note(receiving_fails_, fails, "receiving fails; trying on", "receiving again");
+  if (fails) std::this_thread::sleep_for(100ms);  // a network may come back
 }
 
 void LcmLink::receive_log(const std::stop_token& stop) {

@@ -9,28 +9,15 @@
 
 #include "server/wire/authenticator.hpp"
 #include "server/wire/inbox.hpp"
+#include "server/wire/lcm_url.hpp"
 #include "server/wire/log_line.hpp"
+#include "server/wire/udp_receiver.hpp"
 
 namespace lcm {
 class LCM;
 }
 
 namespace isthmus {
-
-/// An LCM URL as liblcm reads it, udpm://239.255.76.67:7667?ttl=0 or memq://. For UDP the large receive
-/// buffer that scans need is asked for, unless the URL asks for another. A URL file:///path is a log or
-/// journal, read from its beginning to its end as fast as the engine takes it, with the times of the log.
-std::string complete_lcm_url(const std::string& url);
-
-/// What the user should know of a URL: messages that leave the machine, a receive buffer that the kernel
-/// clips to `kernel_buffer_bytes` (net.core.rmem_max).
-std::vector<std::string> lcm_url_warnings(const std::string& completed_url, std::int64_t kernel_buffer_bytes);
-
-/// The log that a file:// URL names; empty for other URLs.
-std::string log_file_of(const std::string& url);
-
-/// net.core.rmem_max; 0 where it cannot be read.
-std::int64_t kernel_receive_buffer_bytes();
 
 /// The server's end of an LCM network, for receiving and publishing; or of a log, for receiving.
 class LcmLink {
@@ -56,13 +43,16 @@ class LcmLink {
   std::int64_t publish_failures() const { return publish_failures_; }
 
  private:
-  void receive_network(const std::stop_token& stop);
+  void receive_udp(const std::stop_token& stop);
+  void receive_queue(const std::stop_token& stop);
+  void note_receiving(bool fails);
   void receive_log(const std::stop_token& stop);
   void note(std::atomic<bool>& failing, bool fails, const char* begins, const char* ends) const;
 
   Log log_;
   std::string log_file_;
-  std::unique_ptr<lcm::LCM> lcm_;  ///< none for a log
+  std::unique_ptr<lcm::LCM> lcm_;     ///< none for a log
+  std::unique_ptr<UdpReceiver> udp_;  ///< for UDP, where liblcm only publishes
   std::unique_ptr<struct LcmHandler> handler_;
   std::atomic<bool> ended_ = false;
   std::atomic<std::int64_t> publish_failures_ = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -12,13 +13,17 @@
 #include "server/wire/admission.hpp"
 #include "server/wire/authenticator.hpp"
 #include "server/wire/closure_log.hpp"
+#include "server/wire/crash_guard.hpp"
+#include "server/wire/event_clock.hpp"
 #include "server/wire/inbox.hpp"
 #include "server/wire/journal.hpp"
 #include "server/wire/log_line.hpp"
 #include "server/wire/map_publisher.hpp"
 #include "server/wire/recovery.hpp"
 #include "server/wire/rendezvous_publisher.hpp"
+#include "server/wire/settlement.hpp"
 #include "server/wire/snapshot_process.hpp"
+#include "server/wire/spool.hpp"
 
 namespace isthmus {
 
@@ -27,8 +32,8 @@ struct LiveOptions {
   std::string journal_directory;  ///< empty: no journal; one that holds a journal: it goes on
   bool frozen = false;            ///< the journal is only read: robots are localised in its map
   std::string output_directory;   ///< empty: nothing is exported
-  /// The time of ticks, microseconds; none where the messages carry the time of a log.
-  std::function<std::int64_t()> clock;
+  /// The time of ticks, and of messages as they are received; none where these carry the time of a log.
+  std::shared_ptr<EventClock> clock;
   std::int64_t start_utime = 0;  ///< receive time of the configuration where there is no clock
   std::chrono::milliseconds tick_interval{100};
   std::chrono::milliseconds status_interval{1000};
@@ -38,6 +43,7 @@ struct LiveOptions {
   std::optional<int> keep_segments;  ///< see SnapshotPolicy
   AdmissionLimits admission;
   Log log;
+  std::function<void(const Event&)> before_event;  ///< see handle_guarded
   /// Messages that the network refused so far, for the status; empty: none.
   std::function<std::int64_t()> publish_failures;
   /// Takes the metrics with each status; empty: nobody does.
@@ -61,6 +67,10 @@ class LiveServer {
   /// cannot be written, or where the disk refused the journal's last events to the end.
   void run();
 
+  /// From now on `run` has so much time to end in: half of it at most to handle what was received, the rest
+  /// to finish the map and write it. Once; any thread.
+  void stop_within(std::chrono::steady_clock::duration time);
+
   const Engine& engine() const { return map_.engine; }
 
   /// Knows the configuration's keys, and what the journal that was found has taken already.
@@ -68,27 +78,41 @@ class LiveServer {
 
  private:
   void begin();
+  void begin_spool();
+  void begin_guard();
   RecoveryOptions recovery_options() const;
   void begin_recovery();
+  bool has_signed_segments() const;
   void know_robots();
   void recover();
   void tell_journal_found() const;
   void freeze();
+  void refuse_strangers();
   void handle(Message message);
+  std::string refusal(const Event& event);
   void take(const Event& event);
   bool journal(const Message& message);
   void reserve_queue(const Event& event);
   std::string finish_journal();
   void publish_poses(const Outcome& outcome);
   void tick_if_due();
+  void go_on_in_time(std::int64_t journal_utime);
+  void tell_clock_step();
+  void drop(const std::string& robot, const std::string& reason, const Dropped& dropped);
   void count_inbox_drops();
+  void record_drops_if_due();
   void publish_status_if_due();
   void keep_snapshots();
   ServerCounters server_counters() const;
-  void write_results();
+  bool is_past(double share_of_time) const;
+  void count_left_over();
+  void end();
+  bool finish_map(std::chrono::steady_clock::duration time_to_write);
+  void write_results(bool finished);
   void say(LogLevel level, std::string_view message, const LogFields& fields) const;
 
   LiveOptions options_;
+  std::unique_ptr<CrashGuard> guard_;  ///< with a journal
   Inbox& inbox_;
   Publish publish_;
   Authentication authentication_;
@@ -100,9 +124,17 @@ class LiveServer {
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point last_event_;
   std::chrono::steady_clock::time_point last_status_;
+  std::chrono::steady_clock::time_point stop_asked_;  ///< valid once there is a deadline
+  std::atomic<std::chrono::steady_clock::time_point> deadline_{std::chrono::steady_clock::time_point::max()};
   ClosureLog closure_log_;
   std::unique_ptr<Journal> journal_;
+  std::shared_ptr<Spool> spool_;  ///< with a journal
+  std::unique_ptr<Settlement> settlement_;
+  std::chrono::steady_clock::time_point drops_recorded_;
   std::unique_ptr<SnapshotProcess> snapshots_;
+  std::int64_t clock_steps_ = 0;
+  double finish_s_ = 0;
+  bool recovered_all_ = true;           ///< of the journal that was found
   int closed_segments_ = 0;             ///< that it has been told of
   std::unique_ptr<Recovery> recovery_;  ///< of a journal that was found, until it is done
   std::unique_ptr<MapPublisher> map_publisher_;

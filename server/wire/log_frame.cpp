@@ -1,5 +1,7 @@
 #include "server/wire/log_frame.hpp"
 
+#include <stdexcept>
+
 #include "server/wire/byte_check.hpp"
 
 namespace isthmus {
@@ -26,6 +28,14 @@ std::optional<LogHeader> parse_log_header(std::span<const std::uint8_t> bytes) {
   const bool plausible = header.channel_bytes > 0 && header.channel_bytes <= most_channel_bytes &&
                          header.data_bytes >= 0 && header.data_bytes <= most_data_bytes;
   return plausible ? std::optional(header) : std::nullopt;
+}
+
+Message read_log_frame(const LogHeader& header, std::span<const std::uint8_t> frame) {
+  if (static_cast<std::int64_t>(frame.size()) != header.frame_bytes())
+    throw std::runtime_error("a log became shorter while it was read");
+  const auto channel = frame.subspan(log_header_bytes, static_cast<std::size_t>(header.channel_bytes));
+  const auto data = frame.subspan(log_header_bytes + channel.size());
+  return {header.utime, {channel.begin(), channel.end()}, {data.begin(), data.end()}};
 }
 
 void append_log_frame(std::vector<std::uint8_t>& out, std::int64_t number, const Message& message) {

@@ -29,6 +29,9 @@ constexpr std::int32_t most_data_bytes = 256 * 1024 * 1024;
 /// caps.
 std::optional<LogHeader> parse_log_header(std::span<const std::uint8_t> bytes);
 
+/// The event in a whole frame with this header.
+Message read_log_frame(const LogHeader& header, std::span<const std::uint8_t> frame);
+
 void append_log_frame(std::vector<std::uint8_t>& out, std::int64_t number, const Message& message);
 
 }  // namespace isthmus

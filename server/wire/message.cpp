@@ -1,24 +1,25 @@
 #include "server/wire/message.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "server/wire/byte_check.hpp"
 #include "server/wire/channel.hpp"
 #include "server/wire/encoded.hpp"
+#include "server/wire/limits.hpp"
 #include "server/wire/read_message.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr std::int32_t most_ranges = 20'000;
 constexpr std::int32_t most_name_bytes = 64;
 constexpr std::int32_t most_toml_bytes = 64 * 1024;
 
 constexpr Member number = fixed(8);   // int64_t, double
 constexpr Member integer = fixed(4);  // int32_t, float
 constexpr Member boolean = fixed(1);
-constexpr Member floats = array(4, most_ranges);
+constexpr Member floats = array(4, most_beams);
 constexpr Member name = text(most_name_bytes);
 
 constexpr std::array robot_members = {number, name,   integer, number, number,
@@ -169,6 +170,12 @@ Decoded decode(const Configuration& configuration, const std::string& channel,
   decoded.reason = is_plausible_utime(receive_utime) ? reading.reason : "absurd_value";
   if (decoded.reason.empty()) decoded.event = Event{receive_utime, std::move(*reading.body)};
   return decoded;
+}
+
+bool may_be_input(std::span<const std::uint8_t> beginning, std::int64_t bytes) {
+  return std::any_of(input_types.begin(), input_types.end(), [&](const InputType& type) {
+    return may_begin(type.fingerprint(), type.members, beginning, bytes);
+  });
 }
 
 Message encode(const Event& event) { return std::visit(Encoder{event.receive_utime}, event.body); }

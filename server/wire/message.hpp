@@ -24,6 +24,8 @@ struct Message {
   std::string channel;
   std::vector<std::uint8_t> bytes;
   std::optional<Signature> signature = std::nullopt;  ///< of the envelope that it came in, if any
+  std::int64_t received = -1;  ///< number in the order of receipt, as its journal entry tells; -1: none
+  std::int64_t sequence = -1;  ///< number in the journal that it was read from; -1: none
 };
 
 /// What a channel's message became: an event, or the reason why not.
@@ -38,6 +40,10 @@ struct Decoded {
 /// then the values (finite, within reason), and makes an event.
 Decoded decode(const Configuration& configuration, const std::string& channel,
                std::span<const std::uint8_t> bytes, std::int64_t receive_utime);
+
+/// Whether these can be the first bytes of an input message of so many, on whatever channel: by its
+/// fingerprint and the counts that it holds.
+bool may_be_input(std::span<const std::uint8_t> beginning, std::int64_t bytes);
 
 /// The message of an event, on the default channels.
 Message encode(const Event& event);

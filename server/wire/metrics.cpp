@@ -1,12 +1,7 @@
 #include "server/wire/metrics.hpp"
 
-#include <httplib.h>
-
 #include <charconv>
-#include <mutex>
-#include <stdexcept>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 namespace isthmus {
@@ -93,6 +88,8 @@ void add_server(MetricsText& text, const status_t& status) {
   text.gauge("journal_waiting_events", "Events that wait in memory for the disk.", status.journal_waiting);
   text.counter("publish_failures_total", "Messages of the server that the network refused.",
                status.publish_failures);
+  text.counter("clock_steps_total", "Times that the wall clock was set while the server ran.",
+               status.clock_steps);
   text.begin("dropped_total", "counter", "Messages of all robots that were dropped, by reason.");
   for (const count_t& dropped : status.dropped) text.add(dropped.count, label("reason", dropped.reason));
 }
@@ -100,7 +97,9 @@ void add_server(MetricsText& text, const status_t& status) {
 void add_robots(MetricsText& text, const status_t& status) {
   const auto each = [&](std::string_view name, std::string_view type, std::string_view help, auto value) {
     text.begin(name, type, help);
-    for (const robot_status_t& robot : status.robots) text.add(value(robot), label("robot", robot.robot));
+    for (const robot_status_t& robot : status.robots) {
+      if (robot.last_heard_utime > 0) text.add(value(robot), label("robot", robot.robot));
+    }
   };
   each("robot_last_heard_seconds", "gauge", "Receive time of a robot's last message, Unix time.",
        [](const robot_status_t& robot) { return 1e-6 * static_cast<double>(robot.last_heard_utime); });
@@ -127,51 +126,6 @@ std::string metrics_text(const status_t& status) {
   add_server(text, status);
   add_robots(text, status);
   return text.take();
-}
-
-struct MetricsServer::State {
-  std::mutex mutex;
-  std::string text;
-  httplib::Server server;
-  int port = 0;
-  std::thread thread;
-};
-
-MetricsServer::MetricsServer(int port) : state_(std::make_unique<State>()) {
-  State& state = *state_;
-  state.server.new_task_queue = [] { return new httplib::ThreadPool(1); };  // as its interface wants it
-  // Its own options would let a second server share the port in silence.
-  state.server.set_socket_options([](int socket) {
-    const int yes = 1;
-    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  });
-  state.server.set_read_timeout(2);
-  state.server.set_write_timeout(2);
-  state.server.set_payload_max_length(1024);
-  state.server.Get("/metrics", [&state](const httplib::Request&, httplib::Response& response) {
-    const std::lock_guard lock(state.mutex);
-    response.set_content(state.text, "text/plain; version=0.0.4");
-  });
-  const std::string here = "127.0.0.1";
-  const bool bound = port == 0 ? (state.port = state.server.bind_to_any_port(here)) > 0
-                               : state.server.bind_to_port(here, port);
-  if (!bound)
-    throw std::runtime_error("metrics: port " + std::to_string(port) + " of 127.0.0.1 cannot be had");
-  if (port != 0) state.port = port;
-  state.thread = std::thread([&state] { state.server.listen_after_bind(); });
-  while (!state.server.is_running()) std::this_thread::yield();  // stop() before that has no effect
-}
-
-MetricsServer::~MetricsServer() {
-  state_->server.stop();
-  state_->thread.join();
-}
-
-int MetricsServer::port() const { return state_->port; }
-
-void MetricsServer::set(std::string text) {
-  const std::lock_guard lock(state_->mutex);
-  state_->text.swap(text);
 }
 
 }  // namespace isthmus

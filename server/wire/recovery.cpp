@@ -4,56 +4,62 @@
 #include <stdexcept>
 #include <utility>
 
+#include "server/wire/drop_record.hpp"
 #include "server/wire/journal_files.hpp"
 
 namespace isthmus {
 namespace {
 
-struct Start {
-  int segment = 0;  ///< the last one that the snapshot holds; 0: there is none
-  std::optional<Snapshot> snapshot;
-};
+/// Whether it was made without the events that are set aside now.
+bool knows_set_aside(const Snapshot& snapshot, const JournalView& journal) {
+  std::vector<std::int64_t> before_its_end;
+  for (const auto& [sequence, event] : journal.set_aside) {
+    if (sequence < snapshot.place.next_sequence) before_its_end.push_back(sequence);
+  }
+  return snapshot.map.set_aside == before_its_end;
+}
 
-Start newest_snapshot(const JournalFiles& files, const RecoveryOptions& options) {
-  for (auto file = files.snapshots.rbegin(); file != files.snapshots.rend(); ++file) {
-    if (file->first > options.last_segment) continue;
+/// The newest snapshot that can be used.
+std::optional<Snapshot> newest_snapshot(const JournalView& journal, const RecoveryOptions& options) {
+  for (auto file = journal.snapshots.rbegin(); file != journal.snapshots.rend(); ++file) {
+    const auto& [number, path] = *file;
+    if (number > options.last_segment) continue;
     try {
-      return {file->first, read_snapshot(file->second)};
+      Snapshot snapshot = read_snapshot(path);
+      const std::string foreign = why_foreign(snapshot.place, journal, number);
+      if (!foreign.empty()) throw std::runtime_error(path + ": " + foreign);
+      if (!knows_set_aside(snapshot, journal))
+        throw std::runtime_error(path + ": was made before events were set aside");
+      return snapshot;
     } catch (const std::exception& error) {
       if (options.warn) options.warn(std::string(error.what()) + "; an older one, or all events, must do");
     }
   }
-  return {};
-}
-
-/// Those after a snapshot. Throws std::runtime_error where some are missing.
-std::vector<std::string> segments_after(const std::string& directory, const JournalFiles& files, int snapshot,
-                                        int last) {
-  std::vector<std::string> paths;
-  int expected = snapshot + 1;
-  for (const auto& [number, path] : files.segments) {
-    if (number <= snapshot || number > last) continue;
-    if (number != expected) {
-      throw std::runtime_error(directory + ": " + segment_path("", expected) +
-                               " is gone, and no snapshot stands for it");
-    }
-    paths.push_back(path);
-    expected = number + 1;
-  }
-  return paths;
+  return std::nullopt;
 }
 
 }  // namespace
 
 Recovery::Recovery(const std::string& directory, const RecoveryOptions& options)
-    : reader_(std::vector<std::string>()) {
-  const JournalFiles files = list_journal(directory);
-  Start start = newest_snapshot(files, options);
-  snapshot_segment_ = start.segment;
-  snapshot_ = std::move(start.snapshot);
+    : directory_(directory), options_(options), reader_(JournalView(), {}) {
+  const JournalView journal = view_journal(directory);
+  set_aside_ = journal.set_aside;
+  snapshot_ = newest_snapshot(journal, options);
+  const JournalPlace from = snapshot_ ? snapshot_->place : JournalPlace();
+  snapshot_segment_ = from.segment;
   if (snapshot_) trajectory_ = snapshot_->trajectory;
-  reader_ = EventLogReader(segments_after(directory, files, snapshot_segment_, options.last_segment));
-  first_ = reader_.next();
+  if (!journal.segments.empty() && journal.segments.front().number > snapshot_segment_ + 1)
+    throw std::runtime_error(segment_path(directory, journal.segments.front().number - 1) +
+                             ": is gone, and no snapshot stands for it and those before it");
+  reader_ = EventLogReader(journal, from, options.last_segment);
+  first_ = next();
+}
+
+std::optional<Message> Recovery::next() {
+  std::optional<Message> message = reader_.next();
+  for (const std::string& warning : reader_.take_warnings())
+    if (options_.warn) options_.warn(warning);
+  return message;
 }
 
 ServedMap Recovery::begin() {
@@ -75,7 +81,7 @@ ServedMap Recovery::begin() {
 }
 
 bool Recovery::step(ServedMap& map) {
-  const std::optional<Message> message = first_ ? std::exchange(first_, std::nullopt) : reader_.next();
+  const std::optional<Message> message = first_ ? std::exchange(first_, std::nullopt) : next();
   if (!message) return false;
   take(map, *message);
   return true;
@@ -84,13 +90,34 @@ bool Recovery::step(ServedMap& map) {
 void Recovery::take(ServedMap& map, const Message& message) {
   ++events_;
   ++map.events;
+  if (const std::optional<Drops> drops = read_drops(message)) {
+    if (set_aside_.contains(message.sequence)) map.set_aside.push_back(message.sequence);
+    return count_drops(map.engine, *drops);
+  }
   const Decoded decoded = decode(map.engine.configuration(), message.channel, message.bytes, message.utime);
-  if (decoded.event) {
+  if (decoded.event && options_.guard && options_.guard->is_condemned(message.sequence)) {
+    set_aside(map, message, decoded.robot);
+  } else if (decoded.event) {
     map.last_utime = std::max(map.last_utime, message.utime);
-    for (const RobotPose& pose : map.engine.handle(*decoded.event).poses) map.monitor.answered(pose);
+    const Outcome outcome =
+        handle_guarded(options_.guard, message.sequence, map.engine, *decoded.event, options_.before_event);
+    for (const RobotPose& pose : outcome.poses) map.monitor.answered(pose);
   } else if (decoded.ours) {
     map.engine.count_dropped(decoded.robot, decoded.reason);
   }
+}
+
+/// As every reader of the journal does from now on.
+void Recovery::set_aside(ServedMap& map, const Message& message, const std::string& robot) {
+  set_aside_[message.sequence] = {message.utime, robot, message.channel,
+                                  "two servers ended while they took it"};
+  write_set_aside(directory_, set_aside_);
+  options_.guard->acquit();
+  map.set_aside.push_back(message.sequence);
+  map.engine.count_dropped(robot, "set_aside");
+  if (options_.report_set_aside)
+    options_.report_set_aside("event " + std::to_string(message.sequence) + " of the journal on " +
+                              message.channel + " is set aside: two servers ended while they took it");
 }
 
 }  // namespace isthmus

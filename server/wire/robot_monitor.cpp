@@ -83,12 +83,17 @@ status_t RobotMonitor::status(const MapCopy& map, const ServerCounters& server, 
   status.journal_failures = server.journal_failures;
   status.journal_waiting = server.journal_waiting;
   status.publish_failures = server.publish_failures;
+  status.clock_steps = server.clock_steps;
   status.dropped = to_counts(map.counters.dropped);
   status.ndropped = static_cast<std::int32_t>(status.dropped.size());
   for (auto& [name, robot] : robots_) {
     robot.message_rate_hz = smoothed(robot.message_rate_hz, robot.messages_since, elapsed_s);
     robot.scan_rate_hz = smoothed(robot.scan_rate_hz, robot.scans_since, elapsed_s);
     robot.messages_since = robot.scans_since = 0;
+  }
+  std::map<std::string, Robot> shown = robots_;
+  for (const auto& [name, dropped] : map.counters.dropped_by_robot) shown.try_emplace(name);
+  for (const auto& [name, robot] : shown) {
     robot_status_t one{};
     one.robot = name;
     one.last_heard_utime = robot.last_heard_utime;

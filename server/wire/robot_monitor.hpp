@@ -18,6 +18,7 @@ struct ServerCounters {
   std::int64_t journal_failures = 0;
   std::int64_t journal_waiting = 0;
   std::int64_t publish_failures = 0;
+  std::int64_t clock_steps = 0;
 };
 
 /// Keeps, for ISTHMUS_STATUS, when and how often each robot was heard and how its scans fared.

@@ -1,20 +1,21 @@
 #include <pthread.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <exception>
-#include <fstream>
 #include <future>
 #include <iostream>
-#include <sstream>
 #include <stdexcept>
 
 #include "server/output/output.hpp"
 #include "server/wire/event_log.hpp"
+#include "server/wire/http_page.hpp"
 #include "server/wire/lcm_link.hpp"
 #include "server/wire/live_server.hpp"
 #include "server/wire/metrics.hpp"
+#include "server/wire/text_file.hpp"
 
 namespace {
 
@@ -33,7 +34,11 @@ struct Arguments {
   bool no_snapshots = false;
   int keep_segments = -1;
   bool frozen = false;
+  int stop_timeout_s = 30;
 };
+
+/// Of a server that was told twice to stop.
+constexpr int stopped_at_once = 3;
 
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--config", arguments.config_file, "TOML configuration; none is needed");
@@ -59,6 +64,13 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->needs("--journal");
   app.add_option("--output", arguments.output_directory,
                  "directory for maps and trajectories, written at the end");
+  app.add_option(
+         "--stop-timeout", arguments.stop_timeout_s,
+         "time to stop in: results are written at once, and again when the map is finished, or at the "
+         "end of that time as far as it is")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(1, 86'400))
+      ->capture_default_str();
   app.add_option("--metrics-port", arguments.metrics_port,
                  "Prometheus metrics at http://127.0.0.1:PORT/metrics; 0: none")
       ->check(CLI::Range(0, 65535));
@@ -68,16 +80,20 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
 }
 
-std::string read_text(const std::string& path) {
-  if (path.empty()) return "";
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || (file.peek() != EOF && !(text << file.rdbuf())))
-    throw std::runtime_error(path + ": cannot be read");
-  return text.str();
-}
-
 void say(const std::string& text) { std::cerr << ("isthmus-server: " + text + "\n"); }
+
+/// The configuration's text, and with a file that holds keys a warning where others may read it.
+std::string read_configuration(const std::string& file) {
+  if (file.empty()) return "";
+  std::string toml = read_text_file(file);
+  const auto parsed = parse_configuration(toml, file);
+  if (const std::string* error = std::get_if<std::string>(&parsed)) throw std::runtime_error(*error);
+  const Authentication& keys = std::get<Configuration>(parsed).authentication;
+  if (keys.withheld) throw std::runtime_error(file + ": a key in [auth] is empty");
+  if (!keys.is_required()) return toml;
+  if (const std::string warning = check_key_file(file); !warning.empty()) say("warning: " + warning);
+  return toml;
+}
 
 /// Blocks SIGINT and SIGTERM in this thread and all that it starts, so that only `wait_for` sees them.
 sigset_t block_stop_signals() {
@@ -89,20 +105,26 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
-/// Until a signal, the end of the file that is read, or the failure of the server.
-void wait_for_end(const sigset_t& signals, const LcmLink& link, const std::future<void>& server,
-                  const Log& log) {
-  const timespec interval{0, 100'000'000};
-  while (sigtimedwait(&signals, nullptr, &interval) < 0) {
-    if (link.ended() || server.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return;
-  }
-  log(LogLevel::info, "stopping; once more to stop without results", {});
+/// The next signal ends this process at once, whatever it is at.
+void end_at_next_signal(const sigset_t& signals) {
+  struct sigaction action {};
+  action.sa_handler = [](int) { _exit(stopped_at_once); };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
-std::int64_t wall_clock_utime() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+/// Until a signal, what `is_over` says, or the end of the server. The server knows of the signal.
+template <class Condition>
+void wait_for_end(const sigset_t& signals, const std::future<void>& running, LiveServer& server,
+                  std::chrono::seconds stop_timeout, const Log& log, const Condition& is_over) {
+  const timespec interval{0, 100'000'000};
+  while (sigtimedwait(&signals, nullptr, &interval) < 0)
+    if (is_over() || running.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return;
+  log(LogLevel::info, "stopping; once more to stop at once",
+      {{"seconds_at_most", std::to_string(stop_timeout.count())}});
+  server.stop_within(stop_timeout);
+  end_at_next_signal(signals);
 }
 
 /// The time of a log's first event. Throws std::runtime_error where it is no log.
@@ -119,18 +141,16 @@ void serve(const Arguments& arguments, const std::string& toml) {
     log(LogLevel::warning, warning, {});
   LcmLink link(url, log);
   const std::string log_file = log_file_of(url);
-  Inbox inbox({}, log_file.empty() ? InboxOrder::fair : InboxOrder::arrival);
-
   LiveOptions options;
+  if (log_file.empty()) options.clock = std::make_shared<EventClock>();
+  ClockReading receive_utime;
+  if (options.clock) receive_utime = [clock = options.clock] { return clock->now(); };
+  Inbox inbox({}, log_file.empty() ? InboxOrder::fair : InboxOrder::arrival, receive_utime);
   options.toml = toml;
   options.journal_directory = arguments.journal_directory;
   options.frozen = arguments.frozen;
   options.output_directory = arguments.output_directory;
-  if (log_file.empty()) {
-    options.clock = wall_clock_utime;
-  } else {
-    options.start_utime = first_utime(log_file);
-  }
+  if (!options.clock) options.start_utime = first_utime(log_file);
   options.journal.segment_bytes = arguments.segment_mb * 1'000'000;
   options.snapshots = !arguments.no_snapshots;
   if (arguments.keep_segments >= 0) options.keep_segments = arguments.keep_segments;
@@ -138,9 +158,9 @@ void serve(const Arguments& arguments, const std::string& toml) {
   options.journal.report = [&](const std::string& text) { log(LogLevel::warning, text, {}); };
   options.log = log;
   options.publish_failures = [&] { return link.publish_failures(); };
-  std::optional<MetricsServer> metrics;
+  std::optional<HttpPage> metrics;
   if (arguments.metrics_port > 0) {
-    metrics.emplace(arguments.metrics_port);
+    metrics.emplace(arguments.metrics_port, "/metrics", metrics_content_type);
     options.metrics = [&](std::string text) { metrics->set(std::move(text)); };
   }
   LiveServer server(options, inbox,
@@ -150,10 +170,12 @@ void serve(const Arguments& arguments, const std::string& toml) {
   auto running = std::async(std::launch::async, [&] { server.run(); });
   link.receive_into(inbox, configuration, server.authenticator());
   log(LogLevel::info, "listening", {{"url", url}});
-  wait_for_end(signals, link, running, log);
+  const std::chrono::seconds stop_timeout(arguments.stop_timeout_s);
+  wait_for_end(signals, running, server, stop_timeout, log, [&] { return link.ended(); });
   if (log_file.empty()) link.stop();  // what was received before is still handled
   inbox.close();
   link.stop();
+  if (link.ended()) wait_for_end(signals, running, server, stop_timeout, log, [] { return false; });
   running.get();
 }
 
@@ -161,18 +183,17 @@ void serve(const Arguments& arguments, const std::string& toml) {
 
 int main(int argc, char** argv) {
   share_memory_among_threads();
-  CLI::App app("Maps for a team of robots over LCM. Stop it with SIGINT or SIGTERM.");
+  CLI::App app(
+      "Maps for a team of robots over LCM. SIGINT or SIGTERM stops it within --stop-timeout; a second one "
+      "ends "
+      "it at once, with exit code 3 and the results that are written.");
   Arguments arguments;
   add_options(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
     const bool only_check = !arguments.checked_file.empty();
     const std::string file = only_check ? arguments.checked_file : arguments.config_file;
-    const std::string toml = read_text(file);
-    const auto parsed = parse_configuration(toml, file);
-    if (const std::string* error = std::get_if<std::string>(&parsed)) throw std::runtime_error(*error);
-    if (std::get<Configuration>(parsed).authentication.withheld)
-      throw std::runtime_error(file + ": a key in [auth] is empty");
+    const std::string toml = read_configuration(file);
     if (only_check) {
       std::cout << file + ": right\n";
     } else {

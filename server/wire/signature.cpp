@@ -6,7 +6,9 @@
 
 #include "isthmus/counters_t.hpp"
 #include "server/wire/byte_check.hpp"
+#include "server/wire/channel.hpp"
 #include "server/wire/encoded.hpp"
+#include "server/wire/event_log.hpp"
 
 namespace isthmus {
 namespace {
@@ -31,6 +33,10 @@ Message encode_counters(std::int64_t utime, const SignatureCounters& counters, b
   return {utime, counters_channel, encoded(record)};
 }
 
+bool may_be_counters(std::span<const std::uint8_t> beginning, std::int64_t bytes) {
+  return may_begin(counters_t::getHash(), members, beginning, bytes);
+}
+
 bool raise_counters(const Message& message, SignatureCounters& counters, bool& complete) {
   if (message.channel != counters_channel) return false;
   if (!check_bytes(counters_t::getHash(), members, message.bytes).empty()) return false;
@@ -43,6 +49,17 @@ bool raise_counters(const Message& message, SignatureCounters& counters, bool& c
   }
   complete = record.complete != 0;
   return true;
+}
+
+bool begins_with_counters(const std::string& segment) {
+  EventLogReader reader(segment);
+  SignatureCounters counters;
+  bool complete = false;
+  while (const std::optional<Message> message = reader.next()) {
+    if (raise_counters(*message, counters, complete)) return true;
+    if (find_channel({}, message->channel)) return false;
+  }
+  return false;
 }
 
 }  // namespace isthmus

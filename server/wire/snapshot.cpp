@@ -15,24 +15,28 @@ namespace {
 namespace fs = std::filesystem;
 
 /// To be raised with every change of what is written: a test holds a file of each version.
-constexpr FileForm snapshot_form{"isthmus-snapshot", 1};
+constexpr FileForm snapshot_form{"isthmus-snapshot", 2};
 constexpr FileForm trajectory_form{"isthmus-rows", 1};
 
 constexpr std::size_t rows_at_once = 4096;
 
 struct Content {
+  JournalPlace place;  ///< first: `read_snapshot_place` reads no further
   std::vector<TrajectoryPart> trajectory;
   RobotMonitor monitor;
   std::int64_t events = 0;
   std::int64_t last_utime = 0;
+  std::vector<std::int64_t> set_aside;
   std::vector<std::uint8_t> engine;
 
-  auto members() { return std::tie(trajectory, monitor, events, last_utime, engine); }
+  auto members() { return std::tie(place, trajectory, monitor, events, last_utime, set_aside, engine); }
 };
 
-void read_rows(const std::string& path, std::uint64_t count, TrajectoryStore& rows) {
-  const std::vector<std::uint8_t> bytes = read_checked_file(path, trajectory_form);
-  if (bytes.size() % sizeof(TrajectoryRow) != 0 || bytes.size() / sizeof(TrajectoryRow) != count)
+void read_rows(const std::string& path, const TrajectoryPart& part, TrajectoryStore& rows) {
+  const auto [bytes, sha256] = read_checked_file(path, trajectory_form);
+  if (sha256 != part.sha256)
+    throw std::runtime_error(path + ": holds other rows than the snapshot was made with");
+  if (bytes.size() != part.rows * sizeof(TrajectoryRow))
     throw std::runtime_error(path + ": holds not as many rows as the snapshot needs");
   for (std::size_t at = 0; at < bytes.size(); at += sizeof(TrajectoryRow)) {
     TrajectoryRow row;
@@ -57,7 +61,7 @@ std::vector<std::uint8_t> rows_from(const Engine& engine, std::uint64_t first) {
 
 Snapshot read_snapshot(const std::string& path) {
   Snapshot snapshot;
-  const std::vector<std::uint8_t> bytes = read_checked_file(path, snapshot_form);
+  const std::vector<std::uint8_t> bytes = read_checked_file(path, snapshot_form).bytes;
   const std::string directory = fs::path(path).parent_path().string();
   Content content;
   auto rows = std::make_shared<TrajectoryStore>();
@@ -68,38 +72,55 @@ Snapshot read_snapshot(const std::string& path) {
     throw std::runtime_error(path + ": " + error.what());
   }
   for (const TrajectoryPart& part : content.trajectory)
-    read_rows(trajectory_path(directory, part.segment), part.rows, *rows);
+    read_rows(trajectory_path(directory, part.segment), part, *rows);
   try {
     snapshot.map.engine = Engine::restore(content.engine, rows);
   } catch (const std::exception& error) {
     throw std::runtime_error(path + ": " + error.what());
   }
+  snapshot.place = content.place;
   snapshot.map.monitor = std::move(content.monitor);
   snapshot.map.events = content.events;
   snapshot.map.last_utime = content.last_utime;
+  snapshot.map.set_aside = std::move(content.set_aside);
   snapshot.trajectory = std::move(content.trajectory);
   return snapshot;
 }
 
-void write_snapshot(const std::string& directory, int segment, ServedMap& map,
+JournalPlace read_snapshot_place(const std::string& path) {
+  const std::vector<std::uint8_t> bytes = read_checked_file(path, snapshot_form).bytes;
+  JournalPlace place;
+  try {
+    SnapshotReader reader(bytes);
+    reader(place);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+  return place;
+}
+
+void write_snapshot(const std::string& directory, const JournalPlace& place, ServedMap& map,
                     const std::vector<TrajectoryPart>& earlier) {
   Content content;
+  content.place = place;
   content.trajectory = earlier;
   const std::uint64_t written =
       std::accumulate(earlier.begin(), earlier.end(), std::uint64_t{0},
                       [](std::uint64_t sum, const TrajectoryPart& part) { return sum + part.rows; });
   const std::vector<std::uint8_t> rows = rows_from(map.engine, written);
   if (!rows.empty()) {
-    write_checked_file(trajectory_path(directory, segment), trajectory_form, rows);
-    content.trajectory.push_back({segment, rows.size() / sizeof(TrajectoryRow)});
+    const Digest sha256 =
+        write_checked_file(trajectory_path(directory, place.segment), trajectory_form, rows);
+    content.trajectory.push_back({place.segment, rows.size() / sizeof(TrajectoryRow), sha256});
   }
   content.monitor = map.monitor;
   content.events = map.events;
   content.last_utime = map.last_utime;
+  content.set_aside = map.set_aside;
   content.engine = map.engine.save();
   SnapshotWriter writer;
   writer(content);
-  write_checked_file(snapshot_path(directory, segment), snapshot_form, writer.take());
+  write_checked_file(snapshot_path(directory, place.segment), snapshot_form, writer.take());
 }
 
 bool is_snapshot(const std::string& path) {

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "server/engine/engine.hpp"
+#include "server/wire/digest.hpp"
 #include "server/wire/robot_monitor.hpp"
+#include "server/wire/segment_header.hpp"
 
 namespace isthmus {
 
@@ -14,8 +16,9 @@ namespace isthmus {
 struct ServedMap {
   Engine engine;
   RobotMonitor monitor;
-  std::int64_t events = 0;      ///< of the journal, those too damaged to be read included
-  std::int64_t last_utime = 0;  ///< receive time of the last one; 0: none
+  std::int64_t events = 0;                   ///< of the journal, those too damaged to be read included
+  std::int64_t last_utime = 0;               ///< receive time of the last one; 0: none
+  std::vector<std::int64_t> set_aside = {};  ///< of the events, those that it was made without; rising
 };
 
 /// A part of the trajectory's rows, in a file of its own: rows never change, so that no snapshot need write
@@ -23,12 +26,14 @@ struct ServedMap {
 struct TrajectoryPart {
   std::int32_t segment = 0;  ///< the file's number
   std::uint64_t rows = 0;
+  Digest sha256{};  ///< of what the file holds
 
-  auto members() { return std::tie(segment, rows); }
+  auto members() { return std::tie(segment, rows, sha256); }
 };
 
 /// A snapshot that was read.
 struct Snapshot {
+  JournalPlace place;  ///< of the journal that it was made of
   ServedMap map;
   std::vector<TrajectoryPart> trajectory;  ///< in order
 };
@@ -38,10 +43,14 @@ struct Snapshot {
 /// damaged.
 Snapshot read_snapshot(const std::string& path);
 
-/// Writes the state after a segment into the journal's directory: first the rows beyond those of `earlier`,
+/// Of which journal a snapshot is, and how far it reaches. Throws as `read_snapshot`, but does not look at
+/// the map and the trajectory's parts.
+JournalPlace read_snapshot_place(const std::string& path);
+
+/// Writes the state at a place of a journal into its directory: first the rows beyond those of `earlier`,
 /// then the snapshot, each file complete or not at all. Throws std::runtime_error naming the file and the
 /// reason.
-void write_snapshot(const std::string& directory, int segment, ServedMap& map,
+void write_snapshot(const std::string& directory, const JournalPlace& place, ServedMap& map,
                     const std::vector<TrajectoryPart>& earlier);
 
 /// Whether a file is a snapshot, of whatever version.

@@ -10,7 +10,9 @@
 
 #include "server/wire/file_bytes.hpp"
 #include "server/wire/journal_files.hpp"
+#include "server/wire/journal_view.hpp"
 #include "server/wire/recovery.hpp"
+#include "server/wire/spool_file.hpp"
 
 namespace isthmus {
 namespace {
@@ -42,33 +44,42 @@ void sync(const std::string& path) {
   if (!file.is_open() || ::fsync(file.get()) != 0) throw std::runtime_error(path + ": " + errno_text(errno));
 }
 
+/// Of the segment that is written, whether it has a header yet or not.
+int last_number(const JournalView& journal) {
+  const int last = journal.segments.empty() ? 0 : journal.segments.back().number;
+  return journal.unbegun.empty() ? last : last + 1;
+}
+
 void write_next(const std::string& directory, int segment, const SnapshotPolicy& policy) {
-  Recovery recovery(directory, {segment, policy.warn});
+  RecoveryOptions options;
+  options.last_segment = segment;
+  options.warn = policy.warn;
+  Recovery recovery(directory, options);
   ServedMap map = recovery.begin();
   while (recovery.step(map)) {
   }
   sync(segment_path(directory, segment));  // a snapshot must not know what a power cut takes from the journal
-  write_snapshot(directory, segment, map, recovery.trajectory());
+  write_snapshot(directory, recovery.place(), map, recovery.trajectory());
 }
 
-/// The rows' files stay: newer snapshots need those of the older ones.
-void remove_old_snapshots(const std::string& directory) {
-  auto snapshots = list_journal(directory).snapshots;
+/// The rows' files stay: newer snapshots need those of the older ones. So do snapshots of other journals.
+void remove_old_snapshots(std::map<int, std::string>& snapshots) {
   while (snapshots.size() > kept_snapshots) {
     fs::remove(snapshots.begin()->second);
     snapshots.erase(snapshots.begin());
   }
 }
 
-int prune_segments(const std::string& directory, int keep) {
-  const JournalFiles files = list_journal(directory);
-  if (files.snapshots.size() < kept_snapshots) return 0;
-  const int held = files.snapshots.begin()->first;
-  const int first_kept = files.segments.rbegin()->first - keep;
+int prune_segments(const JournalView& journal, const std::map<int, std::string>& snapshots, int keep) {
+  if (snapshots.size() < kept_snapshots) return 0;
+  const int held = snapshots.begin()->first;
+  int first_kept = last_number(journal) - keep;
+  // They tell which messages of the spool were handled.
+  if (const auto first = first_segment_of_spool(journal.directory)) first_kept = std::min(first_kept, *first);
   int pruned = 0;
-  for (const auto& [segment, path] : files.segments) {
-    if (segment > held || segment >= first_kept) break;
-    fs::remove(path);
+  for (const JournalSegment& segment : journal.segments) {
+    if (segment.number > held || segment.number >= first_kept) break;
+    fs::remove(segment.path);
     ++pruned;
   }
   return pruned;
@@ -81,17 +92,21 @@ SnapshotsMade update_snapshots(const std::string& directory, const SnapshotPolic
   const FileHandle held = lock(directory);
   if (!held.is_open()) return made;
   remove_unfinished(directory);
-  const JournalFiles files = list_journal(directory);
-  if (!files.snapshots.empty()) made.last_segment = files.snapshots.rbegin()->first;
-  for (const auto& [segment, path] : files.segments) {
-    const bool closed = segment != files.segments.rbegin()->first;
-    if (!closed || segment <= made.last_segment) continue;
-    write_next(directory, segment, policy);
-    made.last_segment = segment;
+  const JournalView journal = view_journal(directory);
+  if (!journal.verified)
+    throw std::runtime_error(directory +
+                             ": was written before journals had checks: no snapshots are made of it");
+  std::map<int, std::string> snapshots = own_snapshots(journal, policy.warn);
+  if (!snapshots.empty()) made.last_segment = snapshots.rbegin()->first;
+  for (const JournalSegment& segment : journal.segments) {
+    if (segment.number == last_number(journal) || segment.number <= made.last_segment) continue;
+    write_next(directory, segment.number, policy);
+    snapshots.emplace(segment.number, snapshot_path(directory, segment.number));
+    made.last_segment = segment.number;
     ++made.written;
-    remove_old_snapshots(directory);
+    remove_old_snapshots(snapshots);
   }
-  if (policy.keep_segments) made.pruned_segments = prune_segments(directory, *policy.keep_segments);
+  if (policy.keep_segments) made.pruned_segments = prune_segments(journal, snapshots, *policy.keep_segments);
   return made;
 }
 

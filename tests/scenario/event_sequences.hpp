@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -90,12 +91,14 @@ struct MapDifference {
   double most_rad = 0;
 };
 
-inline MapDifference compare_patches(const MapCopy& a, const MapCopy& b) {
+inline MapDifference compare_patches(const MapCopy& a, const MapCopy& b,
+                                     std::int64_t until_utime = std::numeric_limits<std::int64_t>::max()) {
   using Key = std::pair<std::string, std::int64_t>;
-  const auto by_scan = [](const MapCopy& map) {
+  const auto by_scan = [until_utime](const MapCopy& map) {
     std::map<Key, Pose> poses;
     for (std::size_t i = 0; i < map.patches.size(); ++i)
-      poses[{map.patches[i]->robot, map.patches[i]->utime}] = map.poses[i];
+      if (map.patches[i]->utime <= until_utime)
+        poses[{map.patches[i]->robot, map.patches[i]->utime}] = map.poses[i];
     return poses;
   };
   const auto of_a = by_scan(a), of_b = by_scan(b);

@@ -223,11 +223,26 @@ TEST(FrozenMap, LosesARobotThatIsCarriedAwayAndFindsItAgain) {
   EXPECT_EQ(sessions_of(office.engine.copy(), "X").size(), 3U);
 }
 
-// Twelve rooms that look alike: better no place than a wrong one.
-TEST(FrozenMap, PlacesNobodyInTheWrongOneOfRoomsThatLookAlike) {
+// Twelve rooms that look alike: better no place than a wrong one, however long the robot drives among them.
+TEST(FrozenMap, PlacesNobodyInRoomsThatLookAlike) {
   Building rooms("repeated_rooms");
-  for (const Visit& visit : visits_of("OTHERR1", rooms.events, 3, 60))
-    EXPECT_EQ(play(rooms.engine, visit, rooms.events, rooms.truth).wrong, 0);
+  for (const Visit& visit : visits_of("OTHERR1", rooms.events, 2, 60)) {
+    const Fared fared = play(rooms.engine, visit, rooms.events, rooms.truth);
+    EXPECT_GT(fared.scans, 250);
+    EXPECT_FALSE(fared.found());
+  }
+}
+
+// Two wings of one plan: a robot that drives from one to the other passes what is there only once.
+TEST(FrozenMap, PlacesARobotInTheRightOneOfTwoWingsOnceItHasSeenWhatTellsThemApart) {
+  Building wings("two_wings");
+  int found = 0;
+  for (const Visit& visit : visits_of("OTHERR1", wings.events, 4, 150)) {
+    const Fared fared = play(wings.engine, visit, wings.events, wings.truth);
+    EXPECT_EQ(fared.wrong, 0);
+    found += fared.found() ? 1 : 0;
+  }
+  EXPECT_GE(found, 2);
 }
 
 /// A robot that comes back over known ground while the server is stopped and started again.

@@ -20,5 +20,17 @@ TEST(HostileMessages, HarmNobodyElse) {
   EXPECT_LT(trial.errors.mean_m, 1.2 * trial.errors.mean_clean_m + 0.002);
 }
 
+// Well formed, and in the name of every robot: nothing is asked of the map but that there is one.
+TEST(HostileMessages, InTheNameOfEveryoneLeaveTheServerAlive) {
+  for (const char* scenario : {"meeting", "blind", "tags"}) {
+    SCOPED_TRACE(scenario);
+    const HostileTrial trial =
+        try_hostile_messages(load_scenario(scenario, {}), 1, 10'000, HostileNames::everyone);
+    EXPECT_GT(trial.dropped.at("no_laser"), 0) << "no robot's laser went off";
+    EXPECT_GT(trial.dropped.at("barcode_taken"), 0) << "no robot took another's barcode";
+    EXPECT_GT(trial.hostile_patches, 10U);
+  }
+}
+
 }  // namespace
 }  // namespace isthmus

@@ -126,6 +126,19 @@ TEST(BadSightings, AreRefusedWithTheReasonAndLeaveTheMapAsItWas) {
   EXPECT_EQ(map_sha256(map), finished_sha256(clean));
 }
 
+// A live server does not journal what they send: a replay of the journal must give the same map all the same.
+TEST(Strangers, HaveNoEffectOnTheMap) {
+  const Events clean = meeting().events;
+  Events events;
+  for (const Event& event : clean) {
+    events.push_back(event);
+    const std::int64_t later = event.receive_utime + 5'000'000;
+    events.push_back({later, OdometryEvent{"X", later, {}}});
+    events.push_back({later, SightingEvent{"X", later, 101, 2, 0.1, 0.5, 0.02}});
+  }
+  EXPECT_EQ(finished_sha256(events), finished_sha256(clean));
+}
+
 TEST(BadSightings, ARobotWhoseBarcodeIsTakenIsNotThere) {
   Events events = meeting().events;
   const std::int64_t now = after_s(events, 4);

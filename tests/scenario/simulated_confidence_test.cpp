@@ -11,15 +11,25 @@ void print(const char* what, const Confidence& c) {
       c.median_nees);
 }
 
-// Loose bounds, that only gross over- or underconfidence breaks; isthmus-campaign measures with more runs.
-void expect_sane(const Confidence& c) {
-  EXPECT_GT(c.pairs, 100U);
-  for (const double share : c.within_95) EXPECT_GT(share, 0.75);
-  EXPECT_LT(c.mean_nees, 4);
-  EXPECT_GT(c.mean_nees, 0.01);
+// What is asked of covariances: that 95 % intervals hold the truth in 90 to 98 % of cases, and that errors
+// are of the size that they say (NEES per degree of freedom).
+bool is_calibrated(const Confidence& c) {
+  const bool covered =
+      std::ranges::all_of(c.within_95, [](double share) { return share >= 0.90 && share <= 0.98; });
+  return covered && c.mean_nees >= 0.8 && c.mean_nees <= 1.25;
 }
 
-TEST(SimulatedConfidence, TruthLiesWhereTheCovariancesSay) {
+// Known to fall short: errors are half of what covariances say. `nees` as measured, give or take a seventh.
+// The test fails where that becomes worse, and where it becomes true what is asked.
+void expect_known_shortfall(const Confidence& c, double nees) {
+  EXPECT_GT(c.pairs, 4000U);
+  EXPECT_FALSE(is_calibrated(c)) << "covariances are calibrated now: ask for it";
+  EXPECT_GT(c.mean_nees, nees / 1.15) << "covariances say still more than errors show";
+  EXPECT_LT(c.mean_nees, nees * 1.15) << "covariances are nearer to the errors: tighten this";
+  for (const double share : c.within_95) EXPECT_GT(share, 0.98);
+}
+
+TEST(SimulatedConfidence, CovariancesSayMoreThanErrorsShow) {
   MapConfidence all;
   for (const char* scenario : {"campaign_flat", "campaign_depot", "campaign_gallery"}) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -33,8 +43,8 @@ TEST(SimulatedConfidence, TruthLiesWhereTheCovariancesSay) {
   print("local map", all.local.result());
   print("island", all.island.result());
   EXPECT_EQ(all.undetermined, 0U);
-  expect_sane(all.local.result());
-  expect_sane(all.island.result());
+  expect_known_shortfall(all.local.result(), 0.227);
+  expect_known_shortfall(all.island.result(), 0.301);
 }
 
 }  // namespace

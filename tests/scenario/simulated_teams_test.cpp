@@ -51,21 +51,56 @@ TEST(SimulatedTeams, TagsAreMappedAndJoinTheTeam) {
   EXPECT_LT(sum_m / pairs, 0.1);
 }
 
-// The paper's double spiral: three laps each in opposite directions, then the first meeting.
+// The paper's double spiral: laps in opposite directions, then the first meeting. R2 comes where R1 has been
+// everywhere, so that scans alone do not join the two (late_spiral.toml).
 TEST(SimulatedTeams, OneMeetingCollapsesADoubleSpiral) {
-  const SimulatedMap spiral = map_scenario("double_spiral");
+  const SimulatedMap spiral = map_scenario("late_spiral");
+  std::int64_t met_utime = std::numeric_limits<std::int64_t>::max();
+  for (const SightingRecord& record : spiral.map.sightings)
+    met_utime = std::min(met_utime, record.sighting.utime);
+  Played alone = play(spiral.run.events, met_utime);
+  EXPECT_EQ(islands(alone.engine.copy()), 2U) << "nothing but the meeting joins them";
+
   EXPECT_EQ(islands(spiral.map), 1U);
-  const ClosureRecord merge = closure_of(spiral.map, 0);
-  EXPECT_EQ(merge.kind, "merge");
-  EXPECT_EQ(merge.state, "accepted");
-  EXPECT_GT(merge.patches_touched, 40) << "all along the laps there are by then";
+  const auto merge = std::ranges::find(spiral.map.closures, "accepted", &ClosureRecord::state);
+  ASSERT_NE(merge, spiral.map.closures.end());
+  EXPECT_EQ(merge->kind, "merge");
+  EXPECT_NE(merge->reason, "from_scans");
+  EXPECT_GE(merge->start_utime, met_utime);
+  EXPECT_GT(merge->patches_touched, 100) << "all along the laps there are by then";
+  int by_sightings = 0;
+  for (const SightingRecord& record : spiral.map.sightings)
+    by_sightings += record.reason == "merged_islands" && record.closure == merge->id ? 1 : 0;
+  EXPECT_GE(by_sightings, 3);
   EXPECT_GE(judge_sightings(spiral.run, spiral.map.sightings).true_share(), 0.95);
   const TrajectoryError error = judge_trajectories(spiral);
   std::printf("double spiral: %zu patches, %d touched; intra mean %.4f m, at most %.3f m\n",
-              spiral.map.patches.size(), merge.patches_touched, error.mean_m, error.most_m);
-  EXPECT_LT(error.mean_m, 0.03);
-  EXPECT_LT(error.most_m, 0.2);
-  EXPECT_LT(inter_error_m(spiral), 0.05);
+              spiral.map.patches.size(), merge->patches_touched, error.mean_m, error.most_m);
+  EXPECT_LT(error.mean_m, 0.012);
+  EXPECT_LT(error.most_m, 0.1);
+  EXPECT_LT(inter_error_m(spiral), 0.02);
+}
+
+// Odometry, barcodes on the walls, and one another: no robot has a laser.
+TEST(SimulatedTeams, RobotsWithoutALaserAreMappedByWhatTheySee) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const SimulatedMap blind = map_scenario("blind", {}, seed);
+    EXPECT_EQ(blind.map.counters.scans, 0);
+    EXPECT_EQ(islands(blind.map), 1U) << seed;
+    ASSERT_EQ(blind.map.tags.size(), 12U);
+    for (const TagRecord& tag : blind.map.tags) EXPECT_TRUE(tag.placed) << tag.barcode;
+    EXPECT_GE(judge_sightings(blind.run, blind.map.sightings).true_share(), 0.95);
+    const TrajectoryError error = judge_trajectories(blind);
+    const double inter_m = inter_error_m(blind);
+    std::printf("blind, seed %lu: intra %.4f m and %.4f rad, at most %.3f m; inter %.4f m\n", seed,
+                error.mean_m, error.mean_rad, error.most_m, inter_m);
+    EXPECT_GT(error.relations, 500U);
+    EXPECT_EQ(error.missing, 0U);
+    EXPECT_LT(error.mean_m, 0.05);
+    EXPECT_LT(error.mean_rad, 0.02);
+    EXPECT_LT(error.most_m, 0.6);
+    EXPECT_LT(inter_m, 0.09);
+  }
 }
 
 class FalseSightings : public testing::TestWithParam<std::uint64_t> {};

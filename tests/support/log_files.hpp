@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/wire/event_log.hpp"
+#include "server/wire/journal_entry.hpp"
 
 namespace isthmus {
 
@@ -31,6 +32,8 @@ inline void write_log(const std::string& path, const std::vector<Message>& messa
 struct LogContent {
   std::vector<Message> messages;
   std::int64_t skipped = 0;
+  std::int64_t missing = 0;
+  std::vector<std::string> warnings;
 };
 
 /// A log file or journal directory, read to its end.
@@ -39,6 +42,8 @@ inline LogContent read_log(const std::string& path) {
   LogContent content;
   while (auto message = reader.next()) content.messages.push_back(*message);
   content.skipped = reader.skipped_bytes();
+  content.missing = reader.missing_events();
+  content.warnings = reader.take_warnings();
   return content;
 }
 
@@ -54,6 +59,14 @@ inline std::vector<std::size_t> frame_ends(const std::vector<Message>& messages)
     end += 28 + message.channel.size() + message.bytes.size();
     ends.push_back(end);
   }
+  return ends;
+}
+
+/// The same of a journal's first segment: entry k with its event, where each is of one frame.
+inline std::vector<std::size_t> entry_ends(const std::vector<Message>& messages) {
+  std::vector<std::size_t> ends = frame_ends(messages);
+  std::size_t before = segment_header_bytes;
+  for (std::size_t& end : ends) end += (before += entry_frame_bytes);
   return ends;
 }
 

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -41,8 +43,8 @@ class Published {
 /// Everything at once, on a clock of its own.
 inline LiveOptions quick_options() {
   LiveOptions options;
-  std::int64_t now = 1'000'000'000;
-  options.clock = [now]() mutable { return now += 1000; };
+  auto now = std::make_shared<std::atomic<std::int64_t>>(1'000'000'000);
+  options.clock = std::make_shared<EventClock>([now] { return now->load(); }, [now] { return *now += 1000; });
   options.status_interval = std::chrono::milliseconds(20);
   options.tick_interval = std::chrono::milliseconds(5);
   options.map.grid_interval = std::chrono::milliseconds(0);

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 
 #include "server/engine/engine.hpp"
+#include "server/wire/drop_record.hpp"
 #include "tests/support/log_files.hpp"
 
 namespace isthmus {
@@ -13,18 +15,24 @@ namespace isthmus {
 struct Replayed {
   std::string sha256;
   std::size_t events = 0;
+  std::map<std::string, std::int64_t> dropped = {};  ///< messages, by reason
 };
 
 inline Replayed replay(const std::string& journal) {
   Engine engine;
   const LogContent content = read_log(journal);
   for (const Message& message : content.messages) {
+    if (const auto drops = read_drops(message)) {
+      count_drops(engine, *drops);
+      continue;
+    }
     const Decoded decoded = decode(engine.configuration(), message.channel, message.bytes, message.utime);
     EXPECT_TRUE(decoded.event) << message.channel << " " << decoded.reason;
     if (decoded.event) engine.handle(*decoded.event);
   }
   engine.finish();
-  return {map_sha256(engine.copy()), content.messages.size()};
+  const MapCopy map = engine.copy();
+  return {map_sha256(map), content.messages.size(), map.counters.dropped};
 }
 
 }  // namespace isthmus

@@ -9,6 +9,7 @@
 #include "server/wire/lcm_link.hpp"
 #include "tools/command/order.hpp"
 #include "tools/command/send.hpp"
+#include "tools/text/finite_number.hpp"
 
 namespace {
 
@@ -58,6 +59,8 @@ void send(const Arguments& arguments) {
   }
   std::optional<OperatorKey> key;
   if (!arguments.key_file.empty()) key = read_operator_key(arguments.key_file);
+  if (key && !key->warning.empty())
+    std::fprintf(stderr, "isthmus-command: warning: %s\n", key->warning.c_str());
   lcm::LCM lcm(arguments.lcm_url);
   if (!lcm.good()) throw std::runtime_error("cannot open LCM network " + arguments.lcm_url);
   const std::chrono::milliseconds wait(static_cast<int>(1e3 * arguments.wait_s));
@@ -85,7 +88,7 @@ int main(int argc, char** argv) {
   app.fallthrough();
   app.add_option("--lcm-url", arguments.lcm_url, "LCM network")->capture_default_str();
   app.add_option("--wait", arguments.wait_s, "seconds to wait for a sign of a server; 0: none")
-      ->check(CLI::Range(0.0, 3600.0))
+      ->check(finite_number & CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   app.add_option("--key", arguments.key_file, "file with the operator's name and key, to sign with");
   add_verbs(app, arguments);

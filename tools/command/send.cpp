@@ -1,15 +1,17 @@
 #include "tools/command/send.hpp"
 
-#include <fstream>
 #include <lcm/lcm-cpp.hpp>
 #include <span>
+#include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "isthmus/status_t.hpp"
 #include "server/engine/robot_name.hpp"
 #include "server/wire/byte_check.hpp"
 #include "server/wire/envelope.hpp"
 #include "server/wire/message.hpp"
+#include "server/wire/text_file.hpp"
 
 namespace isthmus {
 namespace {
@@ -25,13 +27,14 @@ void note_status(const lcm_recv_buf_t* buffer, const char*, void* heard) noexcep
 }  // namespace
 
 OperatorKey read_operator_key(const std::string& file) {
-  std::ifstream stream(file);
+  std::istringstream stream(read_text_file(file));
+  std::string warning = check_key_file(file);
   std::string name, digits, more;
   if (!(stream >> name >> digits) || stream >> more)
     throw std::runtime_error(file + ": must hold the operator's name and key, and no more");
   const std::optional<AuthKey> key = parse_auth_key(digits);
   if (!key) throw std::runtime_error(file + ": the key must be 64 hexadecimal digits");
-  return {upper_case(name), *key};
+  return {upper_case(name), *key, std::move(warning)};
 }
 
 bool send_order(lcm::LCM& lcm, const CommandEvent& order, const std::optional<OperatorKey>& key,

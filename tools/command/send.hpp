@@ -17,10 +17,11 @@ namespace isthmus {
 struct OperatorKey {
   std::string name;
   AuthKey key{};
+  std::string warning;  ///< about the file that they came from; empty: none
 };
 
 /// Reads a file of one line: the operator's name and the key in 64 hexadecimal digits. Throws
-/// std::runtime_error naming the file where it holds something else.
+/// std::runtime_error naming the file where it holds something else or anybody may write it.
 OperatorKey read_operator_key(const std::string& file);
 
 /// Publishes an order on ISTHMUS_COMMAND, in an envelope where there is a key, and waits for the next

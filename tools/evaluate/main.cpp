@@ -90,6 +90,8 @@ int main(int argc, char** argv) {
   try {
     const Evaluation evaluation = evaluate(arguments);
     std::fputs((arguments.json ? to_json(evaluation) : to_text(evaluation)).c_str(), stdout);
+    if (evaluation.pose_graph && !evaluation.pose_graph->failure.empty())
+      throw std::runtime_error(evaluation.pose_graph->failure);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "isthmus-evaluate: %s\n", error.what());
     return 1;

@@ -38,7 +38,6 @@ PoseGraphFit fit_pose_graph(const std::string& file) {
   result.patches = input.graph.patch_count();
   result.relations = input.graph.relations().size();
   result.f_before = cost_f(input.graph, input.poses);
-  result.ok = true;
   FitOptions options;
   options.chordal_start = true;
   options.max_iterations = 100;
@@ -46,7 +45,9 @@ PoseGraphFit fit_pose_graph(const std::string& file) {
   for (const auto& island : input.graph.islands()) {
     const FitReport report = fit_island(input.graph, island.front(), input.poses, options);
     result.iterations += report.iterations;
-    result.ok = result.ok && report.ok;
+    if (!report.ok && result.failure.empty())
+      result.failure = file + ": no solution for the island of patch " +
+                       std::to_string(island.front().value) + ": " + report.message;
     ++result.islands;
   }
   result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;

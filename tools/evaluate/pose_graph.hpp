@@ -13,8 +13,8 @@ struct PoseGraphFit {
   double f_before = 0;  ///< at the file's vertices, or at odometry where it has none
   double f_after = 0;
   int iterations = 0;
-  double cpu_s = 0;  ///< of the fit alone
-  bool ok = false;
+  double cpu_s = 0;     ///< of the fit alone
+  std::string failure;  ///< why there is no solution; empty: there is
 };
 
 /// Reads a g2o file, plain or gz, and fits each of its islands. Throws std::runtime_error naming file, line

@@ -62,7 +62,7 @@ std::string absolute_text(const AbsoluteErrors& errors) {
 std::string pose_graph_text(const PoseGraphFit& fit) {
   return line("%zu patches, %zu relations, %zu islands", fit.patches, fit.relations, fit.islands) +
          line("F %.6g before, %.8g after %d iterations, %.1f ms CPU%s", fit.f_before, fit.f_after,
-              fit.iterations, 1e3 * fit.cpu_s, fit.ok ? "" : ": NO SOLUTION");
+              fit.iterations, 1e3 * fit.cpu_s, fit.failure.empty() ? "" : ": NO SOLUTION");
 }
 
 Json json(const Statistics& s) {
@@ -110,10 +110,9 @@ void add_absolute(const AbsoluteErrors& errors, Json& all) {
 }
 
 Json json(const PoseGraphFit& fit) {
-  return {{"patches", fit.patches},    {"relations", fit.relations},
-          {"islands", fit.islands},    {"f_before", fit.f_before},
-          {"f_after", fit.f_after},    {"iterations", fit.iterations},
-          {"cpu_ms", 1e3 * fit.cpu_s}, {"ok", fit.ok}};
+  return {{"patches", fit.patches},    {"relations", fit.relations}, {"islands", fit.islands},
+          {"f_before", fit.f_before},  {"f_after", fit.f_after},     {"iterations", fit.iterations},
+          {"cpu_ms", 1e3 * fit.cpu_s}, {"ok", fit.failure.empty()}};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "server/output/atomic_file.hpp"
 #include "tools/replay/read_map.hpp"
+#include "tools/text/finite_number.hpp"
 #include "tools/text/progress.hpp"
 
 namespace {
@@ -24,6 +25,7 @@ ReplayResult replayed(const Arguments& arguments) {
   ReplayOptions options;
   options.config_file = arguments.config_file;
   options.progress = [&](double share) { progress.update(share); };
+  options.finishing = [&](const std::string& what) { progress.say(what); };
   options.warn = [](const std::string& warning) {
     std::fprintf(stderr, "isthmus-export: %s\n", warning.c_str());
   };
@@ -49,13 +51,13 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--output", arguments.output, "directory for the files, made where missing")->required();
   app.add_option("--resolution", arguments.resolution_m, "size of a grid cell in metres")
-      ->check(CLI::Range(0.005, 10.0))
+      ->check(finite_number & CLI::Range(0.005, 10.0))
       ->capture_default_str();
   app.add_option("--align", arguments.align,
                  "X,Y,YAW (metres, radians): moves every island's frame by this before writing")
       ->delimiter(',')
       ->expected(3)
-      ->check(CLI::Range(-1e6, 1e6));
+      ->check(finite_number & CLI::Range(-1e6, 1e6));
   app.add_option("--config", arguments.config_file, "TOML configuration, instead of the journal's own");
   try {
     app.parse(argc, argv);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "server/wire/limits.hpp"
 #include "tools/text/numbers.hpp"
 
 namespace isthmus {
@@ -91,6 +92,15 @@ class Words {
     return static_cast<std::size_t>(*value);
   }
 
+  /// The same of beams: as many as a message may hold.
+  std::size_t beams() {
+    const std::size_t count = length();
+    if (count <= static_cast<std::size_t>(most_beams)) return count;
+    --at_;
+    fail("counts more beams than the " + std::to_string(most_beams) + " of a message");
+    return 0;
+  }
+
   Pose pose() {
     const double x = number();
     const double y = number();
@@ -163,7 +173,7 @@ CarmenLine odometry_line(Words& words) {
 /// FLASER n r… x y theta odom_x odom_y odom_theta ipc_timestamp host logger_timestamp
 CarmenLine front_laser_line(Words& words) {
   CarmenLine line;
-  const std::size_t n = words.length();
+  const std::size_t n = words.beams();
   if (!words.expect(2 + n + 9)) return line;
   CarmenScan laser;
   laser.scan.ranges_m = words.ranges(n);
@@ -189,7 +199,7 @@ CarmenLine robot_laser_line(Words& words) {
   laser.scan.bearing_step_rad = words.number();
   const double range_max_m = words.number();
   words.skip(2);
-  const std::size_t n = words.length();
+  const std::size_t n = words.beams();
   laser.scan.ranges_m = words.ranges(n);
   const std::size_t remissions = words.length();
   words.skip(remissions);

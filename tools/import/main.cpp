@@ -7,6 +7,7 @@
 #include "server/wire/event_log.hpp"
 #include "tools/import/import.hpp"
 #include "tools/import/mrclam.hpp"
+#include "tools/text/finite_number.hpp"
 #include "tools/text/progress.hpp"
 
 namespace {
@@ -91,7 +92,7 @@ Command mrclam_command(CLI::App& app, MrclamImport& what, std::string& output, s
   mrclam->add_option("--truth", truth, "write the true ROBOT.tum and tags.csv into this directory");
   number("--range-std", what.range_std_m, "sigma of a range of 0 m, m", sigma);
   number("--range-std-share", what.range_std_share, "what is added to it, of the range",
-         CLI::Range(0.0, 1.0));
+         finite_number & CLI::Range(0.0, 1.0));
   number("--bearing-std", what.bearing_std_rad, "sigma of a bearing, rad", sigma);
   number("--odometry-lag", what.odometry_lag_s, "a robot moves so much after its odometry's stamp, s",
          seconds);

@@ -1,7 +1,12 @@
 #include "tools/inspect/meeting_counts.hpp"
 
 #include <filesystem>
+#include <iterator>
+#include <span>
+#include <sstream>
+#include <vector>
 
+#include "server/engine/dependencies.hpp"
 #include "tools/text/csv.hpp"
 
 namespace isthmus {
@@ -14,8 +19,16 @@ void add_sighting(const std::string& verdict, const std::string& reason, std::in
   if (closure >= 0) ++counts.by_closure[closure].sightings;
 }
 
-void add_relation(std::int64_t closure, MeetingCounts& counts) {
+void add_relation(std::int64_t closure, std::span<const std::int64_t> depends_on, MeetingCounts& counts) {
   if (closure >= 0) ++counts.by_closure[closure].relations;
+  for (const std::int64_t other : depends_on)
+    if (other != closure) ++counts.by_closure[other].dependents;
+}
+
+/// Ids, a blank between.
+std::vector<std::int64_t> ids_of(const std::string& text) {
+  std::istringstream words(text);
+  return {std::istream_iterator<std::int64_t>(words), {}};
 }
 
 }  // namespace
@@ -25,8 +38,12 @@ MeetingCounts count_meetings(const MapCopy& map) {
   for (const SightingRecord& record : map.sightings) {
     add_sighting(record.verdict, record.reason, record.closure.value, counts);
   }
-  for (const auto& [id, relation] : map.graph.relations())
-    add_relation(relation.origin.closure.value, counts);
+  const Dependencies dependencies(map.graph);
+  for (const auto& [id, relation] : map.graph.relations()) {
+    std::vector<std::int64_t> depends_on;
+    for (const ClosureId closure : dependencies.of(id)) depends_on.push_back(closure.value);
+    add_relation(relation.origin.closure.value, depends_on, counts);
+  }
   return counts;
 }
 
@@ -38,7 +55,9 @@ MeetingCounts read_meeting_counts(const std::string& directory) {
   }
   if (const std::string file = directory + "/relations.csv"; std::filesystem::exists(file)) {
     CsvReader csv(file);
-    while (csv.next()) add_relation(csv.integer("closure"), counts);
+    const bool knows = csv.has_column("depends_on");
+    while (csv.next())
+      add_relation(csv.integer("closure"), ids_of(knows ? csv.text("depends_on") : ""), counts);
   }
   return counts;
 }

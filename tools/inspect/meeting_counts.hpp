@@ -11,6 +11,7 @@ namespace isthmus {
 struct ClosureParts {
   int sightings = 0;
   int relations = 0;
+  int dependents = 0;  ///< relations of others that depend on it
 };
 
 /// What became of the sightings, and which of them and of the relations belong to which closure.

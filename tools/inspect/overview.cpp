@@ -106,8 +106,8 @@ std::string sessions(const Json& report) {
 
 std::string closures(const Json& report, const MeetingCounts& meetings) {
   if (report.at("closures").empty()) return "  none\n";
-  std::vector<Row> rows = {
-      {"closure", "kind", "state", "at s", "robots", "patches", "sightings", "relations", "reason"}};
+  std::vector<Row> rows = {{"closure", "kind", "state", "at s", "robots", "patches", "sightings", "relations",
+                            "dependents", "reason"}};
   for (const Json& closure : report.at("closures")) {
     const auto known = meetings.by_closure.find(closure.at("id").get<std::int64_t>());
     const ClosureParts parts = known == meetings.by_closure.end() ? ClosureParts{} : known->second;
@@ -115,7 +115,8 @@ std::string closures(const Json& report, const MeetingCounts& meetings) {
                     closure.at("state").get<std::string>(),
                     decimal(1e-6 * closure.at("utime").get<double>(), 3), joined(closure.at("robots")),
                     closure.at("patches_touched").dump(), std::to_string(parts.sightings),
-                    std::to_string(parts.relations), closure.at("reason").get<std::string>()});
+                    std::to_string(parts.relations), std::to_string(parts.dependents),
+                    closure.at("reason").get<std::string>()});
   }
   return table(rows);
 }

@@ -6,6 +6,7 @@
 
 #include "server/output/csv.hpp"
 #include "tools/replay/summary.hpp"
+#include "tools/text/finite_number.hpp"
 #include "tools/text/progress.hpp"
 
 namespace {
@@ -57,6 +58,7 @@ void run(const Arguments& arguments) {
   ReplayResult result = [&] {
     Progress progress("replay");
     options.progress = [&](double share) { progress.update(share); };
+    options.finishing = [&](const std::string& what) { progress.say(what); };
     return replay(arguments.log, options);
   }();
   if (memory) memory->commit();
@@ -78,7 +80,7 @@ int main(int argc, char** argv) {
   app.add_option("--until", arguments.until_s,
                  "read no further than so many seconds of event time after the log's first event")
       ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber);
+      ->check(finite_number & CLI::NonNegativeNumber);
   app.add_option("--memory", arguments.memory_file,
                  "CSV file for the resident memory at every minute of event time")
       ->type_name("FILE");

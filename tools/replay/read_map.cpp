@@ -11,10 +11,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-ReplayResult finished(ServedMap map, Clock::time_point start) {
+ReplayResult finished(ServedMap map, Clock::time_point start, const ReplayOptions& options) {
   ReplayResult result;
   result.engine = std::move(map.engine);
-  result.engine.finish();
+  finish_map(result.engine, options);
   result.messages = map.events;
   result.cost.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
   result.cost.cpu_s = process_cpu_s();
@@ -29,8 +29,6 @@ ServedMap recovered(const std::string& journal, const ReplayOptions& options) {
   ServedMap map = recovery.begin();
   while (recovery.step(map))
     if (options.progress) options.progress(recovery.progress());
-  if (recovery.skipped_bytes() > 0 && options.warn)
-    options.warn(journal + ": " + std::to_string(recovery.skipped_bytes()) + " damaged bytes passed over");
   return map;
 }
 
@@ -41,9 +39,10 @@ ReplayResult read_map(const std::string& path, const ReplayOptions& options) {
   if (is_snapshot(path)) {
     if (!options.config_file.empty())
       throw std::runtime_error(path + ": a snapshot keeps the configuration that it was made with");
-    return finished(read_snapshot(path).map, start);
+    return finished(read_snapshot(path).map, start, options);
   }
-  if (is_journal(path) && options.config_file.empty()) return finished(recovered(path, options), start);
+  if (is_journal(path) && options.config_file.empty())
+    return finished(recovered(path, options), start, options);
   return replay(path, options);
 }
 

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
-#include <fstream>
-#include <sstream>
+#include <filesystem>
 #include <stdexcept>
 
 #include "server/engine/refinement.hpp"
+#include "server/wire/drop_record.hpp"
 #include "server/wire/event_log.hpp"
-#include "server/wire/journal_files.hpp"
+#include "server/wire/journal_view.hpp"
+#include "server/wire/text_file.hpp"
 
 namespace isthmus {
 namespace {
@@ -35,17 +36,15 @@ Configuration parsed(const std::string& toml, const std::string& file) {
   return std::get<Configuration>(std::move(result));
 }
 
-Configuration read_configuration(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw std::runtime_error(file + ": cannot be read");
-  return parsed(text.str(), file);
-}
+Configuration read_configuration(const std::string& file) { return parsed(read_text_file(file), file); }
 
 /// A path, once it is known that no events are missing at its beginning.
 const std::string& whole(const std::string& path) {
-  if (is_journal(path) && list_journal(path).segments.begin()->first != 1) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return path;
+  const JournalView journal = view_journal(path);
+  require_beginning(journal);
+  if (!journal.segments.empty() && journal.segments.front().number != 1) {
     throw std::runtime_error(
         path +
         ": its first segments were pruned; isthmus-export and isthmus-inspect read it by "
@@ -72,7 +71,7 @@ class Replay {
     begin(0);
     const Clock::time_point finish = Clock::now();
     if (options_.refine) command("refine");
-    result_.engine.finish();
+    finish_map(result_.engine, options_);
     if (options_.refine) refine();
     result_.cost.finish_s = seconds_since(finish);
     result_.cost.wall_s = seconds_since(start);
@@ -84,13 +83,13 @@ class Replay {
  private:
   void read() {
     while (const std::optional<Message> message = reader_.next()) {
-      report_damage(" before the event at offset " + std::to_string(reader_.offset()));
+      report_damage();
       if (first_utime_ && seconds_after_first(*message) > options_.until_s) return;
       take(*message);
       sample_if_due();
       if (options_.progress) options_.progress(reader_.progress());
     }
-    report_damage(" at its end");
+    report_damage();
   }
 
   void sample_if_due() {
@@ -107,6 +106,7 @@ class Replay {
 
   void take(const Message& message) {
     ++result_.messages;
+    if (const std::optional<Drops> drops = read_drops(message)) return count_drops(result_.engine, *drops);
     const Decoded decoded =
         decode(result_.engine.configuration(), message.channel, message.bytes, message.utime);
     if (!decoded.ours) {
@@ -184,13 +184,11 @@ class Replay {
     return cpu_now_s() - cpu_start_s;
   }
 
-  void report_damage(const std::string& where) {
-    const std::int64_t skipped = reader_.skipped_bytes() - result_.skipped_bytes;
-    if (skipped == 0) return;
-    result_.skipped_bytes += skipped;
-    if (options_.warn) {
-      options_.warn(reader_.file() + ": " + std::to_string(skipped) + " damaged bytes passed over" + where);
-    }
+  void report_damage() {
+    result_.skipped_bytes = reader_.skipped_bytes();
+    result_.missing_events = reader_.missing_events();
+    for (const std::string& warning : reader_.take_warnings())
+      if (options_.warn) options_.warn(warning);
   }
 
   const ReplayOptions& options_;
@@ -211,6 +209,17 @@ MapCopy ReplayResult::map() const {
   MapCopy map = engine.copy();
   if (refined) map.trajectory = refined;
   return map;
+}
+
+void finish_map(Engine& engine, const ReplayOptions& options) {
+  Outcome outcome;
+  std::int64_t pieces = 0;
+  do {
+    if (options.finishing)
+      options.finishing("finishing: " + std::string(engine.finishing()) + ", " + std::to_string(pieces) +
+                        " pieces of work done");
+    ++pieces;
+  } while (engine.finish_step(outcome));
 }
 
 ReplayResult replay(const std::string& path, const ReplayOptions& options) {

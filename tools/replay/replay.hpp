@@ -25,19 +25,25 @@ struct ReplayOptions {
   std::function<void(const Engine&, double event_s)> sample;
   double sample_every_s = 60;
   std::function<void(double)> progress;
-  std::function<void(const std::string&)> warn;  ///< told of damaged parts of the log
+  /// Told what is done after the last event, before each piece of it.
+  std::function<void(const std::string&)> finishing;
+  std::function<void(const std::string&)> warn;  ///< told of what is damaged, or cannot be verified
 };
+
+/// Finishes the map of an engine, telling of it as the options say.
+void finish_map(Engine& engine, const ReplayOptions& options);
 
 struct ReplayResult {
   Engine engine;
   std::shared_ptr<const TrajectoryStore> refined;  ///< the trajectory after the second pass; none without one
   std::size_t scans_refined = 0;
   RunCost cost;
-  LatencyHistogram event_cpu;      ///< CPU time of the engine's own thread per event: latency but for waits
-  CostProfile scan_cost;           ///< CPU time of the engine from one scan to the next
-  std::int64_t messages = 0;       ///< read from the log
-  std::int64_t ignored = 0;        ///< on channels that are not input
-  std::int64_t skipped_bytes = 0;  ///< damaged
+  LatencyHistogram event_cpu;       ///< CPU time of the engine's own thread per event: latency but for waits
+  CostProfile scan_cost;            ///< CPU time of the engine from one scan to the next
+  std::int64_t messages = 0;        ///< read from the log
+  std::int64_t ignored = 0;         ///< on channels that are not input
+  std::int64_t skipped_bytes = 0;   ///< damaged
+  std::int64_t missing_events = 0;  ///< that a journal is known to lack
 
   /// The map with the best trajectory there is.
   MapCopy map() const;

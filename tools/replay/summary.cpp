@@ -82,6 +82,7 @@ std::string summary_json(const ReplayResult& result, const MapCopy& map) {
   const RunCost& cost = result.cost;
   const Json json = {{"messages", result.messages},
                      {"skipped_bytes", result.skipped_bytes},
+                     {"missing_events", result.missing_events},
                      {"scans", c.scans},
                      {"matched_share", share_matched(c)},
                      {"scans_predicted", Json(c.scans_predicted)},

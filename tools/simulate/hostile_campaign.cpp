@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "server/wire/live_server.hpp"
 #include "tools/simulate/confidence_campaign.hpp"
 #include "tools/simulate/random.hpp"
+#include "tools/simulate/unruly_messages.hpp"
 
 namespace isthmus {
 namespace {
@@ -20,6 +22,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr const char* intruder = "INTRUDER";
 constexpr std::size_t longest_bytes = 20'000;
+constexpr double unruly_share = 0.1;
 
 void put_number(Bytes& bytes, Random& random) {
   static constexpr std::array numbers = {
@@ -91,13 +94,39 @@ std::string hostile_channel(const std::string& genuine, Random& random) {
   return std::string(intruder) + "_" + (random.chance(0.1) ? kinds[random.index(kinds.size())] : kind);
 }
 
+std::string sender_of(const Message& message) { return message.channel.substr(0, message.channel.find('_')); }
+
+/// Who may be named by what is well formed.
+Unruly unruly_one(const std::vector<Message>& team, HostileNames names) {
+  Unruly unruly;
+  unruly.robots = {intruder};
+  if (names == HostileNames::intruder) return unruly;
+  std::set<std::string> robots;
+  std::set<std::int32_t> barcodes;
+  for (const Message& message : team) {
+    const auto event = decode(Configuration{}, message.channel, message.bytes, message.utime).event;
+    if (!event) continue;
+    if (const auto* robot = std::get_if<RobotEvent>(&event->body)) {
+      robots.insert(robot->robot);
+      barcodes.insert(robot->barcode);
+    }
+    if (const auto* sighting = std::get_if<SightingEvent>(&event->body)) barcodes.insert(sighting->barcode);
+  }
+  barcodes.erase(-1);
+  unruly.robots.insert(unruly.robots.end(), robots.begin(), robots.end());
+  unruly.barcodes.assign(barcodes.begin(), barcodes.end());
+  unruly.closures = 100;
+  return unruly;
+}
+
 /// The team's messages, and so many hostile ones between them.
-void send(const std::vector<Message>& team, std::int64_t hostile, std::uint64_t seed, Inbox& inbox) {
+void send(const std::vector<Message>& team, std::int64_t hostile, std::uint64_t seed, HostileNames names,
+          Inbox& inbox) {
   Random random(seed, "hostile");
+  Unruly unruly = unruly_one(team, names);
   std::int64_t sent = 0;
   const auto push = [&](const Message& message) {
-    const std::string sender = message.channel.substr(0, message.channel.find('_'));
-    inbox.push_waiting(sender, message.channel.ends_with("_SCAN"), message.utime, message.channel,
+    inbox.push_waiting(sender_of(message), message.channel.ends_with("_SCAN"), message.utime, message.channel,
                        message.bytes);
   };
   RobotEvent introduction;
@@ -108,6 +137,11 @@ void send(const std::vector<Message>& team, std::int64_t hostile, std::uint64_t 
     push(team[i]);
     const auto due = static_cast<std::int64_t>(i + 1) * hostile / static_cast<std::int64_t>(team.size());
     for (; sent < due; ++sent) {
+      if (random.chance(unruly_share)) {
+        unruly.robot = unruly.robots[random.index(unruly.robots.size())];
+        push(encode(unruly_event(unruly, team[i].utime, random)));
+        continue;
+      }
       const Message& genuine = team[random.index(i + 1)];
       const Bytes& other = team[random.index(i + 1)].bytes;
       push({team[i].utime, hostile_channel(genuine.channel, random), spoilt(genuine.bytes, other, random)});
@@ -116,19 +150,21 @@ void send(const std::vector<Message>& team, std::int64_t hostile, std::uint64_t 
   inbox.close();
 }
 
-MapCopy serve(const std::vector<Message>& team, std::int64_t hostile, std::uint64_t seed) {
+MapCopy serve(const std::vector<Message>& team, std::int64_t hostile, std::uint64_t seed,
+              HostileNames names) {
   Inbox inbox({}, InboxOrder::arrival);
   LiveOptions options;
   options.start_utime = team.front().utime;
   LiveServer server(options, inbox, [](const auto&, const auto&) {});
-  std::jthread sender([&] { send(team, hostile, seed, inbox); });
+  std::jthread sender([&] { send(team, hostile, seed, names, inbox); });
   server.run();
   return server.engine().copy();
 }
 
 }  // namespace
 
-HostileTrial try_hostile_messages(const Scenario& scenario, std::uint64_t seed, std::int64_t messages) {
+HostileTrial try_hostile_messages(const Scenario& scenario, std::uint64_t seed, std::int64_t messages,
+                                  HostileNames names) {
   const SimulatedRun run = simulate(scenario, seed);
   std::vector<Message> team;
   for (const Event& event : run.events)
@@ -136,10 +172,10 @@ HostileTrial try_hostile_messages(const Scenario& scenario, std::uint64_t seed, 
   HostileTrial trial;
   trial.messages = messages;
   const double cpu_s = process_cpu_s();
-  const MapCopy map = serve(team, messages, seed);
+  const MapCopy map = serve(team, messages, seed, names);
   trial.cpu_s = process_cpu_s() - cpu_s;
   trial.peak_rss_mb = process_peak_rss_mb();
-  const MapCopy clean = serve(team, 0, seed);
+  const MapCopy clean = serve(team, 0, seed, names);
   trial.dropped = map.counters.dropped;
   if (clean.counters.events > map.counters.events)
     throw std::runtime_error("the server took fewer events with the hostile messages than without");

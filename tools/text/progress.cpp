@@ -14,11 +14,23 @@ Progress::~Progress() {
 }
 
 void Progress::update(double share) {
-  if (!terminal_ || ++calls_ % 64 != 1) return;
+  if (is_due()) show(std::to_string(static_cast<int>(100 * share)) + " %");
+}
+
+void Progress::say(const std::string& what) {
+  if (is_due()) show(what);
+}
+
+bool Progress::is_due() {
+  if (!terminal_) return false;
   const auto now = std::chrono::steady_clock::now();
-  if (now - last_ < std::chrono::milliseconds(100)) return;
+  if (now - last_ < std::chrono::milliseconds(100)) return false;
   last_ = now;
-  std::fprintf(stderr, "\r%s %3.0f %%\033[K", label_.c_str(), 100 * share);
+  return true;
+}
+
+void Progress::show(const std::string& what) {
+  std::fprintf(stderr, "\r%s %s\033[K", label_.c_str(), what.c_str());
   std::fflush(stderr);
 }
 

@@ -16,11 +16,15 @@ class Progress {
 
   /// `share` of the work done, 0 to 1. Cheap to call often: prints at most ten times a second.
   void update(double share);
+  /// In words, where nobody can tell the share.
+  void say(const std::string& what);
 
  private:
+  bool is_due();
+  void show(const std::string& what);
+
   std::string label_;
   bool terminal_ = false;
-  unsigned calls_ = 0;
   std::chrono::steady_clock::time_point last_;
 };
 

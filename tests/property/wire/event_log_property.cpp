@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <lcm/lcm-cpp.hpp>
 
+#include "server/wire/journal.hpp"
 #include "tests/support/log_files.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -94,6 +95,46 @@ TEST(EventLogProperty, AccountsForEveryByte) {
     const std::vector<std::size_t> ends = frame_ends(content.messages);
     const std::size_t read = ends.empty() ? 0 : ends.back();
     RC_ASSERT(read + static_cast<std::size_t>(content.skipped) == bytes.size());
+  }));
+}
+
+/// A part of it overwritten, cut out, or something put in between.
+std::vector<std::uint8_t> damaged(std::vector<std::uint8_t> bytes) {
+  const auto at = *inRange<std::size_t>(0, bytes.size());
+  const auto count = std::min(*inRange<std::size_t>(1, 300), bytes.size() - at);
+  const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+  const auto end = begin + static_cast<std::ptrdiff_t>(count);
+  const int how = *inRange(0, 3);
+  if (how == 0) std::generate(begin, end, [] { return *arbitrary<std::uint8_t>(); });
+  if (how == 1) bytes.erase(begin, end);
+  if (how == 2) bytes.insert(begin, count, *arbitrary<std::uint8_t>());
+  return bytes;
+}
+
+/// What happens to the bytes behind the segment's header loses events at most, and each is counted that
+/// others follow.
+TEST(JournalProperty, ReadsOnlyWhatWasWrittenAndCountsWhatIsMissing) {
+  EXPECT_TRUE(rc::check([] {
+    const std::vector<Message> messages = random_messages();
+    TemporaryDirectory directory;
+    {
+      Journal journal(directory / "j");
+      for (const Message& message : messages) journal.append(message);
+    }
+    const std::string segment = directory / "j/journal-000001.lcm";
+    const std::vector<std::uint8_t> bytes = read_bytes(segment);
+    const auto header = bytes.begin() + segment_header_bytes;
+    std::vector<std::uint8_t> rest = damaged({header, bytes.end()});
+    if (*arbitrary<bool>()) rest = damaged(rest);
+    rest.insert(rest.begin(), bytes.begin(), header);
+    write_bytes(segment, rest);
+    const LogContent content = read_log(directory / "j");
+    RC_ASSERT(in_order(content.messages, messages));
+    const auto lost = static_cast<std::int64_t>(messages.size() - content.messages.size());
+    RC_ASSERT(content.missing <= lost);
+    const bool to_the_end = !content.messages.empty() && same(content.messages.back(), messages.back());
+    if (to_the_end) RC_ASSERT(content.missing == lost);
+    RC_ASSERT(lost == 0 || content.skipped > 0 || content.missing > 0 || rest.size() < bytes.size());
   }));
 }
 

@@ -98,5 +98,15 @@ TEST(OperatorKey, IsReadFromAFileOfOneLine) {
             long_file + ": must hold the operator's name and key, and no more");
 }
 
+TEST(OperatorKey, IsNotReadFromAFileThatAnybodyMayWrite) {
+  TemporaryDirectory directory;
+  const std::string file = directory.write("key", "alice ab" + std::string(62, '0') + "\n");
+  std::filesystem::permissions(file, std::filesystem::perms{0646});
+  EXPECT_EQ(error_of([&] { read_operator_key(file); }),
+            file + ": holds keys, and anybody may write it: chmod 600 " + file);
+  EXPECT_EQ(error_of([&] { read_operator_key(directory / "."); }),
+            directory / "." + ": is a directory; give the file");
+}
+
 }  // namespace
 }  // namespace isthmus

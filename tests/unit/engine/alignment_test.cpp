@@ -229,5 +229,56 @@ TEST(Alignment, ABearingIsComparedAcrossTheTurnOfTheAngle) {
   EXPECT_LT(chi_squared(s, first_from_second), 0.01);
 }
 
+// Which of some sightings agree, and when they were; 1 s apart from the first on unless said otherwise.
+struct Asked {
+  Alignment alignment;
+  std::vector<ChartSighting> sightings;
+
+  Asked(int supporters, int others, bool two_way, double baseline_m = 2) {
+    alignment.two_way = two_way;
+    alignment.baseline_m = baseline_m;
+    for (int i = 0; i < supporters; ++i) alignment.supporters.push_back(static_cast<std::size_t>(i));
+    sightings.resize(static_cast<std::size_t>(supporters + others));
+    for (std::size_t i = 0; i < sightings.size(); ++i) at(i, static_cast<double>(i));
+  }
+  void at(std::size_t i, double time_s) { sightings[i].utime = static_cast<std::int64_t>(1e6 * time_s); }
+  bool ready(double now_s = 0, bool no_more_waiting = false) const {
+    return isthmus::ready(alignment, sightings, static_cast<std::int64_t>(1e6 * now_s), no_more_waiting);
+  }
+};
+
+TEST(Ready, IsAnAlignmentThatMoreSupportThanDisagreeWith) {
+  EXPECT_TRUE(Asked(3, 0, true).ready());
+  EXPECT_TRUE(Asked(3, 2, true).ready());
+  EXPECT_FALSE(Asked(3, 3, true).ready());
+  EXPECT_FALSE(Asked(3, 4, true).ready());
+  EXPECT_FALSE(Asked(3, 3, true).ready(100, true)) << "not even at the end";
+}
+
+TEST(Ready, CountsAsRivalsOnlyThoseOfTheSameTime) {
+  for (const double off_s : {-10.5, 12.5}) {
+    Asked asked(3, 3, true);
+    for (std::size_t i = 3; i < 6; ++i) asked.at(i, off_s);
+    EXPECT_TRUE(asked.ready()) << off_s;
+  }
+  for (const double off_s : {-9.5, 11.5}) {
+    Asked asked(3, 3, true);
+    for (std::size_t i = 3; i < 6; ++i) asked.at(i, off_s);
+    EXPECT_FALSE(asked.ready()) << off_s;
+  }
+}
+
+TEST(Ready, IsALonePairOfEitherDirectionAfterThreeSecondsOrAtTheEnd) {
+  const Asked pair(2, 0, true);  // the second is of 1 s
+  EXPECT_FALSE(pair.ready(3.9));
+  EXPECT_TRUE(pair.ready(4.1));
+  EXPECT_TRUE(pair.ready(0, true));
+}
+
+TEST(Ready, AreThreeOfOneDirectionOnlyFromPlacesApart) {
+  EXPECT_FALSE(Asked(2, 0, false).ready(100, true));
+  EXPECT_FALSE(Asked(3, 0, false, 0.9).ready(100, true));
+  EXPECT_TRUE(Asked(3, 0, false, 1.1).ready());
+}
 }  // namespace
 }  // namespace isthmus

@@ -54,6 +54,37 @@ TEST(Agreement, AFindAMetreOffIsInconsistent) {
   EXPECT_EQ(between(map, found(3, 0, {0.5, 0, 0}), found(5, 2, {0.5, 0, 0.3})), no);
 }
 
+// Of two finds at one place, of which each is known to 0.02 rad and 0.12 m, the map between them exactly.
+TEST(Agreement, AsksForTheYawAndThePlaceByThemselves) {
+  const Map map = two_ways();
+  const auto turned_by = [&](double yaw) { return between(map, found(3, 0, {}), found(3, 0, {0, 0, yaw})); };
+  EXPECT_EQ(turned_by(0.08), yes) << "three sigma are 0.085 rad";
+  EXPECT_EQ(turned_by(-0.08), yes);
+  EXPECT_EQ(turned_by(0.09), no);
+  EXPECT_EQ(turned_by(-0.09), no);
+  const auto moved_by = [&](double y) { return between(map, found(3, 0, {}), found(3, 0, {0, y, 0})); };
+  EXPECT_EQ(moved_by(0.49), yes) << "three sigma are 0.51 m";
+  EXPECT_EQ(moved_by(0.53), no);
+}
+
+// However little the map knows: 1.2 m and 0.25 rad are another place.
+TEST(Agreement, HasBoundsThatNoUncertaintyWidens) {
+  Map map;
+  for (int i = 0; i < 4; ++i)
+    map.add(patch_from(furnished_room(), PatchId{i}, {}), {i < 2 ? 1.0 * i : 100 + 1.0 * i, 0, 0});
+  for (const int a : {0, 2}) {
+    Relation loose = odometry(a, a + 1, {1, 0, 0});
+    loose.measurement = RelativePose{{1, 0, 0}, Eigen::Vector3d(1, 1, 10).asDiagonal()};
+    map.relate(loose);
+  }
+  const auto off_by = [&](const Pose& off) { return between(map, found(2, 0, {}), found(3, 1, off)); };
+  EXPECT_EQ(off_by({}), yes);
+  EXPECT_EQ(off_by({0, 1.1, 0}), yes);
+  EXPECT_EQ(off_by({0, 1.3, 0}), no);
+  EXPECT_EQ(off_by({0, 0, 0.24}), yes);
+  EXPECT_EQ(off_by({0, 0, 0.26}), no);
+}
+
 TEST(Agreement, AFindFromTheOtherSideIsReadBackwards) {
   const Map map = two_ways();
   EXPECT_EQ(between(map, found(3, 0, {0.5, 0, 0.2}), found(0, 3, inverse({0.5, 0, 0.2}))), yes);
@@ -76,6 +107,18 @@ TEST(AgreementTable, FindsTheLargestSetThatHoldsAMember) {
   EXPECT_EQ(table.largest_consistent_with(0), (std::vector<std::size_t>{0, 1, 3}));
   EXPECT_EQ(table.largest_consistent_with(4), (std::vector<std::size_t>{2, 4}));
   EXPECT_EQ(table.rivals_of({0, 1, 3}), (std::vector<std::size_t>{2, 4}));
+}
+
+// What the map says nothing of speaks neither for nor against.
+TEST(AgreementTable, CountsAsRivalsOnlyWhatContradictsMostOfASet) {
+  AgreementTable table;
+  table.add({});
+  table.add({yes});
+  table.add({yes, yes});
+  table.add({unrelated, unrelated, unrelated});
+  table.add({no, unrelated, unrelated});
+  table.add({no, no, unrelated});
+  EXPECT_EQ(table.rivals_of({0, 1, 2}), (std::vector<std::size_t>{5}));
 }
 
 TEST(AgreementTable, ClosesUpWhereMembersLeave) {

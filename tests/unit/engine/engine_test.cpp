@@ -124,7 +124,7 @@ TEST(Engine, AnUnknownRobotIsCountedAndNothingElseHappens) {
   const MapCopy map = engine.copy();
   EXPECT_TRUE(map.patches.empty());
   EXPECT_EQ(map.counters.dropped.at("unknown_robot"), 2);
-  EXPECT_EQ(map.counters.dropped_by_robot.at("R9").at("unknown_robot"), 2);
+  EXPECT_EQ(map.counters.dropped_by_robot.at("(others)").at("unknown_robot"), 2);
 }
 
 TEST(Engine, AScanWithoutBeamsOrWithTheLastStampIsDroppedByReason) {

@@ -46,13 +46,14 @@ Eigen::Vector2d position(const Pose& pose) { return {pose.x, pose.y}; }
 
 TEST(SightingRelation, RangeWithBearingPutsTheTargetWhereItWasMeasured) {
   const Map map = two_patches_and_a_tag();
-  const Evidence seen = evidence(3, 0.1, 0.4, 0.05);
+  Evidence seen = evidence(3, 0.1, 0.4, 0.05);
+  seen.record = 31;
   const auto relation = sighting_relation(map, seen, ClosureId{7});
   ASSERT_TRUE(relation);
   EXPECT_EQ(relation->a, PatchId{0});
   EXPECT_EQ(relation->b, PatchId{1});
   EXPECT_EQ(relation->kind, RelationKind::range_bearing);
-  EXPECT_EQ(relation->origin, (Origin{OriginKind::sighting, ClosureId{7}}));
+  EXPECT_EQ(relation->origin, (Origin{OriginKind::sighting, ClosureId{7}, 31}));
   EXPECT_GT(relation->robust_scale, 0);
 
   const Pose least = minimiser(relation->measurement, {1, 1, 0.3});

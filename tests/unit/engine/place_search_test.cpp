@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "server/engine/seam.hpp"
-#include "tests/support/walls.hpp"
+#include "tests/support/ways.hpp"
 
 namespace isthmus {
 namespace {
@@ -18,25 +18,6 @@ struct TwoWays {
   Map map;
   std::vector<PatchId> second_newest_first;
 };
-
-void add_way(Map& map, const Walls& walls, const std::vector<Pose>& world_from_patches,
-             const Pose& map_from_world) {
-  std::optional<PatchId> before;
-  for (const Pose& world_from_patch : world_from_patches) {
-    const PatchId id = map.manifold().next_id();
-    map.add(patch_from(walls, id, world_from_patch), map_from_world * world_from_patch);
-    if (before) {
-      Relation relation;
-      relation.a = *before;
-      relation.b = id;
-      relation.kind = RelationKind::odometry;
-      relation.measurement = RelativePose{ominus(map.manifold().pose(id), map.manifold().pose(*before)),
-                                          Eigen::Vector3d(1e4, 1e4, 1e5).asDiagonal()};
-      map.relate(relation);
-    }
-    before = id;
-  }
-}
 
 TwoWays two_ways(const Walls& walls, const std::vector<Pose>& first, const std::vector<Pose>& second) {
   TwoWays ways;

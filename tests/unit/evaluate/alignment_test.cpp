@@ -47,6 +47,22 @@ AbsoluteErrors evaluate_team(double shift_m, int island_of_r2, const TagsToCompa
   return evaluate_absolute(read_trajectories(directory / "truth"), TeamTrajectories(directory / "out"), tags);
 }
 
+// Headings of π − 0.01 and −π + 0.01 are 0.02 apart.
+TEST(AbsoluteError, ComparesHeadingsAcrossTheTurnOfTheAngle) {
+  const TemporaryDirectory directory;
+  std::string truth, map;
+  for (int i = 0; i < 4; ++i) {
+    truth += row(i, {i % 2 * 2.0, i / 2 * 2.0, 3.1315926});
+    map += row(i, {i % 2 * 2.0, i / 2 * 2.0, -3.1315926});
+  }
+  directory.write("truth/R1.tum", truth);
+  directory.write("out/trajectories/R1.tum", map);
+  const AbsoluteErrors errors =
+      evaluate_absolute(read_trajectories(directory / "truth"), TeamTrajectories(directory / "out"), {});
+  ASSERT_EQ(errors.islands.size(), 1U);
+  EXPECT_NEAR(errors.islands[0].team.rotation_deg.max, 0.02 * 180 / 3.1415926, 1e-2);
+}
+
 TEST(AbsoluteError, IsNoneForAMapThatIsOnlyMoved) {
   const AbsoluteErrors errors = evaluate_team(0, 0);
   ASSERT_EQ(errors.islands.size(), 1U);

@@ -16,12 +16,21 @@ TEST(PoseGraphFit, ALoopThatDoesNotCloseIsSpreadOverItsEdges) {
                                                           "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n"
                                                           "EDGE_SE2 2 3 1 0 0 1 0 0 1 0 1\n"
                                                           "EDGE_SE2 0 3 3.4 0 0 1 0 0 1 0 1\n"));
-  EXPECT_TRUE(fit.ok);
+  EXPECT_EQ(fit.failure, "");
   EXPECT_EQ(fit.patches, 4U);
   EXPECT_EQ(fit.relations, 4U);
   EXPECT_EQ(fit.islands, 1U);
   EXPECT_NEAR(fit.f_before, 0.16, 1e-9);
   EXPECT_NEAR(fit.f_after, 0.04, 1e-9);
+}
+
+TEST(PoseGraphFit, WhereThereIsNoSolutionTheReasonIsSaid) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("huge.g2o",
+                                           "EDGE_SE2 0 1 1e200 0 0 1 0 0 1 0 1\n"
+                                           "EDGE_SE2 0 1 -1e200 0 0 1 0 0 1 0 1\n");
+  EXPECT_EQ(fit_pose_graph(file).failure,
+            file + ": no solution for the island of patch 0: the cost is not finite at the given poses");
 }
 
 TEST(PoseGraphFit, ABadFileIsNamedWithItsLine) {

@@ -57,6 +57,12 @@ TEST(CarmenLine, AFrontLaserMayHaveNoOrOneBeam) {
   EXPECT_EQ(parsed(front_laser(1)).laser->scan.ranges_m.size(), 1U);
 }
 
+TEST(CarmenLine, ALaserHasNoMoreBeamsThanAMessageMayHold) {
+  EXPECT_EQ(parsed(front_laser(20'000)).laser->scan.ranges_m.size(), 20'000U);
+  EXPECT_EQ(error(front_laser(20'001)),
+            "field 2 of FLASER counts more beams than the 20000 of a message: '20001'");
+}
+
 const std::string robot_laser =
     "ROBOTLASER1 0 -1.5 3 0.01 30 0.01 0 3 1 2 inf 2 7 8 1.2 2.3 0.6 1 2 0.5 0.1 0.2 0.3 0.3 0.4 5.25 host "
     "5.3";

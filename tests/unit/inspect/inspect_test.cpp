@@ -132,9 +132,10 @@ TEST(Overview, ShowsCountersIslandsSessionsAndClosuresWithIds) {
             "  0        R1     1       1.000   2.500\n"
             "  1        R2     -       0.000   0.000\n"
             "\nclosures\n"
-            "  closure  kind   state      at s   robots  patches  sightings  relations  reason\n"
-            "  4        merge  accepted   2.000  R1 R2   6        2          5\n"
-            "  5        merge  withdrawn  3.000  R1 R3   2        0          0          by an operator\n");
+            "  closure  kind   state      at s   robots  patches  sightings  relations  dependents  reason\n"
+            "  4        merge  accepted   2.000  R1 R2   6        2          5          0\n"
+            "  5        merge  withdrawn  3.000  R1 R3   2        0          0          0           by an "
+            "operator\n");
 }
 
 TEST(Overview, ShowsWhatARunWithoutSightingsHas) {
@@ -157,6 +158,9 @@ TEST(MeetingCounts, AreTheSameFromAMapAndFromItsTables) {
   relate(0, 1, -1);
   relate(0, 2, 3);
   relate(1, 2, 3);
+  Relation seen = *map.graph.find(RelationId{2});
+  seen.origin = {OriginKind::sighting, {}};  // the map had its ends near one another by closure 3
+  map.graph.add(seen);
   map.sightings = {{{}, "accepted", "", ClosureId{3}},
                    {{}, "refused", "gate", ClosureId{4}},
                    {{}, "refused", "unknown_barcode", {}},
@@ -173,6 +177,7 @@ TEST(MeetingCounts, AreTheSameFromAMapAndFromItsTables) {
     EXPECT_EQ(counts.by_closure.at(3).relations, 2);
     EXPECT_EQ(counts.by_closure.at(4).sightings, 1);
     EXPECT_EQ(counts.by_closure.at(4).relations, 0);
+    EXPECT_EQ(counts.by_closure.at(3).dependents, 1);
   }
 }
 

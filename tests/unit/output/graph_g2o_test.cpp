@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <sstream>
+#include <variant>
 
+#include "relations/g2o.hpp"
 #include "tests/unit/output/room.hpp"
 
 namespace isthmus {
@@ -102,6 +105,41 @@ TEST(GraphG2o, TheFileHasVerticesAFixPerIslandAndEdges) {
     EXPECT_NEAR(value, wanted, 1e-9) << rows[5];
   }
   EXPECT_TRUE((edge >> std::ws).eof()) << rows[5];
+}
+
+Relation between(Measurement measurement) {
+  Relation relation;
+  relation.a = PatchId{0};
+  relation.b = PatchId{1};
+  relation.measurement = std::move(measurement);
+  return relation;
+}
+
+/// A graph of two patches and this relation, as written and read again.
+std::variant<PoseGraphFile, std::string> read_again(const Relation& relation) {
+  MapCopy map = testing::map_of({}, {{0, 0, 0}, {2, 1, 0.5}});
+  map.graph.remove(map.graph.between(PatchId{0}, PatchId{1}));
+  map.graph.add(relation);
+  const TemporaryDirectory directory;
+  write_g2o(map, rank_islands(map), directory.file("graph.g2o"));
+  std::ifstream file(directory.file("graph.g2o"));
+  return read_g2o(file, "graph.g2o");
+}
+
+// Solvers refuse what is not positive definite, and a part of a pose alone is not.
+TEST(GraphG2o, RelationsThatTellLessThanAPoseAreReadAgain) {
+  QuadraticFormBuilder point;  // a sighting: where b's origin is, to 1 mm
+  point.point_at_point({0, 0}, {2, 1}, 0.001);
+  for (const auto& [what, relation] :
+       {std::pair{"range", between(Range{{0, 0}, {0, 0}, 2.2, 0.1})},
+        {"sharp range of lever arms", between(Range{{3, 4}, {-2, 7}, 9, 1e-4})},
+        {"bearing", between(Bearing{{0.1, 0, 0.2}, {0.3, 0}, 0.4, 0.02})},
+        {"point", between(Correspondences{point.build(), 1, {}})}}) {
+    const auto graph = read_again(relation);
+    const std::string* error = std::get_if<std::string>(&graph);
+    if (error) ADD_FAILURE() << what << ": " << *error;
+    EXPECT_TRUE(error || std::get<PoseGraphFile>(graph).graph.relations().size() == 1U) << what;
+  }
 }
 
 }  // namespace

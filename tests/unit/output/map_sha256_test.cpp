@@ -71,6 +71,16 @@ TEST(MapSha256, AcceptedClosuresCountAndRefusedOnesLeaveNoTrace) {
   EXPECT_NE(map_sha256(accepted), map_sha256(map));
 }
 
+// A robot that lies alone has no relations that its dropping would take away.
+TEST(MapSha256, PatchesThatOperatorsHaveDroppedCount) {
+  MapCopy map = small_map();
+  map.left_out = {PatchId{1}};
+  EXPECT_NE(map_sha256(map), map_sha256(small_map()));
+  MapCopy another = small_map();
+  another.left_out = {PatchId{2}};
+  EXPECT_NE(map_sha256(another), map_sha256(map));
+}
+
 TEST(MapSha256, WhatItCostAndWhatWasDroppedAreNoPartOfTheMap) {
   MapCopy map = small_map();
   map.counters.dropped["unknown_robot"] = 5;

@@ -143,7 +143,7 @@ TEST(Tables, ThePatchesCovarianceIsTheExactOneRelativeToTheFirst) {
   EXPECT_NE(row.find(wanted), std::string::npos) << row << "\nwanted " << wanted;
 }
 
-TEST(Tables, RelationsHaveKindCountOriginAndClosure) {
+TEST(Tables, RelationsHaveKindCountOriginClosureAndWhatTheyDependOn) {
   MapCopy map = map_of({}, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
   Relation relation;
   relation.a = PatchId{0};
@@ -154,14 +154,18 @@ TEST(Tables, RelationsHaveKindCountOriginAndClosure) {
   relation.measurement = Correspondences{builder.build(), 7, {}};
   relation.origin = {OriginKind::propagation, ClosureId{3}};
   map.graph.add(relation);
+  relation.origin = {OriginKind::hypothesis, ClosureId{5}};
+  relation.b = PatchId{1};
+  map.graph.add(relation);
   const TemporaryDirectory directory;
   write_relations(map, directory.file("relations.csv"));
   EXPECT_EQ(lines(directory.file("relations.csv")),
             (std::vector<std::string>{
-                "id,a,b,kind,count,origin,closure",
-                "0,0,1," + std::string(name(RelationKind::odometry)) + ",1,odometry,-1",
-                "1,1,2," + std::string(name(RelationKind::odometry)) + ",1,odometry,-1",
-                "2,0,2," + std::string(name(RelationKind::point_to_line)) + ",7,propagation,3"}));
+                "id,a,b,kind,count,origin,closure,depends_on",
+                "0,0,1," + std::string(name(RelationKind::odometry)) + ",1,odometry,-1,",
+                "1,1,2," + std::string(name(RelationKind::odometry)) + ",1,odometry,-1,",
+                "2,0,2," + std::string(name(RelationKind::point_to_line)) + ",7,propagation,3,3",
+                "3,0,1," + std::string(name(RelationKind::point_to_line)) + ",7,hypothesis,5,5"}));
 }
 
 TEST(Tables, SightingsRepeatTheInputAndSayWhatBecameOfIt) {

@@ -9,7 +9,9 @@
 #include <set>
 #include <sstream>
 
+#include "server/output/atomic_file.hpp"
 #include "server/output/output.hpp"
+#include "server/output/picture.hpp"
 #include "tests/unit/output/room.hpp"
 
 namespace isthmus {
@@ -109,6 +111,24 @@ TEST(WriteOutputs, PicturesAreOfTheGridsSize) {
     EXPECT_EQ(big_endian(16), pgm.width);
     EXPECT_EQ(big_endian(20), pgm.height);
   }
+}
+
+// However many islands there are, only some are held at once.
+TEST(WriteOutputs, PicturesDrawnSomeAtATimeAreAsThoseDrawnTogether) {
+  const TemporaryDirectory directory;
+  MapCopy map = room();
+  map.graph.remove(map.graph.between(PatchId{0}, PatchId{1}).front());
+  const RankedIslands islands = rank_islands(map);
+  ASSERT_EQ(islands.patches.size(), 2U);
+  const auto picture = [&](std::size_t k) { return Picture(render_island(map, islands.patches[k], 0.05)); };
+  make_directory(directory.file("together"));
+  make_directory(directory.file("apart"));
+  write_pictures(map, islands, 0, {picture(0), picture(1)}, directory.file("together"));
+  for (const std::size_t k : {0U, 1U}) write_pictures(map, islands, k, {picture(k)}, directory.file("apart"));
+  for (const std::string name : {"island-0-trajectory.png", "island-1-trajectory.png"})
+    EXPECT_EQ(content(directory.file("together/" + name)), content(directory.file("apart/" + name))) << name;
+  EXPECT_NE(content(directory.file("apart/island-0-trajectory.png")),
+            content(directory.file("apart/island-1-trajectory.png")));
 }
 
 TEST(WriteOutputs, AlignMovesTheFrameAndNothingElse) {

@@ -132,5 +132,32 @@ TEST(Manifold, BackProjectionOutsideEveryPatchTakesTheNearestOrigin) {
   EXPECT_FALSE(manifold.project_back({14, 0, 0}, {}));
 }
 
+// A laser that looks ahead sees nothing of where the robot itself stands and backs to:
+//
+//            . - ~
+//     x  o->       )    x: behind the laser, within the footprint
+//            ` - ~
+TEST(Manifold, APatchContainsItsFootprintThoughItsLaserLookedAway) {
+  Manifold manifold;
+  manifold.add(make_patch(PatchId{0}, "R1", testing::half_turn(181, 4), {}, {}), {0, 0, 0});
+  manifold.add(disc(1, 10), {2, 0, 0});
+  const std::vector<PatchId> both{PatchId{0}, PatchId{1}};
+  const double inside = Manifold::footprint_m - 0.05, outside = Manifold::footprint_m + 0.05;
+  EXPECT_EQ(manifold.project_back({-inside, 0, 0}, both)->patch, PatchId{0});
+  EXPECT_EQ(manifold.project_back({-outside, 0, 0}, both)->patch, PatchId{1})
+      << "nearer, but it saw nothing there";
+  EXPECT_EQ(manifold.project_back({0.9, 0, 0}, both)->patch, PatchId{0}) << "ahead, the laser saw it free";
+}
+
+// The patch of a robot without a laser is what its footprint swept.
+TEST(Manifold, APatchWithoutAScanContainsItsFootprint) {
+  Manifold manifold;
+  const float nothing = std::numeric_limits<float>::quiet_NaN();
+  manifold.add(make_patch(PatchId{0}, "R1", full_turn(360, nothing), {}, {}), {0, 0, 0});
+  manifold.add(disc(1, 10), {3, 0, 0});
+  const std::vector<PatchId> both{PatchId{0}, PatchId{1}};
+  EXPECT_EQ(manifold.project_back({0, 0.4, 0}, both)->patch, PatchId{0});
+  EXPECT_EQ(manifold.project_back({0, 0.6, 0}, both)->patch, PatchId{1});
+}
 }  // namespace
 }  // namespace isthmus

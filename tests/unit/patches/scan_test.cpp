@@ -112,6 +112,23 @@ TEST(Scan, PointsAcrossAJumpDoNotBendNormals) {
   }
 }
 
+// A box stands 20 cm before the wall: within the arc that a normal is fitted over, but on the other side of a
+// jump. So each surface's normals are its own to the very edge.
+TEST(Scan, NormalsEndAtAJumpThatIsNearerThanTheirArcReaches) {
+  Scan scan = half_turn(361, 0);
+  look_at(scan, {{0, 2}});
+  for (std::size_t i = 160; i <= 200; ++i)
+    scan.ranges_m[i] = static_cast<float>(1.8 / std::cos(testing::bearing_rad(scan, i)));
+  NormalOptions options;
+  options.max_jump_m = 0.1;
+  options.max_flatness_m = 0.2;
+  for (const ScanPoint& point : to_points(scan, {}, options)) {
+    if (point.beam < 140 || point.beam > 220) continue;
+    ASSERT_TRUE(point.has_normal()) << point.beam;
+    EXPECT_NEAR((point.normal - Eigen::Vector2d(-1, 0)).norm(), 0, 1e-3) << point.beam;
+  }
+}
+
 TEST(Scan, LonePointsHaveNoNormal) {
   Scan scan = half_turn(181, inf);
   scan.ranges_m[20] = scan.ranges_m[90] = scan.ranges_m[160] = 5;

@@ -54,6 +54,9 @@ TEST(Star, IgnoredBeamsAndNoReturnsOpenOnlyWhatIsAllowed) {
   const Star strict(scan, {}, 20, 0);
   EXPECT_FALSE(strict.contains(polar(0, 1)));
   EXPECT_FALSE(strict.contains(polar(bearing, 1)));
+  for (const double unknown : {0.0, bearing})
+    EXPECT_EQ(strict.depth_m(polar(unknown, 1)), -std::numeric_limits<double>::infinity())
+        << "no obstacle either";
   const Star lenient(scan, {}, 20, 2);
   EXPECT_FALSE(lenient.contains(polar(0, 1)));
   EXPECT_TRUE(lenient.contains(polar(bearing, 1)));

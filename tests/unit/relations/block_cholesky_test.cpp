@@ -111,6 +111,41 @@ TEST(BlockCholesky, DirectionsWithoutInformationGetAHugeVarianceAndNoMotion) {
   EXPECT_NEAR(x[1].x(), 3, 1e-9);
 }
 
+// Held along x by a million times less than along y is weak but known; by 1e-13, rounding.
+TEST(BlockCholesky, PartsWeakInformationFromRounding) {
+  for (const auto& [share, known] : {std::pair{1e-6, true}, {1e-9, true}, {1e-11, false}, {1e-13, false}}) {
+    BlockCholesky<2> matrix(1, {});
+    matrix.add_diagonal(0, 1e4 * Eigen::Vector2d(share, 1).asDiagonal().toDenseMatrix());
+    matrix.factor();
+    EXPECT_EQ(matrix.positive_definite(), known) << share;
+    EXPECT_EQ(matrix.partly_deficient(), !known) << share;
+    const Eigen::Matrix2d inverse = matrix.inverse_diagonal(0);
+    EXPECT_NEAR(inverse(1, 1), 1e-4, 1e-10);
+    const double variance = known ? 1e-4 / share : BlockCholesky<2>::undetermined_variance;
+    EXPECT_NEAR(inverse(0, 0) / variance, 1, 1e-6) << share;
+  }
+}
+
+// What elimination leaves of 1e4 less 1e4 is no information, though it is not exactly zero.
+TEST(BlockCholesky, TakesWhatEliminationLeavesOverForNothing) {
+  std::mt19937 random(5);
+  for (int round = 0; round < 50; ++round) {
+    // Two patches tied to one another and to nothing else: their common motion is free.
+    const std::vector<std::pair<int, int>> pairs{{0, 1}};
+    BlockCholesky<3> matrix(2, pairs);
+    const Eigen::Matrix3d tie = 1e4 * small_maps::random_information(random);
+    Eigen::Matrix3d moved = Eigen::Matrix3d::Identity();
+    moved.topRightCorner<2, 1>() = small_maps::random_point(random);
+    matrix.add_diagonal(0, tie);
+    matrix.add_diagonal(1, moved.transpose() * tie * moved);
+    matrix.add(0, 1, -tie * moved);
+    matrix.factor();
+    EXPECT_FALSE(matrix.positive_definite());
+    EXPECT_GE(matrix.inverse_diagonal(0).diagonal().maxCoeff(),
+              0.01 * BlockCholesky<3>::undetermined_variance);
+  }
+}
+
 TEST(BlockCholesky, RefusesABlockOutsideThePattern) {
   const std::vector<std::pair<int, int>> pairs{{0, 1}};
   BlockCholesky<2> matrix(3, pairs);

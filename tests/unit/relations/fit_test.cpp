@@ -56,6 +56,77 @@ TEST(ChordalPoses, OfExactMeasurementsAreTheTruth) {
   EXPECT_LT(worst(*found, poses_of(problem, map.truth)), 1e-7);
 }
 
+// A relation whose yaw stands and falls with its place says little of the yaw alone: with the place unknown
+// its information of 100 is worth 1, against 10 of the other's.
+TEST(ChordalPoses, WeighAYawByWhatIsKnownOfItWithThePlaceUnknown) {
+  SmallMap map(2);
+  Eigen::Matrix3d coupled = Eigen::Vector3d(99, 1, 100).asDiagonal();
+  coupled(0, 2) = coupled(2, 0) = 99;
+  const double yaw = 0.4;
+  map.graph.add(relation(0, 1, RelativePose{{1, 0, 0}, coupled}));
+  map.graph.add(relation(0, 1, RelativePose{{1, 0, yaw}, Eigen::Vector3d(1, 1, 10).asDiagonal()}));
+  const FitProblem problem = make_fit_problem(map.graph, map.graph.patches_of(PatchId{0}));
+  const auto found = chordal_poses(problem, poses_of(problem, map.truth));
+  ASSERT_TRUE(found);
+  const double wanted = std::atan2(10 * std::sin(yaw), 1 + 10 * std::cos(yaw));
+  for (std::size_t i = 0; i < 2; ++i)
+    if (problem.patches[i] == PatchId{1}) {
+      EXPECT_NEAR((*found)[i].yaw, wanted, 1e-9);
+    }
+}
+
+TEST(ChordalPoses, ARelationThatSaysNothingOfTheYawAloneHasNoPartInIt) {
+  SmallMap map(2);
+  const Eigen::Vector3d line(3, 0, 3);  // only the sum of x and yaw is measured
+  map.graph.add(relation(0, 1, RelativePose{{1, 0, -2}, line * line.transpose()}));
+  map.graph.add(relation(0, 1, RelativePose{{1, 0, 0.4}, Eigen::Matrix3d::Identity()}));
+  const FitProblem problem = make_fit_problem(map.graph, map.graph.patches_of(PatchId{0}));
+  const auto found = chordal_poses(problem, poses_of(problem, map.truth));
+  ASSERT_TRUE(found);
+  for (std::size_t i = 0; i < 2; ++i)
+    if (problem.patches[i] == PatchId{1}) {
+      EXPECT_NEAR((*found)[i].yaw, 0.4, 1e-9);
+    }
+}
+
+// Two relations of one pair that disagree by 2 m. Under the loss ρ(c) = s² log(1 + c / s²) the least cost is
+// where the gradients cancel, w d = w' ρ'(w' d'²) d', and not at the mean of the two.
+TEST(Fit, GivesARelationTheShareThatItsRobustLossLeavesIt) {
+  constexpr double sure = 100, doubted = 100, scale = 3;
+  SmallMap map(2);
+  map.graph.add(relation(0, 1, RelativePose{{1, 0, 0}, sure * Eigen::Matrix3d::Identity()}));
+  Relation outlier = relation(0, 1, RelativePose{{3, 0, 0}, doubted * Eigen::Matrix3d::Identity()});
+  outlier.robust_scale = scale;
+  map.graph.add(outlier);
+  std::vector<Pose> poses{{}, {1.01, 0, 0}};
+  ASSERT_TRUE(fit_island(map.graph, PatchId{0}, poses).ok);
+  const double x = poses[1].x;
+  const double weight = 1 / (1 + doubted * (3 - x) * (3 - x) / (scale * scale));
+  EXPECT_NEAR(sure * (x - 1), doubted * weight * (3 - x), 0.01);
+  EXPECT_GT(x, 1.02) << "it keeps a share";
+  EXPECT_LT(x, 1.1) << "a small one";
+}
+
+// With one in twelve far off, the others say where the patch is.
+TEST(Fit, ARobustLossKeepsAnOutlierFromBendingTheMap) {
+  for (const double scale : {0.0, 2.0}) {
+    SmallMap map(3);
+    for (int i = 0; i < 2; ++i)
+      map.graph.add(relation(i, i + 1, RelativePose{{1, 0, 0}, 400 * Eigen::Matrix3d::Identity()}));
+    Relation outlier = relation(0, 2, RelativePose{{2, 3, 1}, 400 * Eigen::Matrix3d::Identity()});
+    outlier.robust_scale = scale;
+    map.graph.add(outlier);
+    std::vector<Pose> poses{{}, {1, 0, 0}, {2, 0, 0}};
+    ASSERT_TRUE(fit_island(map.graph, PatchId{0}, poses).ok);
+    const double bent_m = std::hypot(poses[2].x - 2, poses[2].y);
+    if (scale > 0) {
+      EXPECT_LT(bent_m, 0.05);
+    } else {
+      EXPECT_GT(bent_m, 1);
+    }
+  }
+}
+
 TEST(Fit, HoldsTheLowestPatchOfAnIslandAsGauge) {
   std::mt19937 random(4);
   const SmallMap map = random_map(random, 10, 10, 0.1);

@@ -78,6 +78,19 @@ TEST(Relation, RobustLossJudgesThePairAboveItsOwnMinimum) {
   EXPECT_TRUE(information(stored, off).isApprox(information(stored.measurement, off) / (1 + c / 4), 1e-12));
 }
 
+TEST(RobustWeight, IsTheDerivativeOfTheLoss) {
+  EXPECT_EQ(robust_weight(1e6, 0), 1) << "no loss";
+  for (const double scale : {0.5, 2.0, 7.0}) {
+    EXPECT_EQ(robust_weight(0, scale), 1);
+    EXPECT_NEAR(robust_weight(scale * scale, scale), 0.5, 1e-12);
+    for (const double c : {0.1, 1.0, 10.0, 400.0}) {
+      const auto loss = [&](double x) { return scale * scale * std::log1p(x / (scale * scale)); };
+      const double h = 1e-4 * c;
+      EXPECT_NEAR(robust_weight(c, scale), (loss(c + h) - loss(c - h)) / (2 * h), 1e-7);
+    }
+  }
+}
+
 TEST(Relation, NamesAreThoseOfTheEnumerators) {
   EXPECT_EQ(name(OriginKind::propagation), "propagation");
   EXPECT_EQ(name(RelationKind::range_bearing), "range_bearing");

@@ -52,5 +52,28 @@ TEST(SearchWindow, NoPointsGiveTheCentreAndNoScore) {
   EXPECT_EQ(found.local_from_robot, (Pose{1, 2, 0.5}));
 }
 
+// Window and reach make a grid of 4.9 m; the coarsest blocks of shifts begin half a cell left of it, and what
+// fits lies in its first column.
+TEST(SearchWindow, FindsWhatLiesAtTheEdgeOfItsGrid) {
+  CorrelativeOptions options;
+  options.reach_m = 2;
+  for (const double side : {-1, 1}) {
+    for (const bool along_x : {true, false}) {
+      std::vector<ScanPoint> points;
+      std::vector<Eigen::Vector2d> map;
+      for (const double across : {-0.3, 0.0, 0.45}) {
+        const double far = side * std::sqrt(3.999 - across * across);
+        const Eigen::Vector2d end = along_x ? Eigen::Vector2d(far, across) : Eigen::Vector2d(across, far);
+        points.push_back({end, Eigen::Vector2d::Zero()});
+        map.push_back(end + side * 0.4 * (along_x ? Eigen::Vector2d::UnitX() : Eigen::Vector2d::UnitY()));
+      }
+      const SearchWindow window{{}, 0.45, 0.45, 0};
+      const CorrelativeResult found = search_window(map, points, window, options);
+      EXPECT_NEAR(found.local_from_robot.x, along_x ? side * 0.4 : 0, 1e-9);
+      EXPECT_NEAR(found.local_from_robot.y, along_x ? 0 : side * 0.4, 1e-9);
+      EXPECT_GT(found.score, 0.8);
+    }
+  }
+}
 }  // namespace
 }  // namespace isthmus

@@ -83,5 +83,41 @@ TEST(MatchScan, ABeamPairedWithTwoPatchesCountsOnce) {
   EXPECT_NEAR(two.beam_information(1, 1) / one.beam_information(1, 1), 1, 0.05);
 }
 
+// Both faces of a wall of 5 cm, and a robot in either room:
+//
+//      A o->                     A's patch shows the lower face, B's scan sees the upper one.
+//    ==========================
+//      B o->
+TEST(MatchScan, TheOtherFaceOfAWallIsNoPair) {
+  const Walls room_a = {{{-9, 1}, {9, 1}}}, room_b = {{{-9, 1.05}, {9, 1.05}}};
+  const LocalMap map = local_map_of(room_a, {{0, 2, 0}});
+  const auto same_side = to_points(scan_from(room_a, {0.2, 2.5, 0}), laser_of());
+  const auto other_side = to_points(scan_from(room_b, {0.2, 0, 0}), laser_of());
+  ASSERT_TRUE(match_scan(map, same_side, vague({0.2, 2.5, 0})).ok);
+  const Match match = match_scan(map, other_side, vague({0.2, 0, 0}));
+  EXPECT_FALSE(match.ok);
+  EXPECT_TRUE(match.pairs.empty());
+  EXPECT_EQ(match.local_from_robot, (Pose{0.2, 0, 0}));
+}
+
+// A quarter of what the scan sees ahead has moved by 10 cm since: it pairs with the old place, and would pull
+// the pose there by centimetres.
+TEST(MatchScan, WhatStandsAsideOfItsLineHasNextToNoWeight) {
+  const LocalMap map = local_map_of(furnished_room(), {{-1, 0, 0.2}});
+  const Pose truth{-0.8, -0.1, 0.1};
+  Scan scan = scan_from(furnished_room(), truth);
+  int moved = 0;
+  for (std::size_t i = 70; i < 110; i += 2, ++moved) scan.ranges_m[i] -= 0.1F;
+  ASSERT_EQ(moved, 20);
+  const Match match = match_scan(map, to_points(scan, laser_of()), vague(truth));
+  ASSERT_TRUE(match.ok);
+  EXPECT_NEAR(match.local_from_robot.x, truth.x, 0.01);
+  EXPECT_NEAR(match.local_from_robot.y, truth.y, 0.01);
+  EXPECT_LT(match.quality.inlier_share, 0.95);
+  double moved_weight = 0;
+  for (const Pair& pair : match.pairs)
+    if (pair.point >= 70 && pair.point < 110 && pair.point % 2 == 0) moved_weight += pair.weight;
+  EXPECT_LT(moved_weight, 0.1 * moved);
+}
 }  // namespace
 }  // namespace isthmus

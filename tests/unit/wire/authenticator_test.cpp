@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <random>
 #include <thread>
 
@@ -15,6 +16,7 @@
 #include "tests/support/published.hpp"
 #include "tests/support/replayed.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tests/support/waiting.hpp"
 
 namespace isthmus {
 namespace {
@@ -49,7 +51,7 @@ TEST(Authenticator, OpensWhatARobotSealedToTheVeryMessage) {
   expected.utime = 77;
   EXPECT_TRUE(same(*opened.message, expected));
   ASSERT_TRUE(opened.message->signature);
-  EXPECT_EQ(opened.message->signature->sender, "R1");
+  EXPECT_EQ(opened.message->signature->sender, "R1@" + key_fingerprint(robot_key));
   EXPECT_EQ(opened.message->signature->counter, 5);
 }
 
@@ -98,6 +100,42 @@ TEST(Authenticator, CountsEachChannelByItself) {
   EXPECT_EQ(refusal(authenticator, seal(other_key, "R2", 1, odometry("R2"))), "");
 }
 
+/// What the journal tells a server that is started again.
+SignatureCounters counters_of(const Signature& signature) {
+  return {{{signature.sender, signature.channel}, signature.counter}};
+}
+
+TEST(Authenticator, CountsFromTheBeginningWithANewKey) {
+  constexpr std::int64_t last = std::numeric_limits<std::int64_t>::max();
+  const Message ran_out = seal(robot_key, "R1", last, odometry());
+  const Opened opened = Authenticator(keys()).open({}, 1, ran_out.bytes);
+  ASSERT_TRUE(opened.message);
+  const SignatureCounters counters = counters_of(*opened.message->signature);
+  Authenticator same_key(keys(), counters);
+  EXPECT_EQ(refusal(same_key, ran_out), "replayed");
+  EXPECT_EQ(refusal(same_key, seal(robot_key, "R1", last - 1, odometry())), "replayed");
+  const AuthKey new_key = {1, 2, 4};
+  Authentication changed = keys();
+  changed.robots["R1"] = new_key;
+  Authenticator authenticator(changed, counters);
+  EXPECT_EQ(refusal(authenticator, ran_out), "forged") << "what the old key signed is worth nothing";
+  EXPECT_EQ(refusal(authenticator, seal(new_key, "R1", 1, odometry())), "");
+  EXPECT_EQ(refusal(authenticator, seal(new_key, "R1", 1, odometry())), "replayed");
+  EXPECT_EQ(refusal(authenticator, seal(new_key, "R1", 2, odometry())), "");
+}
+
+TEST(Authenticator, HoldsAnyKeyToTheCountersOfJournalsThatNameNone) {
+  Authenticator authenticator(keys(), {{{"R1", "R1_ODOMETRY"}, 100}});
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 100, odometry())), "replayed");
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 101, odometry())), "");
+}
+
+TEST(KeyFingerprint, TellsKeysApart) {
+  EXPECT_EQ(key_fingerprint(robot_key).size(), 12U);
+  EXPECT_EQ(key_fingerprint(robot_key), key_fingerprint({1, 2, 3}));
+  EXPECT_NE(key_fingerprint(robot_key), key_fingerprint(other_key));
+}
+
 TEST(Authenticator, KnowsWhoMaySayWhat) {
   Authenticator authenticator(keys());
   const Message tag = encode({1, TagEvent{1, 7}});
@@ -131,11 +169,10 @@ class SigningTeam {
 
   void send(const Message& message) { link_.publish(message.channel, message.bytes); }
 
-  /// Handles all that was sent, `count` messages, believed or not.
-  MapCopy stop(int count) {
-    for (int i = 0; i < 2000 && static_cast<int>(inbox_.size()) < count; ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  /// Handles all that was sent: `believed` messages are let in, the last one among them. The link keeps their
+  /// order, so that all others have been refused by then.
+  MapCopy stop(std::size_t believed) {
+    EXPECT_TRUE(happens([&] { return inbox_.size() >= believed; })) << inbox_.size() << " of " << believed;
     inbox_.close();
     link_.stop();
     server_->run();
@@ -189,7 +226,7 @@ TEST(SignedServer, RefusesAReplayAfterARestartAndJournalsNoKeyAndNoEnvelope) {
     for (const Message& message : sealed_rounds(20 + restart, 21 + restart)) team.send(message);
     const MapCopy map = team.stop(2);
     EXPECT_EQ(map.counters.scans, 21 + restart);
-    EXPECT_EQ(map.counters.dropped.at("replayed"), 41);
+    EXPECT_EQ(map.counters.dropped.at("replayed"), 41 * (restart + 1)) << "counted on";
   }
   for (const Message& message : read_log(journal).messages) EXPECT_NE(message.channel, "ISTHMUS_SIGNED");
   for (const auto& entry : std::filesystem::directory_iterator(journal)) {
@@ -225,14 +262,47 @@ TEST(SignedServer, KeepsCountersThroughRotationsAndTornSegments) {
   EXPECT_GE(counters.at({"R1", "R1_SCAN"}), 80);
 }
 
+/// Why a server does not go on with a journal.
+std::string refusal_of(const std::string& journal, const std::string& toml, bool frozen = false) {
+  LiveOptions options = quick_options();
+  options.journal_directory = journal;
+  options.toml = toml;
+  options.frozen = frozen;
+  Inbox inbox;
+  return error_of([&] { LiveServer server(options, inbox, [](const auto&, const auto&) {}); });
+}
+
 TEST(SignedServer, AsksForTheKeysOfAJournalWhoseSendersSign) {
   TemporaryDirectory directory;
-  SigningTeam(directory / "journal").stop(0);
+  const std::string journal = directory / "journal";
+  SigningTeam(journal).stop(0);
+  for (const std::string toml : {"", "# no [auth]\n"}) {
+    for (const bool frozen : {false, true}) {
+      EXPECT_EQ(refusal_of(journal, toml, frozen),
+                journal +
+                    ": this journal's senders sign; give the configuration with their keys ([auth]), or "
+                    "begin another journal");
+    }
+  }
+}
+
+// The journal's first configuration has no keys; its second server's has.
+TEST(SignedServer, AsksForKeysThatCameWithALaterStart) {
+  TemporaryDirectory directory;
+  const std::string journal = directory / "journal";
   LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
-  Inbox inbox;
-  EXPECT_EQ(error_of([&] { LiveServer server(options, inbox, [](const auto&, const auto&) {}); }),
-            directory / "journal" + ": this journal's senders sign; give the configuration with their keys");
+  options.journal_directory = journal;
+  {
+    Inbox inbox;
+    LiveServer server(options, inbox, [](const auto&, const auto&) {});
+  }
+  EXPECT_EQ(refusal_of(journal, ""), "");
+  {
+    SigningTeam team(journal);
+    for (const Message& message : sealed_rounds(0, 3)) team.send(message);
+    team.stop(7);
+  }
+  EXPECT_NE(refusal_of(journal, "").find("senders sign"), std::string::npos);
 }
 
 }  // namespace

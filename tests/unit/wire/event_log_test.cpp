@@ -158,7 +158,7 @@ TEST(EventLog, ReadsAnEmptyFileAsAnEmptyLog) {
   EXPECT_TRUE(read_log(directory / "a.lcm").messages.empty());
 }
 
-TEST(EventLog, ReadsTheSegmentsOfADirectoryInOrderOfName) {
+TEST(EventLog, ReadsAJournalWithoutChecksInOrderOfNameAndSaysSo) {
   TemporaryDirectory directory;
   const auto& all = few_messages();
   write_log(directory / "journal-000002.lcm", {all[2], all[3]});
@@ -167,6 +167,8 @@ TEST(EventLog, ReadsTheSegmentsOfADirectoryInOrderOfName) {
   const LogContent content = read_log(directory / "");
   ASSERT_EQ(content.messages.size(), all.size());
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_TRUE(same(content.messages[i], all[i]));
+  ASSERT_EQ(content.warnings.size(), 1U);
+  EXPECT_NE(content.warnings[0].find("was written before journals had checks"), std::string::npos);
 }
 
 TEST(EventLogWriter, LeavesNothingUnderTheFinalNameUnlessFinished) {

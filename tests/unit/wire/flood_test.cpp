@@ -12,6 +12,7 @@
 #include "isthmus/manifold_pose_t.hpp"
 #include "tests/support/box_room.hpp"
 #include "tests/support/published.hpp"
+#include "tests/support/waiting.hpp"
 
 namespace isthmus {
 namespace {
@@ -49,8 +50,7 @@ class Flood {
     for (int i = 0; i < rounds; ++i) {
       sent_at_.store(flood_answers_);
       for (const Message& message : calm.round(i)) push(inbox_, "R1", message);
-      for (int wait = 0; wait < 5000 && answered() <= static_cast<std::size_t>(i); ++wait)
-        std::this_thread::sleep_for(milliseconds(1));
+      EXPECT_TRUE(happens([&] { return answered() > static_cast<std::size_t>(i); })) << "round " << i;
     }
     over = true;
     flooder.join();

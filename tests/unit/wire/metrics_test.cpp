@@ -8,10 +8,7 @@
 #include "server/wire/log_line.hpp"
 #include "tests/support/box_room.hpp"
 #include "tests/support/published.hpp"
-#include "tests/support/temporary_directory.hpp"
-
-// Last: the system's headers that it brings define _res, which Eigen has for a name.
-#include <httplib.h>
+#include "tests/support/waiting.hpp"
 
 namespace isthmus {
 namespace {
@@ -45,20 +42,6 @@ TEST(Metrics, AreTheCountersOfTheStatus) {
     EXPECT_TRUE(has_line(text, line)) << line << "\n" << text;
 }
 
-TEST(Metrics, AreServedToThisMachine) {
-  MetricsServer server(0);
-  server.set("isthmus_events_total 1\n");
-  httplib::Client client("127.0.0.1", server.port());
-  const auto answer = client.Get("/metrics");
-  ASSERT_TRUE(answer);
-  EXPECT_EQ(answer->status, 200);
-  EXPECT_EQ(answer->body, "isthmus_events_total 1\n");
-  EXPECT_EQ(client.Get("/")->status, 404);
-  const int port = server.port();
-  EXPECT_EQ(error_of([&] { MetricsServer again(port); }),
-            "metrics: port " + std::to_string(port) + " of 127.0.0.1 cannot be had");
-}
-
 TEST(Metrics, ComeFromALiveServer) {
   LiveOptions options = quick_options();
   std::mutex mutex;
@@ -77,8 +60,7 @@ TEST(Metrics, ComeFromALiveServer) {
     const std::lock_guard lock(mutex);
     return has_line(latest, "isthmus_events_total 2");
   };
-  for (int i = 0; i < 1000 && !told(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  EXPECT_TRUE(told()) << latest;
+  EXPECT_TRUE(happens(told)) << latest;
   inbox.close();
   engine.join();
 }

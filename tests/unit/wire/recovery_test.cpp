@@ -128,7 +128,7 @@ TEST(Recovery, AgreesWithAReplayOfADamagedJournal) {
     std::vector<std::uint8_t> bytes = whole;
     for (int i = 0; i < 20; ++i) {
       random = random * 1664525 + 1013904223;
-      bytes[500 + random % (bytes.size() - 500)] ^= static_cast<std::uint8_t>(1U << (random >> 28) % 8);
+      bytes[600 + random % (bytes.size() - 600)] ^= static_cast<std::uint8_t>(1U << (random >> 28) % 8);
     }
     const std::string journal = directory / std::to_string(run);
     fs::create_directory(journal);

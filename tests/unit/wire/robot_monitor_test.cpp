@@ -38,17 +38,24 @@ TEST(RobotMonitor, TellsOfEachRobotWhatWasHeardAndDropped) {
   }
   MapCopy map;
   map.counters.dropped_by_robot["R1"] = {{"stale_stamp", 2}};
+  map.counters.dropped_by_robot["(others)"] = {{"unknown_robot", 9}};
   const status_t status = monitor.status(map, {3, 100, 1}, 60, 2);
   EXPECT_EQ(status.queued, 3);
   EXPECT_EQ(status.journal_bytes, 100);
   EXPECT_EQ(status.journal_failures, 1);
-  ASSERT_EQ(status.nrobots, 1);
-  EXPECT_EQ(status.robots[0].robot, "R1");
-  EXPECT_EQ(status.robots[0].last_heard_utime, 40);
-  EXPECT_EQ(status.robots[0].share_matched, 0.75);
-  EXPECT_GT(status.robots[0].scan_rate_hz, 0);
-  ASSERT_EQ(status.robots[0].ndropped, 1);
-  EXPECT_EQ(status.robots[0].dropped[0].count, 2);
+  ASSERT_EQ(status.nrobots, 2);
+  const robot_status_t& others = status.robots[0];
+  EXPECT_EQ(others.robot, "(others)");
+  EXPECT_EQ(others.last_heard_utime, 0);
+  ASSERT_EQ(others.ndropped, 1);
+  EXPECT_EQ(others.dropped[0].count, 9);
+  const robot_status_t& robot = status.robots[1];
+  EXPECT_EQ(robot.robot, "R1");
+  EXPECT_EQ(robot.last_heard_utime, 40);
+  EXPECT_EQ(robot.share_matched, 0.75);
+  EXPECT_GT(robot.scan_rate_hz, 0);
+  ASSERT_EQ(robot.ndropped, 1);
+  EXPECT_EQ(robot.dropped[0].count, 2);
 }
 
 }  // namespace

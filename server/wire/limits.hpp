@@ -1,0 +1,10 @@
+#pragma once
+
+#include <cstdint>
+
+namespace isthmus {
+
+/// Of one scan; one with more is refused.
+constexpr std::int32_t most_beams = 20'000;
+
+}  // namespace isthmus

@@ -1,0 +1,251 @@
+// What is withdrawn stays withdrawn, and takes with it all that depends on it: robots without a laser, tags,
+// and closures that rest on one another. The reference is the run in which that closure was forbidden from
+// the beginning.
+
+#include <filesystem>
+
+#include "server/engine/dependencies.hpp"
+#include "tests/scenario/event_sequences.hpp"
+#include "tools/import/import.hpp"
+
+namespace isthmus {
+namespace {
+
+using Together = std::set<std::pair<std::string, std::string>>;
+
+/// The pairs of robots that have patches on one island.
+Together robots_together(const MapCopy& map) {
+  std::map<IslandId, std::set<std::string>> on;
+  for (const PatchPtr& patch : map.patches)
+    if (patch->tag < 0) on[map.graph.island(patch->id)].insert(patch->robot);
+  Together together;
+  for (const auto& [island, robots] : on)
+    for (const std::string& a : robots)
+      for (const std::string& b : robots)
+        if (a < b) together.insert({a, b});
+  return together;
+}
+
+std::size_t relations_between_robots(const MapCopy& map) {
+  const auto robot = [&](PatchId id) { return map.patches[static_cast<std::size_t>(id.value)]->robot; };
+  std::size_t count = 0;
+  for (const auto& [id, relation] : map.graph.relations()) {
+    const bool tag = map.patches[static_cast<std::size_t>(relation.b.value)]->tag >= 0;
+    count += !tag && robot(relation.a) != robot(relation.b) ? 1 : 0;
+  }
+  return count;
+}
+
+std::size_t depending_on(const MapCopy& map, ClosureId closure) {
+  const Dependencies dependencies(map.graph);
+  std::size_t count = 0;
+  for (const auto& [id, relation] : map.graph.relations()) count += dependencies.has(id, closure) ? 1 : 0;
+  return count;
+}
+
+double seconds_of(const Events& events, std::int64_t utime) {
+  return static_cast<double>(utime - events.front().receive_utime) * 1e-6;
+}
+
+ClosureId first_accepted(const MapCopy& map, const std::string& kind) {
+  for (const ClosureRecord& closure : map.closures)
+    if (closure.kind == kind && closure.state == "accepted") return closure.id;
+  return {};
+}
+
+Events with_command(Events events, double at_s, const std::string& verb, ClosureId closure) {
+  insert(events, command(after_s(events, at_s), verb, closure.value));
+  return events;
+}
+
+MapCopy forbidden_from_the_beginning(Events events, ClosureId closure) {
+  events.insert(events.begin(), command(events.front().receive_utime, "forbid", closure.value));
+  return map_events(events);
+}
+
+struct Team {
+  SimulatedRun run;
+  MapCopy plain;
+  ClosureId merge;
+  MapCopy reference;
+  double merged_s = 0;
+  double end_s = 0;
+};
+
+Team run_of(const std::string& scenario, std::uint64_t seed = 1) {
+  Team its{simulate(load_scenario(scenario), seed), {}, {}, {}};
+  its.plain = map_events(its.run.events);
+  its.merge = first_accepted(its.plain, "merge");
+  its.reference = forbidden_from_the_beginning(its.run.events, its.merge);
+  its.merged_s = seconds_of(its.run.events, closure_of(its.plain, its.merge.value).end_utime);
+  its.end_s = seconds_of(its.run.events, its.run.events.back().receive_utime);
+  return its;
+}
+
+const Team& tags() {
+  static const Team run = run_of("tags");
+  return run;
+}
+
+const Team& blind() {
+  static const Team run = run_of("blind");
+  return run;
+}
+
+const Team& office() {
+  static const Team run = run_of("office");
+  return run;
+}
+
+/// Of what robots drove on others' patches without adding any, less is left than the reference has.
+constexpr double worse_than_reference = 4;
+constexpr double least_error_m = 0.01;
+
+void expect_like_the_reference(const Team& run, const MapCopy& map) {
+  EXPECT_EQ(robots_together(map), robots_together(run.reference));
+  EXPECT_LE(relations_between_robots(map), relations_between_robots(run.reference));
+  EXPECT_EQ(depending_on(map, run.merge), 0U);
+  const TrajectoryError error = judge_trajectories({run.run, map});
+  const TrajectoryError reference = judge_trajectories({run.run, run.reference});
+  std::printf("%.4f m, in the reference %.4f m\n", error.mean_m, reference.mean_m);
+  EXPECT_LT(error.mean_m, worse_than_reference * std::max(reference.mean_m, least_error_m));
+}
+
+TEST(Withdrawn, MergeOfRobotsWithTagsPartsThemWheneverItComes) {
+  ASSERT_TRUE(robots_together(tags().reference).empty());
+  ASSERT_GT(depending_on(tags().plain, tags().merge), 100U);
+  for (const double at_s : {tags().merged_s + 0.5, tags().merged_s + 20, tags().end_s - 0.2})
+    expect_like_the_reference(tags(),
+                              map_events(with_command(tags().run.events, at_s, "withdraw", tags().merge)));
+}
+
+// What says the same once more goes with it: that is what was forbidden.
+TEST(Withdrawn, BothJoinsOfRobotsWithTagsLeaveNoRelationBetweenThem) {
+  Events events = tags().run.events;
+  for (const ClosureRecord& closure : tags().plain.closures)
+    if (closure.robots.size() > 1 && closure.robots[1][0] == 'R' && closure.state == "accepted")
+      events = with_command(events, tags().end_s - 0.2, "withdraw", closure.id);
+  const MapCopy map = map_events(events);
+  EXPECT_EQ(relations_between_robots(map), 0U);
+  EXPECT_TRUE(robots_together(map).empty());
+}
+
+TEST(Withdrawn, MergeOfRobotsWithoutALaserPartsThemToTheEnd) {
+  ASSERT_TRUE(robots_together(blind().reference).empty());
+  for (const double at_s : {blind().merged_s + 0.5, blind().merged_s + 20, blind().end_s - 0.2}) {
+    const Events events = with_command(blind().run.events, at_s, "withdraw", blind().merge);
+    Engine engine;
+    std::int64_t look_utime = after_s(events, at_s);
+    for (const Event& event : events) {
+      engine.handle(event);
+      if (event.receive_utime <= look_utime) continue;
+      look_utime += 5'000'000;
+      ASSERT_TRUE(robots_together(engine.copy()).empty()) << seconds_of(events, event.receive_utime) << " s";
+    }
+    engine.finish();
+    expect_like_the_reference(blind(), engine.copy());
+  }
+}
+
+TEST(Withdrawn, LoopTakesWhatRestedOnItAlong) {
+  const ClosureId loop = first_accepted(blind().plain, "closure");
+  ASSERT_TRUE(loop.valid());
+  const Events events = with_command(blind().run.events, 30, "withdraw", loop);
+  Played played = play(events, after_s(events, 30));
+  EXPECT_EQ(depending_on(played.engine.copy(), loop), 0U);
+  EXPECT_EQ(state_of(played.engine.copy(), loop.value), "withdrawn");
+}
+
+TEST(Withdrawn, StaysSoAfterARestartFromASnapshot) {
+  const double at_s = blind().merged_s + 20;
+  const Events events = with_command(blind().run.events, at_s, "withdraw", blind().merge);
+  Engine uninterrupted;
+  Engine restarted;
+  for (const Event& event : events) {
+    uninterrupted.handle(event);
+    restarted.handle(event);
+    if (event.receive_utime < after_s(events, at_s) || !std::holds_alternative<CommandEvent>(event.body))
+      continue;
+    auto rows = std::make_shared<TrajectoryStore>();
+    const MapCopy map = restarted.copy();
+    for (const TrajectoryRow& row : map.trajectory->read(0, map.trajectory_rows)) rows->append(row);
+    restarted = Engine::restore(restarted.save(), rows);
+  }
+  uninterrupted.finish();
+  restarted.finish();
+  EXPECT_TRUE(robots_together(restarted.copy()).empty());
+  EXPECT_EQ(map_sha256(restarted.copy()), map_sha256(uninterrupted.copy()));
+}
+
+TEST(Withdrawn, AndAllowedAgainComesBack) {
+  for (const Team* run : {&tags(), &blind()}) {
+    const double at_s = run->merged_s + 5;
+    Events events = with_command(run->run.events, at_s, "withdraw", run->merge);
+    events = with_command(events, at_s + 5, "allow", run->merge);
+    const MapCopy map = map_events(events);
+    EXPECT_EQ(robots_together(map), robots_together(run->plain));
+    const double error = judge_trajectories({run->run, map}).mean_m;
+    EXPECT_LT(error, worse_than_reference *
+                         std::max(judge_trajectories({run->run, run->plain}).mean_m, least_error_m));
+  }
+}
+
+// Four robots, three merges: the others' go on as in the reference.
+TEST(Withdrawn, MergeAmongFourRobotsLeavesTheIslandsOfTheReference) {
+  for (const double at_s : {office().merged_s + 20, office().end_s - 0.2})
+    expect_like_the_reference(
+        office(), map_events(with_command(office().run.events, at_s, "withdraw", office().merge)));
+}
+
+// By other sightings, by tags, after their ways have drifted apart, and by whatever number it comes again.
+TEST(Forbidden, MergeOfRobotsWithoutALaserStaysSoHoweverItIsFoundAgain) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Team run = run_of("blind", seed);
+    ASSERT_TRUE(run.merge.valid());
+    EXPECT_TRUE(robots_together(run.reference).empty()) << seed;
+    EXPECT_EQ(relations_between_robots(run.reference), 0U) << seed;
+    for (const ClosureRecord& closure : run.reference.closures)
+      EXPECT_FALSE(closure.kind == "merge" && closure.state == "accepted") << seed << " " << closure.id.value;
+  }
+}
+
+Events events_of_set(const std::string& name, int robots) {
+  const char* given = std::getenv("ISTHMUS_DATA");
+  const std::string set = std::string(given != nullptr ? given : "../shared/data") + "/multi/" + name + "/";
+  if (!std::filesystem::exists(set)) return {};
+  CarmenImport what;
+  for (int i = 1; i <= robots; ++i)
+    what.logs.push_back({"R" + std::to_string(i), set + "r" + std::to_string(i) + ".clf.gz"});
+  what.robots_csv = set + "robots.csv";
+  what.sightings_csv = set + "sightings.csv";
+  Events events;
+  import_carmen(what, [&](const Event& event) { events.push_back(event); });
+  return events;
+}
+
+TEST(Withdrawn, MergeOfARecordedTeamLeavesTheIslandsOfTheReference) {
+  const Events events = events_of_set("intel-2", 2);
+  if (events.empty()) GTEST_SKIP() << "no recorded data (ISTHMUS_DATA)";
+  const MapCopy plain = map_events(events);
+  const ClosureId merge = first_accepted(plain, "merge");
+  ASSERT_TRUE(merge.valid());
+  const MapCopy reference = forbidden_from_the_beginning(events, merge);
+  ASSERT_TRUE(robots_together(reference).empty());
+  const double end_s = seconds_of(events, events.back().receive_utime);
+  const double merged_s = seconds_of(events, closure_of(plain, merge.value).end_utime);
+  // In the end much of what R2 drove on is mapped by R1 alone, and its own patches have less to hold them.
+  for (const auto& [at_s, most_m] : {std::pair(merged_s + 60, 0.1), std::pair(end_s - 1, 1.0)}) {
+    const MapCopy map = map_events(with_command(events, at_s, "withdraw", merge));
+    EXPECT_EQ(robots_together(map), robots_together(reference)) << at_s;
+    EXPECT_EQ(relations_between_robots(map), 0U) << at_s;
+    const MapDifference difference = compare_patches(map, reference);
+    std::printf("withdrawn at %.0f of %.0f s: %zu patches in both, at most %.3f m, %.4f rad off\n", at_s,
+                end_s, difference.compared, difference.most_m, difference.most_rad);
+    EXPECT_GT(difference.compared, 100U) << at_s;
+    EXPECT_LT(difference.most_m, most_m) << at_s;
+    EXPECT_LT(difference.most_rad, 0.1) << at_s;
+  }
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "server/engine/map.hpp"
+#include "tests/support/walls.hpp"
+
+namespace isthmus::testing {
+
+inline Relation odometry_relation(PatchId a, PatchId b, const Pose& a_from_b,
+                                  const Eigen::Vector3d& information = {1e4, 1e4, 1e5}) {
+  Relation relation;
+  relation.a = a;
+  relation.b = b;
+  relation.kind = RelationKind::odometry;
+  relation.measurement = RelativePose{a_from_b, information.asDiagonal()};
+  relation.origin = {OriginKind::odometry, {}};
+  return relation;
+}
+
+/// A robot's way: a patch at each pose of the world, which saw walls of its own, each tied to the one before
+/// by odometry, on an island of its own. Returns its patches.
+inline std::vector<PatchId> add_way(Map& map, const std::vector<Walls>& walls_seen,
+                                    const std::vector<Pose>& world_from_patches, const Pose& map_from_world) {
+  std::vector<PatchId> way;
+  for (std::size_t i = 0; i < world_from_patches.size(); ++i) {
+    const PatchId id = map.manifold().next_id();
+    map.add(patch_from(walls_seen[i], id, world_from_patches[i]), map_from_world * world_from_patches[i]);
+    if (!way.empty())
+      map.relate(odometry_relation(way.back(), id,
+                                   ominus(map.manifold().pose(id), map.manifold().pose(way.back()))));
+    way.push_back(id);
+  }
+  return way;
+}
+
+/// The same among walls that all of them saw.
+inline std::vector<PatchId> add_way(Map& map, const Walls& walls, const std::vector<Pose>& world_from_patches,
+                                    const Pose& map_from_world = {}) {
+  return add_way(map, std::vector<Walls>(world_from_patches.size(), walls), world_from_patches,
+                 map_from_world);
+}
+
+}  // namespace isthmus::testing
