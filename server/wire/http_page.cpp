@@ -62,7 +62,7 @@ class HttpPage::Loop {
   void run(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       const std::vector<pollfd> waits = wait();
-      answer_those_ready(waits);
+      answer_those_ready(waits, stop);
       if (waits.front().revents != 0) accept_all();
       std::erase_if(connections_,
                     [](const auto& connection) { return connection.deadline() < Clock::now(); });
@@ -92,10 +92,11 @@ class HttpPage::Loop {
     return waits;
   }
 
-  void answer_those_ready(const std::vector<pollfd>& waits) {
+  void answer_those_ready(const std::vector<pollfd>& waits, const std::stop_token& stop) {
     const auto answer = [this](std::string_view head) { return page_.answer(head); };
     auto wait = waits.begin() + 2;
     for (auto connection = connections_.begin(); connection != connections_.end(); ++wait) {
+      if (stop.stop_requested()) return;  // an answer may be long
       const bool stays = wait->revents == 0 || connection->step(answer, page_.limits_.request_bytes);
       connection = stays ? std::next(connection) : connections_.erase(connection);
     }

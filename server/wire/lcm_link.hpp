@@ -7,10 +7,9 @@
 #include <thread>
 #include <vector>
 
-#include "server/wire/authenticator.hpp"
-#include "server/wire/inbox.hpp"
 #include "server/wire/lcm_url.hpp"
 #include "server/wire/log_line.hpp"
+#include "server/wire/reception.hpp"
 #include "server/wire/udp_receiver.hpp"
 
 namespace lcm {
@@ -53,7 +52,7 @@ class LcmLink {
   std::string log_file_;
   std::unique_ptr<lcm::LCM> lcm_;     ///< none for a log
   std::unique_ptr<UdpReceiver> udp_;  ///< for UDP, where liblcm only publishes
-  std::unique_ptr<struct LcmHandler> handler_;
+  std::unique_ptr<struct LcmSubscriber> subscriber_;
   std::atomic<bool> ended_ = false;
   std::atomic<std::int64_t> publish_failures_ = 0;
   std::atomic<bool> publishing_fails_ = false;

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "server/wire/envelope.hpp"
-#include "server/wire/lcm_link.hpp"
 #include "server/wire/live_server.hpp"
+#include "server/wire/reception.hpp"
 #include "tests/support/box_room.hpp"
 #include "tests/support/log_files.hpp"
 #include "tests/support/published.hpp"
@@ -155,26 +155,24 @@ TEST(Authenticator, SaysThatThereAreNoKeys) {
   EXPECT_EQ(refusal(none, seal(robot_key, "R1", 1, odometry())), "no_keys");
 }
 
-/// A server with keys, fed through a link of this process.
+/// A server with keys, and what receives for it.
 class SigningTeam {
  public:
-  explicit SigningTeam(const std::string& journal) : link_("memq://") {
+  explicit SigningTeam(const std::string& journal) {
     LiveOptions options = quick_options();
     options.journal_directory = journal;
     options.toml = "[auth.robots]\nR1 = \"01020300" + std::string(56, '0') +
                    "\"\n[auth.operators]\nalice = \"070809" + std::string(58, '0') + "\"\n";
     server_.emplace(options, inbox_, published_.sink());
-    link_.receive_into(inbox_, server_->engine().configuration(), server_->authenticator());
+    reception_.emplace(inbox_, server_->engine().configuration(), server_->authenticator());
   }
 
-  void send(const Message& message) { link_.publish(message.channel, message.bytes); }
+  void send(const Message& message) { reception_->take(message.utime, message.channel, message.bytes); }
 
-  /// Handles all that was sent: `believed` messages are let in, the last one among them. The link keeps their
-  /// order, so that all others have been refused by then.
+  /// Handles all that was sent, of which so many messages are `believed`.
   MapCopy stop(std::size_t believed) {
-    EXPECT_TRUE(happens([&] { return inbox_.size() >= believed; })) << inbox_.size() << " of " << believed;
+    EXPECT_EQ(inbox_.size(), believed);
     inbox_.close();
-    link_.stop();
     server_->run();
     return server_->engine().copy();
   }
@@ -183,7 +181,7 @@ class SigningTeam {
   Inbox inbox_;
   Published published_;
   std::optional<LiveServer> server_;
-  LcmLink link_;
+  std::optional<Reception> reception_;
 };
 
 std::vector<Message> sealed_rounds(int from, int to) {
