@@ -9,7 +9,7 @@
 
 namespace isthmus {
 
-/// A pose on the manifold (seed 001, III-A): the pose r of something in the frame of a patch.
+/// A pose on the manifold (Howard et al. 2006, III-A): the pose r of something in the frame of a patch.
 struct ManifoldPose {
   PatchId patch;
   Pose patch_from_object;

@@ -11,9 +11,9 @@
 
 namespace isthmus {
 
-/// A patch of the manifold (seed 001, III-A): the free space and the points of one scan, in the frame of the
-/// robot that took it. Immutable and shared; its projected pose is kept apart, in the Manifold, and is all
-/// that a fit changes.
+/// A patch of the manifold (Howard et al. 2006, III-A): the free space and the points of one scan, in the
+/// frame of the robot that took it. Immutable and shared; its projected pose is kept apart, in the Manifold,
+/// and is all that a fit changes.
 struct Patch {
   PatchId id;
   std::string robot;  ///< who saw it

@@ -13,11 +13,11 @@ struct PolygonWithHoles {
   std::vector<Ring> holes;  ///< clockwise
 };
 
-/// Free space as a polysolid (seed 001, III-A, footnote 1): a set of disjoint polygons with holes, closed
-/// under union, intersection and difference. A plain value; CGAL's exact polygon sets work behind it. Rings
-/// are simple; polygons and holes may touch one another, within rounding, at points.
-/// Every function takes any polysolid, also an empty one, and none throws or aborts on degenerate rings
-/// (repeated points, spikes, self-intersections, non-finite coordinates): those are repaired or dropped.
+/// Free space as a polysolid (Howard et al. 2006, III-A, footnote 1): a set of disjoint polygons with holes,
+/// closed under union, intersection and difference. A plain value; CGAL's exact polygon sets work behind it.
+/// Rings are simple; polygons and holes may touch one another, within rounding, at points. Every function
+/// takes any polysolid, also an empty one, and none throws or aborts on degenerate rings (repeated points,
+/// spikes, self-intersections, non-finite coordinates): those are repaired or dropped.
 class Polysolid {
  public:
   Polysolid() = default;

@@ -6,9 +6,9 @@ namespace isthmus {
 
 /// An element of SE(2): metres and radians (yaw counter-clockwise, kept in (-pi, pi]).
 ///
-/// Frames are in names: `map_from_patch` takes a point of the patch into the map. The operators of seed 001,
-/// III-A are written as products of frames: the paper's r ⊕ π (a pose r in a patch, projected by the patch's
-/// pose π) is `map_from_patch * patch_from_robot`, and its inverse q ⊖ π is `ominus(q, pi)`.
+/// Frames are in names: `map_from_patch` takes a point of the patch into the map. The operators of Howard et
+/// al. 2006, III-A are written as products of frames: the paper's r ⊕ π (a pose r in a patch, projected by
+/// the patch's pose π) is `map_from_patch * patch_from_robot`, and its inverse q ⊖ π is `ominus(q, pi)`.
 struct Pose {
   double x = 0;
   double y = 0;

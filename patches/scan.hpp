@@ -23,7 +23,7 @@ struct Scan {
   std::vector<float> ranges_m;
 };
 
-/// What a single range says (FORMATS.md, "Ranges").
+/// What a single range says (lcmtypes/README.md).
 enum class BeamKind {
   hit,        ///< an obstacle at that range
   no_return,  ///< +inf, or at least the maximum: at most weak evidence of free space

@@ -10,9 +10,9 @@
 
 namespace isthmus {
 
-/// Relative Fisher confidence (seed 001, III-C; eqs. 9, 10, 12): how well patch b is determined with respect
-/// to patch a, as the covariance of (x, y, yaw) of a_from_b, in a's own frame. Information is Gauss-Newton's.
-/// `poses` is indexed by patch id.
+/// Relative Fisher confidence (Howard et al. 2006, III-C; eqs. 9, 10, 12): how well patch b is determined
+/// with respect to patch a, as the covariance of (x, y, yaw) of a_from_b, in a's own frame. Information is
+/// Gauss-Newton's. `poses` is indexed by patch id.
 
 /// For localisation: from the information of the at most `most` patches nearest to `a` in the graph, a held.
 /// At the same poses and weights it never says less than the exact covariance. Holds every patch of the

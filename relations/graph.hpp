@@ -15,7 +15,7 @@
 namespace isthmus {
 
 /// The relations between patches, and the islands they make: patches are on one island if and only if some
-/// sequence of relations connects them (seed 001, IV-C).
+/// sequence of relations connects them (Howard et al. 2006, IV-C).
 ///
 /// A value: a copy is a version of the graph of its own. Stored relations are immutable and shared between
 /// copies, so a copy costs one pointer a relation. Reading one graph from several threads is safe.

@@ -16,7 +16,7 @@ Vector5d form_variables(const Pose& a_from_b);
 Eigen::Matrix<double, 5, 3> form_jacobian(const Pose& a_from_b);
 
 /// Any number of correspondences between two patches as one negative log-likelihood ½|R v|², exact for fixed
-/// pairing and weights (ARCHITECTURE, "One form for relations"; seed 001 eqs. 4-7). R is the upper triangle
+/// pairing and weights (Howard et al. 2006, eqs. 4-7). R is the upper triangle
 /// of a QR of the stacked rows, which keeps its digits near the optimum where the sum of products loses them.
 struct QuadraticForm {
   Matrix5d r = Matrix5d::Zero();  ///< upper triangular

@@ -10,8 +10,8 @@ namespace {
 /// Points nearer than this have no direction: the derivative of range and bearing is limited there.
 constexpr double least_distance_m = 1e-6;
 
-/// e = R v (5): correspondences of points of b with points and lines of a, in a's frame; seed 001 eqs. 4 and
-/// 7 summed over the pair. Noise: Gaussian per correspondence, its sigma in the rows of the form.
+/// e = R v (5): correspondences of points of b with points and lines of a, in a's frame; Howard et al. 2006,
+/// eqs. 4 and 7 summed over the pair. Noise: Gaussian per correspondence, its sigma in the rows of the form.
 LinearResidual linearise(const Correspondences& measured, const Pose& a_from_b) {
   return {5, measured.form.residuals(a_from_b), measured.form.jacobian(a_from_b)};
 }
@@ -38,7 +38,7 @@ Eigen::Matrix<double, 2, 3> point_jacobian(const Pose& a_from_b, const Eigen::Ve
 }
 
 /// e = (|T p − q| − r) / σ (1): the distance of b's point p from a's point q, both in a's frame, less the
-/// measured range r ("relative range" of seed 001, III-B). Noise: Gaussian in range, σ in metres.
+/// measured range r ("relative range", Howard et al. 2006, III-B). Noise: Gaussian in range, σ in metres.
 LinearResidual linearise(const Range& measured, const Pose& a_from_b) {
   const Eigen::Vector2d between = a_from_b * measured.point_b - measured.point_a;
   const double distance = between.norm();
@@ -53,8 +53,8 @@ LinearResidual linearise(const Range& measured, const Pose& a_from_b) {
 }
 
 /// e = wrap(atan2(o_y, o_x) − β) / σ (1): the direction of b's point, seen in the frame of an observer that
-/// is fixed in a, less the measured bearing β ("relative bearing" of seed 001, III-B). Noise: Gaussian in
-/// angle, σ in radians.
+/// is fixed in a, less the measured bearing β ("relative bearing", Howard et al. 2006, III-B). Noise:
+/// Gaussian in angle, σ in radians.
 LinearResidual linearise(const Bearing& measured, const Pose& a_from_b) {
   const double observer_yaw = measured.a_from_observer.yaw;
   const Eigen::Vector2d from_observer =

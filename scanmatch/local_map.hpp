@@ -8,8 +8,8 @@
 namespace isthmus {
 
 /// A patch as the robot's surroundings: that part of the manifold which is well determined with respect to
-/// the robot's patch is projected on a plane (seed 001, IV-A, step 2), here the plane of `local` = the frame
-/// of the robot's patch.
+/// the robot's patch is projected on a plane (Howard et al. 2006, IV-A, step 2), here the plane of `local` =
+/// the frame of the robot's patch.
 struct LocalPatch {
   PatchPtr patch;
   Pose local_from_patch;

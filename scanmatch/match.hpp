@@ -60,9 +60,9 @@ struct Match {
   std::vector<Pair> pairs;
 };
 
-/// Fits a scan to the local map (seed 001, IV-A, steps 3 and 4): pairs each point with the nearest point of
-/// each patch, and its line, and minimises the distances under a robust loss together with the prediction
-/// (eq. 13), pairing and fitting in turn (EM style) while the loss narrows.
+/// Fits a scan to the local map (Howard et al. 2006, IV-A, steps 3 and 4): pairs each point with the nearest
+/// point of each patch, and its line, and minimises the distances under a robust loss together with the
+/// prediction (eq. 13), pairing and fitting in turn (EM style) while the loss narrows.
 Match match_scan(const LocalMap& local_map, std::span<const ScanPoint> points, const Prediction& prediction,
                  const MatchOptions& options = {});
 

@@ -20,9 +20,9 @@ struct MatchRelationOptions {
 /// The noise of one correspondence of a match, in metres, calibrated by `options`.
 double relation_sigma_m(const MatchQuality& quality, const MatchRelationOptions& options);
 
-/// The relations that a match found (seed 001, IV-A, step 3): for each patch of the local map that enough
-/// beams were paired with, the pairs as points of the new patch on lines of that patch. Ids are still to be
-/// given.
+/// The relations that a match found (Howard et al. 2006, IV-A, step 3): for each patch of the local map that
+/// enough beams were paired with, the pairs as points of the new patch on lines of that patch. Ids are still
+/// to be given.
 std::vector<Relation> match_relations(const LocalMap& local_map, std::span<const ScanPoint> points,
                                       const Match& match, PatchId new_patch, const Origin& origin,
                                       const MatchRelationOptions& options = {});

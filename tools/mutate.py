@@ -20,9 +20,9 @@ import tomllib
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 
-def module_of(mutation):
-    """The directory that the file is in: patches, relations, server/engine, tools/evaluate, ..."""
-    return os.path.dirname(mutation["file"])
+def is_in(mutation, directories):
+    """Whether its file is below one of them: patches, server/engine, server/engine/map, ..."""
+    return any(mutation["file"].startswith(directory.rstrip("/") + "/") for directory in directories)
 
 
 def programs_of(mutations):
@@ -139,7 +139,7 @@ def table(results):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--list", action="store_true", help="only list the mutations")
-    parser.add_argument("--module", nargs="+", default=[], metavar="DIR", help="those of files in these directories")
+    parser.add_argument("--module", nargs="+", default=[], metavar="DIR", help="those of files below these directories")
     parser.add_argument("--only", nargs="+", default=[], metavar="ID", help="these")
     parser.add_argument("--jobs", type=int, default=1, help="of the build (1)")
     parser.add_argument("--most-survivors", type=int, default=3, help="more of them are a failure (3)")
@@ -153,7 +153,7 @@ def main():
     unknown = set(arguments.only) - {m["id"] for m in mutations}
     if unknown:
         parser.error("no such mutation: " + ", ".join(sorted(unknown)))
-    mutations = [m for m in mutations if (not arguments.module or module_of(m) in arguments.module) and
+    mutations = [m for m in mutations if (not arguments.module or is_in(m, arguments.module)) and
                  (not arguments.only or m["id"] in arguments.only)]
     if not mutations:
         parser.error("there is no such mutation")

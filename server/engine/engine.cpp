@@ -5,12 +5,12 @@
 #include <limits>
 #include <utility>
 
+#include "server/engine/closures/withdrawal.hpp"
 #include "server/engine/engine_state.hpp"
-#include "server/engine/footprints.hpp"
-#include "server/engine/mapper.hpp"
-#include "server/engine/records.hpp"
-#include "server/engine/teammates.hpp"
-#include "server/engine/withdrawal.hpp"
+#include "server/engine/localise/footprints.hpp"
+#include "server/engine/localise/mapper.hpp"
+#include "server/engine/record/records.hpp"
+#include "server/engine/robot/teammates.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,5 +1,5 @@
 #include "server/engine/engine_state.hpp"
-#include "server/engine/teammates.hpp"
+#include "server/engine/robot/teammates.hpp"
 
 namespace isthmus {
 

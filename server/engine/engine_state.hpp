@@ -9,14 +9,14 @@
 #include <type_traits>
 #include <vector>
 
-#include "server/engine/closures.hpp"
+#include "server/engine/closures/closures.hpp"
 #include "server/engine/engine.hpp"
-#include "server/engine/frozen.hpp"
-#include "server/engine/hypotheses.hpp"
-#include "server/engine/mapper.hpp"
-#include "server/engine/rendezvous.hpp"
-#include "server/engine/settling.hpp"
-#include "server/engine/weaving.hpp"
+#include "server/engine/frozen/frozen.hpp"
+#include "server/engine/hypotheses/hypotheses.hpp"
+#include "server/engine/localise/mapper.hpp"
+#include "server/engine/map/settling.hpp"
+#include "server/engine/propagation/weaving.hpp"
+#include "server/engine/rendezvous/rendezvous.hpp"
 
 namespace isthmus {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "server/engine/map_copy.hpp"
+#include "server/engine/record/map_copy.hpp"
 #include "server/output/islands.hpp"
 
 namespace isthmus {

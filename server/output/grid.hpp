@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "server/engine/map_copy.hpp"
+#include "server/engine/record/map_copy.hpp"
 
 namespace isthmus {
 

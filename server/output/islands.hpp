@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "server/engine/map_copy.hpp"
+#include "server/engine/record/map_copy.hpp"
 
 namespace isthmus {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "server/engine/map_copy.hpp"
+#include "server/engine/record/map_copy.hpp"
 #include "server/output/latency.hpp"
 
 namespace isthmus {
@@ -30,7 +30,7 @@ struct OutputOptions {
   Pose align;  ///< applied to every island's frame before export: out_from_map
 };
 
-/// Writes every output file of FORMATS.md ("Files": grids, trajectories, CSVs, graph.g2o, report.json) into a
+/// Writes every output file of tools/README.md (grids, trajectories, CSVs, graph.g2o, report.json) into a
 /// directory, made where missing. Each file is complete or absent: written under a temporary name, synced and
 /// renamed. Throws std::runtime_error naming the file and the reason.
 void write_outputs(const MapCopy& map, const RunCost& cost, const std::string& directory,

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "relations/confidence.hpp"
-#include "server/engine/dependencies.hpp"
+#include "server/engine/map/dependencies.hpp"
 #include "server/output/csv.hpp"
 
 namespace isthmus {

@@ -2,13 +2,13 @@
 
 #include <string>
 
-#include "server/engine/map_copy.hpp"
+#include "server/engine/record/map_copy.hpp"
 #include "server/output/islands.hpp"
 
 namespace isthmus {
 
-/// The CSV files of FORMATS.md. Islands are numbered by rank; -1 stands for "none". Poses are in the island's
-/// frame, as are the patches' polygons.
+/// The CSV files of tools/README.md. Islands are numbered by rank; -1 stands for "none". Poses are in the
+/// island's frame, as are the patches' polygons.
 
 /// `robot,island,from_s,to_s`: a row per robot and session, each robot's last one current.
 void write_robots(const MapCopy& map, const RankedIslands& islands, const std::string& path);

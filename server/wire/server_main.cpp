@@ -10,12 +10,12 @@
 #include <stdexcept>
 
 #include "server/output/output.hpp"
-#include "server/wire/event_log.hpp"
-#include "server/wire/http_page.hpp"
-#include "server/wire/lcm_link.hpp"
-#include "server/wire/live_server.hpp"
-#include "server/wire/metrics.hpp"
-#include "server/wire/text_file.hpp"
+#include "server/wire/file/text_file.hpp"
+#include "server/wire/journal/event_log.hpp"
+#include "server/wire/live/lcm_link.hpp"
+#include "server/wire/live/live_server.hpp"
+#include "server/wire/watch/http_page.hpp"
+#include "server/wire/watch/metrics.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 #include <benchmark/benchmark.h>
 
 #include "server/engine/engine.hpp"
-#include "server/engine/extend.hpp"
+#include "server/engine/localise/extend.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {

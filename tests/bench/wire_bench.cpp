@@ -8,14 +8,14 @@
 #include <string>
 #include <thread>
 
-#include "server/wire/authenticator.hpp"
-#include "server/wire/envelope.hpp"
-#include "server/wire/event_log.hpp"
-#include "server/wire/inbox.hpp"
-#include "server/wire/journal.hpp"
-#include "server/wire/message.hpp"
-#include "server/wire/spool.hpp"
-#include "server/wire/udp_receiver.hpp"
+#include "server/wire/intake/inbox.hpp"
+#include "server/wire/intake/spool.hpp"
+#include "server/wire/journal/event_log.hpp"
+#include "server/wire/journal/journal.hpp"
+#include "server/wire/message/message.hpp"
+#include "server/wire/network/udp_receiver.hpp"
+#include "server/wire/trust/authenticator.hpp"
+#include "server/wire/trust/envelope.hpp"
 #include "tests/support/lcm_datagrams.hpp"
 
 namespace isthmus {

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "server/engine/configuration.hpp"
+#include "server/engine/input/configuration.hpp"
 
 /// Input: a configuration file. Whatever it is, it is taken, or refused with an error that names the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <span>
 
-#include "server/wire/authenticator.hpp"
-#include "server/wire/envelope.hpp"
-#include "server/wire/signature.hpp"
+#include "server/wire/journal/signature.hpp"
+#include "server/wire/trust/authenticator.hpp"
+#include "server/wire/trust/envelope.hpp"
 
 /// Input: one byte that says what it is, then the bytes of an envelope or of a journal's counters. Whatever
 /// it is, an envelope that nobody with a key has sealed is refused with a reason; one that was sealed from

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "server/engine/engine.hpp"
-#include "server/wire/event_log.hpp"
+#include "server/wire/journal/event_log.hpp"
 
 /// Input: a log file. Whatever its messages are and in whatever order, the engine takes them or counts them,
 /// and finishes.

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "server/wire/journal.hpp"
-#include "server/wire/journal_files.hpp"
-#include "server/wire/recovery.hpp"
+#include "server/wire/journal/journal.hpp"
+#include "server/wire/journal/journal_files.hpp"
+#include "server/wire/journal/recovery.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "server/wire/event_log.hpp"
+#include "server/wire/journal/event_log.hpp"
 
 /// Input: a log file. Whatever it is, it is refused with an error, or read to its end with every byte either
 /// in an event or counted as skipped.

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "server/wire/reassembly.hpp"
+#include "server/wire/network/reassembly.hpp"
 
 /// Input: datagrams, each behind a byte for its sender (upper half) and the time since the one before (lower
 /// half, in eighths of a second) and two bytes for its length. Whatever they are, what comes out is on a

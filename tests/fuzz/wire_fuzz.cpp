@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "server/wire/message.hpp"
+#include "server/wire/message/message.hpp"
 
 /// Input: one byte that chooses the channel, then the message. Whatever it is, it is refused with a reason,
 /// or it is an event that can be written and read again.

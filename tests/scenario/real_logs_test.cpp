@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "server/wire/event_log.hpp"
+#include "server/wire/journal/event_log.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/evaluate/relation_error.hpp"
 #include "tools/import/import.hpp"

@@ -1,6 +1,6 @@
 // The last pass over a log: every scan matched with the map as it is at the end.
 
-#include "server/engine/refinement.hpp"
+#include "server/engine/record/refinement.hpp"
 
 #include "tests/scenario/simulated_maps.hpp"
 

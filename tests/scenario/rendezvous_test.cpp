@@ -1,4 +1,4 @@
-#include "server/engine/rendezvous.hpp"
+#include "server/engine/rendezvous/rendezvous.hpp"
 
 #include <algorithm>
 #include <cmath>

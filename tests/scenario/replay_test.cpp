@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/wire/event_log.hpp"
+#include "server/wire/journal/event_log.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace isthmus {

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "server/engine/dependencies.hpp"
+#include "server/engine/map/dependencies.hpp"
 #include "tests/scenario/event_sequences.hpp"
 #include "tools/import/import.hpp"
 

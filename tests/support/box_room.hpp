@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/wire/message.hpp"
+#include "server/wire/message/message.hpp"
 
 namespace isthmus {
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "server/wire/file_bytes.hpp"
+#include "server/wire/file/file_bytes.hpp"
 
 namespace isthmus {
 

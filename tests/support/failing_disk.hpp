@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "server/wire/journal.hpp"
+#include "server/wire/journal/journal.hpp"
 
 namespace isthmus {
 

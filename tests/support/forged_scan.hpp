@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "server/wire/journal_entry.hpp"
-#include "server/wire/log_frame.hpp"
-#include "server/wire/message.hpp"
+#include "server/wire/journal/journal_entry.hpp"
+#include "server/wire/journal/log_frame.hpp"
+#include "server/wire/message/message.hpp"
 
 namespace isthmus {
 

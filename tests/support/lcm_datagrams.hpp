@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "server/wire/file_bytes.hpp"
+#include "server/wire/file/file_bytes.hpp"
 
 namespace isthmus {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "server/wire/event_log.hpp"
-#include "server/wire/journal_entry.hpp"
+#include "server/wire/journal/event_log.hpp"
+#include "server/wire/journal/journal_entry.hpp"
 
 namespace isthmus {
 

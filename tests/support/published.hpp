@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/wire/live_server.hpp"
+#include "server/wire/live/live_server.hpp"
 
 namespace isthmus {
 

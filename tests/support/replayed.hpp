@@ -6,7 +6,7 @@
 #include <string>
 
 #include "server/engine/engine.hpp"
-#include "server/wire/drop_record.hpp"
+#include "server/wire/journal/drop_record.hpp"
 #include "tests/support/log_files.hpp"
 
 namespace isthmus {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/engine/map.hpp"
+#include "server/engine/map/map.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus::testing {

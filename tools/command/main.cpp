@@ -6,7 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "server/wire/lcm_link.hpp"
+#include "server/wire/live/lcm_link.hpp"
 #include "tools/command/order.hpp"
 #include "tools/command/send.hpp"
 #include "tools/text/finite_number.hpp"

@@ -3,7 +3,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "server/engine/robot_name.hpp"
+#include "server/engine/input/robot_name.hpp"
 #include "tools/text/numbers.hpp"
 
 namespace isthmus {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "server/engine/event.hpp"
+#include "server/engine/input/event.hpp"
 
 namespace isthmus {
 

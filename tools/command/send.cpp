@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "isthmus/status_t.hpp"
-#include "server/engine/robot_name.hpp"
-#include "server/wire/byte_check.hpp"
-#include "server/wire/envelope.hpp"
-#include "server/wire/message.hpp"
-#include "server/wire/text_file.hpp"
+#include "server/engine/input/robot_name.hpp"
+#include "server/wire/file/text_file.hpp"
+#include "server/wire/message/byte_check.hpp"
+#include "server/wire/message/message.hpp"
+#include "server/wire/trust/envelope.hpp"
 
 namespace isthmus {
 namespace {

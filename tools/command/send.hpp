@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "server/engine/configuration.hpp"
-#include "server/engine/event.hpp"
+#include "server/engine/input/configuration.hpp"
+#include "server/engine/input/event.hpp"
 
 namespace lcm {
 class LCM;

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "server/engine/robot_name.hpp"
+#include "server/engine/input/robot_name.hpp"
 #include "tools/evaluate/report.hpp"
 
 namespace {

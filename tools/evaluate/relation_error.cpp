@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/engine/robot_name.hpp"
+#include "server/engine/input/robot_name.hpp"
 #include "tools/text/csv.hpp"
 #include "tools/text/lines.hpp"
 #include "tools/text/numbers.hpp"

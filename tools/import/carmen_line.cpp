@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "server/wire/limits.hpp"
+#include "server/wire/message/limits.hpp"
 #include "tools/text/numbers.hpp"
 
 namespace isthmus {

@@ -16,7 +16,7 @@ struct CarmenScan {
   std::optional<double> range_max_m;
 };
 
-/// One ODOM, FLASER or ROBOTLASER1 line (FORMATS.md, "Files read"): a stamp, the odometry, and a scan where
+/// One ODOM, FLASER or ROBOTLASER1 line (tools/README.md): a stamp, the odometry, and a scan where
 /// the line has one. The stamp is the first of the two on the line, that of the message (`ipc_timestamp`):
 /// the one which the ground truth of the SLAM benchmark refers to.
 struct CarmenLine {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/engine/event.hpp"
+#include "server/engine/input/event.hpp"
 
 namespace isthmus {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/engine/event.hpp"
+#include "server/engine/input/event.hpp"
 
 namespace isthmus {
 
@@ -35,11 +35,11 @@ struct ImportReport {
   std::vector<RobotEvent> robots;
 };
 
-/// Turns CARMEN logs into events (FORMATS.md, "Event order"): first what every robot says of itself, then all
-/// robots merged by each one's running-maximum stamp, file order within a robot; that maximum is the receive
-/// time. The odometry of a laser line comes as an odometry event just before its scan with the same stamp.
-/// Throws FileError naming file, line and reason, or std::runtime_error; all files are checked before the
-/// first event. `progress` is told the share of the work done.
+/// Turns CARMEN logs into events (lcmtypes/README.md): first what every robot says of itself, then
+/// all robots merged by each one's running-maximum stamp, file order within a robot; that maximum is the
+/// receive time. The odometry of a laser line comes as an odometry event just before its scan with the same
+/// stamp. Throws FileError naming file, line and reason, or std::runtime_error; all files are checked before
+/// the first event. `progress` is told the share of the work done.
 ImportReport import_carmen(const CarmenImport& what, const std::function<void(const Event&)>& sink,
                            const std::function<void(double)>& progress = {});
 

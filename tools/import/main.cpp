@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "server/wire/event_log.hpp"
+#include "server/wire/journal/event_log.hpp"
 #include "tools/import/import.hpp"
 #include "tools/import/mrclam.hpp"
 #include "tools/text/finite_number.hpp"

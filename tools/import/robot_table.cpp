@@ -3,7 +3,7 @@
 #include <limits>
 #include <set>
 
-#include "server/engine/robot_name.hpp"
+#include "server/engine/input/robot_name.hpp"
 #include "tools/text/csv.hpp"
 
 namespace isthmus {

@@ -22,7 +22,7 @@ struct RobotRow {
 /// By upper-case name. Throws FileError naming file, line and reason: a name twice, a barcode twice.
 std::map<std::string, RobotRow> read_robot_table(const std::string& file);
 
-/// The name in upper case; nothing where it cannot be a robot's (server/engine/robot_name.hpp).
+/// The name in upper case; nothing where it cannot be a robot's (server/engine/input/robot_name.hpp).
 std::optional<std::string> robot_name(const std::string& name);
 
 }  // namespace isthmus

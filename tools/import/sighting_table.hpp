@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "server/engine/event.hpp"
+#include "server/engine/input/event.hpp"
 
 namespace isthmus {
 

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <vector>
 
-#include "server/engine/dependencies.hpp"
+#include "server/engine/map/dependencies.hpp"
 #include "tools/text/csv.hpp"
 
 namespace isthmus {

@@ -3,8 +3,8 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "server/wire/journal_files.hpp"
-#include "server/wire/recovery.hpp"
+#include "server/wire/journal/journal_files.hpp"
+#include "server/wire/journal/recovery.hpp"
 
 namespace isthmus {
 namespace {

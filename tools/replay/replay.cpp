@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "server/engine/refinement.hpp"
-#include "server/wire/drop_record.hpp"
-#include "server/wire/event_log.hpp"
-#include "server/wire/journal_view.hpp"
-#include "server/wire/text_file.hpp"
+#include "server/engine/record/refinement.hpp"
+#include "server/wire/file/text_file.hpp"
+#include "server/wire/journal/drop_record.hpp"
+#include "server/wire/journal/event_log.hpp"
+#include "server/wire/journal/journal_view.hpp"
 
 namespace isthmus {
 namespace {

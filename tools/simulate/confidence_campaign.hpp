@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "server/engine/configuration.hpp"
-#include "server/engine/map_copy.hpp"
+#include "server/engine/input/configuration.hpp"
+#include "server/engine/record/map_copy.hpp"
 #include "tools/simulate/simulation.hpp"
 
 namespace isthmus {

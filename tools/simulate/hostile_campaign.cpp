@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/output/output.hpp"
-#include "server/wire/live_server.hpp"
+#include "server/wire/live/live_server.hpp"
 #include "tools/simulate/confidence_campaign.hpp"
 #include "tools/simulate/random.hpp"
 #include "tools/simulate/unruly_messages.hpp"

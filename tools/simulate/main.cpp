@@ -2,7 +2,7 @@
 #include <exception>
 #include <iostream>
 
-#include "server/wire/event_log.hpp"
+#include "server/wire/journal/event_log.hpp"
 #include "tools/simulate/scenario_file.hpp"
 #include "tools/simulate/simulation.hpp"
 #include "tools/simulate/truth_files.hpp"

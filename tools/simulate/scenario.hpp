@@ -12,7 +12,7 @@
 
 namespace isthmus {
 
-/// A laser range finder and what is wrong with it. Defaults: seed 000, section 5.1.
+/// A laser range finder and what is wrong with it. Defaults: Benedettelli et al. 2012, section 5.1.
 struct LaserPlan {
   int beams = 181;
   double field_of_view_rad = std::numbers::pi;
@@ -29,8 +29,8 @@ struct LaserPlan {
   double scan_lag_s = 0;  ///< a scan was taken this long before its stamp (and its odometry)
 };
 
-/// Wheel odometry. Noise: seed 000, eqs. 27-29: independent every noise_period_s, while the robot moves, with
-/// sigma_v = linear_share |v| and sigma_omega = angular_share |omega| + angular_floor.
+/// Wheel odometry. Noise: Benedettelli et al. 2012, eqs. 27-29: independent every noise_period_s, while the
+/// robot moves, with sigma_v = linear_share |v| and sigma_omega = angular_share |omega| + angular_floor.
 struct OdometryPlan {
   double rate_hz = 20;
   double linear_share = 0.03;
@@ -44,7 +44,7 @@ struct OdometryPlan {
   double curvature_rpm = 0;  ///< yaw reported for each metre driven straight ahead
 };
 
-/// A sensor that reads barcodes of robots and tags. Defaults: seed 000.
+/// A sensor that reads barcodes of robots and tags. Defaults: Benedettelli et al. 2012.
 struct CameraPlan {
   double rate_hz = 2;  ///< 0: the robot has no camera
   double from_s = 0;   ///< time of the run; it reads nothing before

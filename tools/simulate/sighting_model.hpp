@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/engine/event.hpp"
+#include "server/engine/input/event.hpp"
 #include "tools/simulate/random.hpp"
 #include "tools/simulate/ray_caster.hpp"
 #include "tools/simulate/scenario.hpp"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/engine/map_copy.hpp"
+#include "server/engine/record/map_copy.hpp"
 #include "tools/simulate/simulation.hpp"
 
 namespace isthmus {

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "server/wire/snapshots.hpp"
+#include "server/wire/journal/snapshots.hpp"
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "isthmus/status_t.hpp"
-#include "server/wire/encoded.hpp"
-#include "server/wire/message.hpp"
+#include "server/wire/message/encoded.hpp"
+#include "server/wire/message/message.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/command/order.hpp"
 #include "tools/command/send.hpp"

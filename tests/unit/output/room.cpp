@@ -7,7 +7,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "server/engine/evidence.hpp"
+#include "server/engine/sightings/evidence.hpp"
 
 namespace isthmus::testing {
 namespace {

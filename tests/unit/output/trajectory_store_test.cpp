@@ -1,4 +1,4 @@
-#include "server/engine/trajectory_store.hpp"
+#include "server/engine/record/trajectory_store.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,85 @@
+#include "server/engine/closures/joining.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "relations/confidence.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr double most_chi_squared = 25;  // of three: as far as a loop may jump (trial.cpp)
+// What is so near says the same however sharp both are: walls that repeat are farther apart.
+constexpr double alike_m = 1;
+constexpr double alike_rad = 0.35;
+constexpr double tells_apart = 1;  // log-odds by which a loop must make a joining likelier than it was
+
+bool on_one_island(const Map& map, const Joining& joining) {
+  const auto size = static_cast<std::int32_t>(map.graph().patch_count());  // a trial's may be older
+  return joining.first.value < size && joining.second.value < size &&
+         map.graph().island(joining.first) == map.graph().island(joining.second);
+}
+
+Pose mapped(const Map& map, const Joining& joining) {
+  return ominus(map.manifold().pose(joining.second), map.manifold().pose(joining.first));
+}
+
+std::optional<Eigen::Matrix3d> covariance(const Map& map, const Joining& joining) {
+  const auto found = exact_relative_covariances(map.graph(), map.manifold().poses(), joining.first,
+                                                std::span(&joining.second, 1));
+  return found.empty() ? std::nullopt : std::optional(found.front());
+}
+
+/// How a joining lies to what a map says of its ends.
+struct Distance {
+  double chi_squared = 0;
+  double log_density = 0;  ///< up to a constant
+};
+
+std::optional<Distance> distance(const Map& map, const Joining& joining) {
+  const std::optional<Eigen::Matrix3d> known = covariance(map, joining);
+  if (!known) return std::nullopt;
+  Eigen::Matrix3d sum = *known + joining.covariance;
+  sum.diagonal() +=
+      Eigen::Vector3d(alike_m * alike_m, alike_m * alike_m, alike_rad * alike_rad) / most_chi_squared;
+  const Pose has = mapped(map, joining);
+  const Eigen::Vector3d off(has.x - joining.first_from_second.x, has.y - joining.first_from_second.y,
+                            wrap_angle(has.yaw - joining.first_from_second.yaw));
+  const Eigen::Index size = joining.point ? 2 : 3;
+  const Eigen::MatrixXd block = sum.topLeftCorner(size, size);
+  const double squared = off.head(size).dot(block.inverse() * off.head(size));
+  return Distance{squared, -0.5 * (squared + std::log(block.determinant()))};
+}
+
+}  // namespace
+
+PatchId ground_of(const Map& map, PatchId patch) {
+  if (map.manifold().patch(patch).tag < 0) return patch;
+  const std::vector<PatchId> neighbours = map.graph().neighbours(patch);
+  const auto ground =
+      std::ranges::find_if(neighbours, [&](PatchId id) { return map.manifold().patch(id).tag < 0; });
+  return ground == neighbours.end() ? patch : *ground;
+}
+
+Joining as_mapped(const Map& map, Joining joining) {
+  if (!on_one_island(map, joining)) return joining;
+  const std::optional<Eigen::Matrix3d> known = covariance(map, joining);
+  if (!known) return joining;
+  joining.first_from_second = mapped(map, joining);
+  joining.covariance = *known;
+  return joining;
+}
+
+bool brings_about(const Map& map, const Map& tried, const Joining& joining) {
+  if (!on_one_island(tried, joining)) return false;
+  const std::optional<Distance> then = distance(tried, joining);
+  if (!then || then->chi_squared > most_chi_squared) return false;
+  if (!on_one_island(map, joining)) return true;
+  const std::optional<Distance> now = distance(map, joining);
+  return !now || then->log_density > now->log_density + tells_apart;
+}
+
+}  // namespace isthmus

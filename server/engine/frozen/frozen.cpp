@@ -1,0 +1,138 @@
+#include "server/engine/frozen/frozen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/engine/localise/follow.hpp"
+
+namespace isthmus {
+namespace {
+
+/// Where odometry alone has led the robot so far from its last match, or may err by so much (standard
+/// deviation), its place is a guess and it is looked for elsewhere too; farther away, only elsewhere.
+constexpr double doubted_m = 2;
+constexpr double doubted_sigma_m = 0.3;
+constexpr double given_up_m = 10;
+/// Scans matched in vain where the robot was thought to be, after which it is not there.
+constexpr int most_tries = 8;
+constexpr std::size_t most_unplaced = 10'000;
+constexpr double work_share = 0.3;  // of the time that passes: nothing else is to be done
+constexpr std::int64_t most_credit_us = 20'000;
+
+double way_since_match_m(const Localisation& place) {
+  const Pose& path = place.since_last_patch.start_from_end;
+  return std::hypot(path.x, path.y);
+}
+
+bool is_in_doubt(const Localisation& place) {
+  const double variance = place.since_last_patch.covariance.topLeftCorner<2, 2>().trace();
+  return place.suspect || way_since_match_m(place) > doubted_m ||
+         variance > doubted_sigma_m * doubted_sigma_m;
+}
+
+// A place that is a guess, until a scan fits it well.
+Localisation guessed(const ManifoldPose& pose, const Pose& odom_from_robot, std::int64_t utime) {
+  Localisation place;
+  place.pose = pose;
+  place.covariance = place.spread = Eigen::Vector3d(0.09, 0.09, 0.01).asDiagonal();
+  place.odom_from_robot = odom_from_robot;
+  place.utime = utime;
+  place.last_patch = pose.patch;
+  place.suspect = true;
+  return place;
+}
+
+}  // namespace
+
+std::optional<ScanOutcome> Frozen::take_scan(const Map& map, Robot& robot, const Scan& scan,
+                                             const Pose& odom_from_robot, const EngineOptions& options) {
+  const std::string& name = robot.declaration.robot;
+  if (!robot.place || robot.place->suspect) put_where_thought(robot, lookouts_[name], scan, odom_from_robot);
+  if (robot.place) {
+    if (auto done = follow_on(map, robot, scan, odom_from_robot, options)) return done;
+  }
+  Finder& finder = lookouts_[name].finder;
+  finder.take_scan(robot, scan, odom_from_robot, options);
+  // Where it was before it was carried away, nobody can tell from where it is found.
+  if (!robot.unplaced.empty() && robot.unplaced.front().utime < finder.since_utime())
+    std::erase_if(robot.unplaced,
+                  [&](const UnplacedScan& unplaced) { return unplaced.utime < finder.since_utime(); });
+  robot.unplaced.push_back({scan.utime, odom_from_robot});
+  if (robot.unplaced.size() > most_unplaced) robot.unplaced.erase(robot.unplaced.begin());
+  return std::nullopt;
+}
+
+void Frozen::put_where_thought(Robot& robot, Lookout& lookout, const Scan& scan,
+                               const Pose& odom_from_robot) {
+  std::optional<ManifoldPose> thought = lookout.finder.take_found();
+  if (!thought && lookout.last) thought = lookout.last->pose;
+  lookout.last.reset();
+  if (!thought) return;
+  robot.place = guessed(*thought, odom_from_robot, scan.utime);
+  lookout.tries_left = most_tries;
+  lookout.moved_away = true;
+}
+
+std::optional<ScanOutcome> Frozen::follow_on(const Map& map, Robot& robot, const Scan& scan,
+                                             const Pose& odom_from_robot, const EngineOptions& options) {
+  const std::vector<ScanPoint> points = to_points(scan, robot.declaration.laser, options.patch.normals);
+  const Expectation expectation = expect(robot, odom_from_robot, scan.utime);
+  choose_local_map(map, robot, expectation.local_from_robot, points, options);
+  const Placement placement = place(robot, expectation, robot.local_map, points, options);
+  follow(map, robot, expectation, placement, odom_from_robot, scan.utime);
+  const std::string& name = robot.declaration.robot;
+  if (placement.matched) {
+    robot.place->since_last_patch = {};  // since the last match, here: the robot has no patches
+    const auto lookout = lookouts_.find(name);
+    const bool moved_away = lookout != lookouts_.end() && lookout->second.moved_away;
+    if (lookout != lookouts_.end()) lookouts_.erase(lookout);
+    return ScanOutcome{answer(map, robot, true), {}, moved_away || robot.session < 0, false, false};
+  }
+  robot.place->suspect = is_in_doubt(*robot.place);
+  if (!robot.place->suspect)
+    return ScanOutcome{answer(map, robot, false), placement.reason, false, false, false};
+  lose(robot, lookouts_[name], expectation);
+  return std::nullopt;
+}
+
+// One more scan that does not fit where the robot was thought to be.
+void Frozen::lose(Robot& robot, Lookout& lookout, const Expectation& expectation) {
+  if (!expectation.plausible && lookout.tries_left == 0) lookout.tries_left = most_tries;
+  const bool tried_enough = lookout.tries_left > 0 && --lookout.tries_left == 0;
+  if (!tried_enough && way_since_match_m(*robot.place) <= given_up_m) return;
+  robot.place.reset();
+  lookout.moved_away = true;
+}
+
+void Frozen::restart(Robot& robot) {
+  Lookout& lookout = lookouts_[robot.declaration.robot];
+  lookout = {};
+  lookout.last = std::exchange(robot.place, std::nullopt);
+  lookout.moved_away = true;
+  robot.unplaced.clear();
+}
+
+void Frozen::advance(const Map& map, const EngineOptions& options, std::int64_t now_utime) {
+  const std::int64_t passed = std::clamp<std::int64_t>(now_utime - last_utime_, 0, 1'000'000);
+  last_utime_ = now_utime;
+  credit_us_ = std::min(most_credit_us,
+                        credit_us_ + static_cast<std::int64_t>(work_share * static_cast<double>(passed)));
+  // In turn, so that no robot waits for another to be found.
+  const auto next = [&] {
+    const auto works = [](const auto& entry) { return entry.second.finder.has_work(); };
+    const auto after = lookouts_.upper_bound(searched_last_);
+    const auto found = std::find_if(after, lookouts_.end(), works);
+    return found != lookouts_.end() ? found : std::find_if(lookouts_.begin(), lookouts_.end(), works);
+  };
+  for (auto lookout = next(); credit_us_ > 0 && lookout != lookouts_.end(); lookout = next()) {
+    searched_last_ = lookout->first;
+    credit_us_ -= lookout->second.finder.step(map, places_, options, counts_);
+  }
+}
+
+bool Frozen::has_work() const {
+  return std::ranges::any_of(lookouts_, [](const auto& entry) { return entry.second.finder.has_work(); });
+}
+
+}  // namespace isthmus

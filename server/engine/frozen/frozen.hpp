@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/engine/frozen/finder.hpp"
+#include "server/engine/localise/mapper.hpp"
+
+namespace isthmus {
+
+/// Localisation only: robots on a map that does not change. One that is on the map is followed over it as
+/// while mapping (Howard et al. 2006, IV-A, without eq. 15). One that is new, or was carried away, or went
+/// where the map does not reach, is looked for where it was last and, by what it sees on its way, all over
+/// the map; until it is found, no pose is told.
+///
+/// Nothing of it is kept in snapshots.
+class Frozen {
+ public:
+  Frozen(const Map& map, const EngineOptions& options) : places_(all_places(map, options)) {}
+
+  /// Nothing where the robot is not on the map as far as is known.
+  std::optional<ScanOutcome> take_scan(const Map& map, Robot& robot, const Scan& scan,
+                                       const Pose& odom_from_robot, const EngineOptions& options);
+
+  /// The robot's odometry begins anew, where it was or elsewhere.
+  void restart(Robot& robot);
+
+  /// Searches on, on credit that grows with time, in bounded steps.
+  void advance(const Map& map, const EngineOptions& options, std::int64_t now_utime);
+  bool has_work() const;
+
+  const FinderCounts& counts() const { return counts_; }
+
+ private:
+  /// Of a robot that is not on the map for sure.
+  struct Lookout {
+    std::optional<Localisation> last;  ///< where it was before its odometry began anew
+    Finder finder;
+    int tries_left = 0;       ///< scans to be matched where it is thought to be; 0: any number
+    bool moved_away = false;  ///< it may be elsewhere: where it is found, a new session begins
+  };
+
+  void put_where_thought(Robot& robot, Lookout& lookout, const Scan& scan, const Pose& odom_from_robot);
+  std::optional<ScanOutcome> follow_on(const Map& map, Robot& robot, const Scan& scan,
+                                       const Pose& odom_from_robot, const EngineOptions& options);
+  void lose(Robot& robot, Lookout& lookout, const Expectation& expectation);
+
+  std::vector<RigidPiece> places_;
+  std::map<std::string, Lookout> lookouts_;  ///< by robot
+  std::string searched_last_;
+  FinderCounts counts_;
+  std::int64_t credit_us_ = 0;
+  std::int64_t last_utime_ = 0;
+};
+
+}  // namespace isthmus

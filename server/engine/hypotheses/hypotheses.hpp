@@ -1,0 +1,130 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "server/engine/closures/closures.hpp"
+#include "server/engine/hypotheses/undecided.hpp"
+#include "server/engine/places/consistency.hpp"
+#include "server/engine/places/place_candidates.hpp"
+#include "server/engine/places/places_job.hpp"
+
+namespace isthmus {
+
+/// Where on the map the last metres of a robot's way may be, on the way to an answer.
+struct PlaceQuery {
+  std::vector<PatchId> newest_first;
+  std::string robot;
+  RigidPiece piece;
+  std::vector<PlaceCandidate> places;
+  std::size_t next = 0;
+  std::vector<PlaceAnswer> answers;
+  double best_score = 0;
+  bool exhausted = false;
+
+  auto members() {
+    return std::tie(newest_first, robot, piece, places, next, answers, best_score, exhausted);
+  }
+};
+
+/// Loops and merges that scans alone suggest, closed lazily: every few metres of a robot's way, what it saw
+/// last is searched for at the places where it may have been before, on its own island within the relative
+/// covariance and on others anywhere. What is found there, once and only once, waits until several finds
+/// agree all around the loops that they form; those are proposed to the closures, which try them out beside
+/// the map. Where to search is looked up beside the engine (places_job.hpp), and searching is done in bounded
+/// steps on credit that grows with time, so no event waits long for it.
+class Hypotheses {
+ public:
+  void advance(World world, Closures& closures);
+  /// All that is left, as if nothing more will come, and with nothing on trial: first this, then searches
+  /// until there are no more,
+  void begin_finish(World world, Closures& closures);
+  bool finish_search(World world);
+  /// then, as the maps are as large now as they will be and what was undecided may be plain, all that was
+  /// tried once more: what is put on trial by one call is to be decided before the next. False: nothing was.
+  void try_all_again();
+  bool propose_last(World world, Closures& closures);
+  bool has_work() const { return !queue_.empty() || looking_up_ || can_step(); }
+
+  /// A robot's data is taken out.
+  void forget_robot(const Map& map, const std::string& robot);
+
+  std::vector<UndecidedHypothesis> undecided() const;
+  /// Something else has shown it to be false.
+  void refute(ClosureId id, const std::string& reason);
+
+  const HypothesisCounts& counts() const { return counts_; }
+
+  auto members() {
+    return std::tie(ways_, newest_, queue_, asked_, looking_up_, ready_, query_, pool_, agreements_,
+                    pool_changed_, hypotheses_, parked_, refuted_, counts_, credit_us_, last_utime_,
+                    patches_);
+  }
+
+ private:
+  /// A robot's way on its newest patches.
+  struct Way {
+    std::deque<PatchId> newest_first;
+    std::deque<double> from_newest_m;
+    double since_query_m = 0;
+
+    auto members() { return std::tie(newest_first, from_newest_m, since_query_m); }
+  };
+  struct Waiting {
+    Find find;
+    std::string robot;
+    ClosureId hypothesis;  ///< that it has been proposed with, if any
+
+    auto members() { return std::tie(find, robot, hypothesis); }
+  };
+  struct Hypothesis {
+    UndecidedHypothesis says;
+    int tried = 0;  ///< finds when it was last on trial
+    bool undecided = false;
+
+    auto members() { return std::tie(says, tried, undecided); }
+  };
+
+  void follow(World world);
+  void note_patch(World world, const std::string& robot, PatchId patch);
+  void look_up(World world);
+  void end_look_up();
+  void work(World world);
+  bool can_step() const { return query_ || !ready_.empty(); }
+  /// One bounded piece of the search; what it costs, in nominal microseconds.
+  std::int64_t step(World world);
+  std::int64_t begin(World world, PlaceQuery& query);
+  std::int64_t search_next(World world, PlaceQuery& query);
+  std::int64_t decide(World world, PlaceQuery& query);
+  void take(World world, const std::string& robot, Find find);
+  bool propose(World world, Closures& closures);
+  bool propose(World world, Closures& closures, const std::vector<std::size_t>& set);
+  std::size_t rivals(const Map& map, const std::vector<std::size_t>& set) const;
+  void hear(World world, Closures& closures);
+  void remove(const std::vector<bool>& gone);
+
+  std::map<std::string, Way> ways_;
+  std::map<std::string, PatchId> newest_;
+  // A query's way: it waits, its places are looked up beside the engine, it is ready, it is searched.
+  std::deque<PlaceQuery> queue_;
+  std::vector<PlaceQuery> asked_;  ///< what is being looked up; no patches: not wanted any more
+  std::optional<PlacesJob> looking_up_;
+  std::deque<PlaceQuery> ready_;
+  std::optional<PlaceQuery> query_;
+  std::vector<Waiting> pool_;
+  AgreementTable agreements_;
+  bool pool_changed_ = false;
+  std::map<ClosureId, Hypothesis> hypotheses_;
+  std::map<ClosureId, std::vector<Waiting>> parked_;  ///< finds of closures that may be withdrawn or allowed
+  std::vector<std::pair<ClosureId, std::string>> refuted_;
+  HypothesisCounts counts_;
+  std::size_t patches_ = 0;  ///< when last worked
+  std::int64_t credit_us_ = 0;
+  std::int64_t last_utime_ = 0;
+};
+
+}  // namespace isthmus

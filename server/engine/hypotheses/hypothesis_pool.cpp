@@ -1,0 +1,207 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <set>
+#include <utility>
+
+#include "server/engine/hypotheses/hypotheses.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr std::size_t most_waiting = 64;
+constexpr std::size_t enough_finds = 3;
+constexpr double enough_way_m = 3;
+constexpr std::size_t agreement_patches = 200;  // nearest in the graph, to know how ends lie to each other
+constexpr double surely_near_m = 4;  // a map less sure than this of where a find is asks for caution
+constexpr double rival_m = 6;
+constexpr double mapped_m = 0.15;  // so near to what the map says, a find has nothing to add
+constexpr double mapped_rad = 0.03;
+constexpr std::size_t more_finds = 3;  // before what was undecided is tried again
+
+// Whether the map, as it is now, has the patches about where the find has them.
+bool agrees_with_map(const Map& map, const Find& find) {
+  if (map.graph().island(find.query) != map.graph().island(find.anchor)) return false;
+  const Pose mapped = ominus(map.manifold().pose(find.query), map.manifold().pose(find.anchor));
+  const Pose off = ominus(find.anchor_from_query, mapped);
+  return std::hypot(off.x, off.y) < mapped_m && std::abs(off.yaw) < mapped_rad;
+}
+
+}  // namespace
+
+// A find joins the pool with its agreements with those that wait there.
+void Hypotheses::take(World world, const std::string& robot, Find find) {
+  ++counts_.finds;
+  const NearbyConfidence of_anchor(world.map, find.anchor, agreement_patches);
+  const NearbyConfidence of_query(world.map, find.query, agreement_patches);
+  std::vector<Agreement> with_earlier;
+  for (const Waiting& earlier : pool_) {
+    with_earlier.push_back(agreement(world.map, find, of_anchor, of_query, earlier.find));
+    if (earlier.find.query == find.query && with_earlier.back() == Agreement::consistent)
+      return;  // the same once more
+  }
+  pool_.push_back({std::move(find), robot, {}});
+  agreements_.add(std::move(with_earlier));
+  if (pool_.size() > most_waiting) {
+    std::vector<bool> gone(pool_.size(), false);
+    gone.front() = true;
+    remove(gone);
+  }
+  pool_changed_ = true;
+}
+
+void Hypotheses::remove(const std::vector<bool>& gone) {
+  std::vector<Waiting> kept;
+  for (std::size_t i = 0; i < pool_.size(); ++i)
+    if (!gone[i]) kept.push_back(std::move(pool_[i]));
+  pool_ = std::move(kept);
+  agreements_.remove(gone);
+}
+
+bool Hypotheses::propose(World world, Closures& closures) {
+  std::set<std::vector<std::size_t>> looked_at;
+  // The newest find first: what it makes possible is what is new.
+  for (std::size_t i = pool_.size(); i-- > 0;) {
+    const std::vector<std::size_t> set = agreements_.largest_consistent_with(i);
+    if (!looked_at.insert(set).second) continue;
+    if (propose(world, closures, set)) return true;
+  }
+  return false;
+}
+
+bool Hypotheses::propose(World world, Closures& closures, const std::vector<std::size_t>& set) {
+  if (set.size() < enough_finds || 2 * rivals(world.map, set) > set.size()) return false;
+  const Map& map = world.map;
+  const Find& first = pool_[set.front()].find;
+  const Manifold& manifold = map.manifold();
+  double way_m = 0;
+  ClosureId id;
+  for (const std::size_t i : set) {
+    const Pose moved = ominus(manifold.pose(pool_[i].find.query), manifold.pose(first.query));
+    const Pose anchor_moved = ominus(manifold.pose(pool_[i].find.anchor), manifold.pose(first.query));
+    // One found from the other side has its ends exchanged.
+    way_m =
+        std::max(way_m, std::min(std::hypot(moved.x, moved.y), std::hypot(anchor_moved.x, anchor_moved.y)));
+    if (!id.valid()) id = pool_[i].hypothesis;
+  }
+  if (way_m < enough_way_m) return false;
+  const auto before = hypotheses_.find(id);
+  const bool known = before != hypotheses_.end();
+  if (known) {
+    const auto tried = static_cast<std::size_t>(before->second.tried);
+    if (tried > 0 && set.size() < tried + std::max(more_finds, tried / 2)) return false;
+  }
+
+  ScanProposal proposal;
+  proposal.id = id;
+  proposal.first = first.anchor;
+  proposal.second = first.query;
+  proposal.first_from_second = first.anchor_from_query;
+  if (map.graph().island(first.query) < map.graph().island(first.anchor)) {
+    std::swap(proposal.first, proposal.second);
+    proposal.first_from_second = inverse(first.anchor_from_query);
+  }
+  proposal.finds = static_cast<int>(set.size());
+  std::set<std::string> robots;
+  for (const std::size_t i : set) {
+    const Find& find = pool_[i].find;
+    proposal.way_m = std::max(proposal.way_m, find.way_m);
+    proposal.cautious = proposal.cautious || find.sigma_m > surely_near_m;
+    std::ranges::copy(find.relations, std::back_inserter(proposal.relations));
+    robots.insert(map.manifold().patch(find.query).robot);
+    robots.insert(map.manifold().patch(find.anchor).robot);
+  }
+  proposal.robots.assign(robots.begin(), robots.end());
+  id = closures.propose_from_scans(world, proposal);
+  for (const std::size_t i : set) pool_[i].hypothesis = id;
+  Hypothesis& hypothesis = hypotheses_[id];
+  hypothesis.says = {id, proposal.first, proposal.second, proposal.first_from_second, proposal.finds, 0};
+  hypothesis.undecided = false;
+  hypothesis.tried = proposal.finds;
+  ++counts_.proposed;
+  return true;
+}
+
+// Finds from about the same stretch of way that say otherwise.
+std::size_t Hypotheses::rivals(const Map& map, const std::vector<std::size_t>& set) const {
+  const auto near = [&](std::size_t rival, std::size_t member) {
+    const Pose apart =
+        ominus(map.manifold().pose(pool_[rival].find.query), map.manifold().pose(pool_[member].find.query));
+    return std::hypot(apart.x, apart.y) < rival_m;
+  };
+  const std::vector<std::size_t> rivals = agreements_.rivals_of(set);
+  return static_cast<std::size_t>(std::ranges::count_if(rivals, [&](std::size_t rival) {
+    return std::ranges::any_of(set, [&](std::size_t member) { return near(rival, member); });
+  }));
+}
+
+// What became of those that were proposed, and what others have refuted.
+void Hypotheses::hear(World world, Closures& closures) {
+  for (const auto& [id, reason] : std::exchange(refuted_, {})) closures.refuse_from_scans(id, reason);
+  for (const Closures::Ruling& ruling : closures.take_rulings()) {
+    if (ruling.state == "waiting" && parked_.contains(ruling.id)) {
+      for (Waiting& waiting : parked_[ruling.id]) take(world, waiting.robot, std::move(waiting.find));
+      parked_.erase(ruling.id);
+      continue;
+    }
+    const auto found = hypotheses_.find(ruling.id);
+    if (found == hypotheses_.end()) continue;
+    if (ruling.state == "waiting") {
+      found->second.undecided = true;
+      found->second.says.value = ruling.value;
+      if (ruling.reason == "map_changed") found->second.tried = 0;
+      pool_changed_ = true;
+      continue;
+    }
+    std::vector<bool> gone(pool_.size(), false);
+    for (std::size_t i = 0; i < pool_.size(); ++i) {
+      if (pool_[i].hypothesis != ruling.id) continue;
+      gone[i] = true;
+      if (ruling.state == "accepted" || ruling.reason == "forbidden") parked_[ruling.id].push_back(pool_[i]);
+    }
+    if (ruling.state == "accepted") {
+      for (std::size_t i = 0; i < pool_.size(); ++i)
+        gone[i] = gone[i] || agrees_with_map(world.map, pool_[i].find);
+    }
+    remove(gone);
+    hypotheses_.erase(found);
+    pool_changed_ = true;
+  }
+}
+
+void Hypotheses::forget_robot(const Map& map, const std::string& robot) {
+  const auto is_its = [&](const Waiting& waiting) {
+    return map.manifold().patch(waiting.find.query).robot == robot ||
+           map.manifold().patch(waiting.find.anchor).robot == robot;
+  };
+  std::vector<bool> gone;
+  for (const Waiting& waiting : pool_) gone.push_back(is_its(waiting));
+  remove(gone);
+  for (auto& [id, finds] : parked_) std::erase_if(finds, is_its);
+  if (query_ && query_->robot == robot) query_.reset();
+  const auto asks = [&](const PlaceQuery& query) { return query.robot == robot; };
+  std::erase_if(queue_, asks);
+  std::erase_if(ready_, asks);
+  for (PlaceQuery& query : asked_)
+    if (asks(query)) query.newest_first.clear();
+  ways_.erase(robot);
+}
+
+std::vector<UndecidedHypothesis> Hypotheses::undecided() const {
+  std::vector<UndecidedHypothesis> undecided;
+  for (const auto& [id, hypothesis] : hypotheses_)
+    if (hypothesis.undecided) undecided.push_back(hypothesis.says);
+  return undecided;
+}
+
+void Hypotheses::refute(ClosureId id, const std::string& reason) {
+  const auto found = hypotheses_.find(id);
+  if (found == hypotheses_.end()) return;
+  std::vector<bool> gone;
+  for (const Waiting& waiting : pool_) gone.push_back(waiting.hypothesis == id);
+  remove(gone);
+  hypotheses_.erase(found);
+  refuted_.emplace_back(id, reason);
+}
+
+}  // namespace isthmus

@@ -1,0 +1,183 @@
+#include "server/engine/localise/extend.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "scanmatch/match_relations.hpp"
+#include "server/engine/map/rejoin.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr int same_place_hops = 2;  // so near in the graph, what lies together in the map does so in truth
+
+Relation odometry_relation(PatchId previous, PatchId next, const OdometryPath& path,
+                           const Eigen::Matrix3d& covariance) {
+  Relation relation;
+  relation.a = previous;
+  relation.b = next;
+  relation.kind = RelationKind::odometry;
+  relation.measurement = RelativePose{path.start_from_end, covariance.inverse()};
+  relation.origin = {OriginKind::odometry, {}};
+  return relation;
+}
+
+// Patches that a scan should overlap and was not found to.
+std::vector<PatchId> unpaired_patches(const LocalMap& local_map, std::span<const Relation> relations) {
+  std::vector<PatchId> unpaired;
+  for (const LocalPatch& local : local_map.patches) {
+    const PatchId id = local.patch->id;
+    const bool paired =
+        std::any_of(relations.begin(), relations.end(), [&](const Relation& r) { return r.a == id; });
+    if (!paired) unpaired.push_back(id);
+  }
+  return unpaired;
+}
+
+// Whether a patch of like heading lies where a robot is, though the surroundings lack it: they hold the
+// patches nearest in the graph, the oldest of those equally near, and a team that drives about for hours
+// makes the graph so dense that the newest would never be seen, and made again and again.
+bool has_looked_from_here(const Map& map, PatchId reference, const Pose& local_from_robot,
+                          const EngineOptions& options) {
+  const std::vector<PatchId> near = map.graph().within_hops(reference, same_place_hops, says_where_walls_are);
+  const Pose map_from_robot = map.manifold().pose(reference) * local_from_robot;
+  return std::ranges::any_of(near, [&](PatchId id) {
+    const Pose patch_from_robot = ominus(map_from_robot, map.manifold().pose(id));
+    return std::hypot(patch_from_robot.x, patch_from_robot.y) < options.patch_spacing_m &&
+           std::abs(patch_from_robot.yaw) < options.patch_spacing_rad;
+  });
+}
+
+}  // namespace
+
+Relation odometry_relation(Robot& robot, PatchId next) {
+  const OdometryPath& path = robot.place->since_last_patch;
+  // Where nothing matches, its own account is all there is.
+  return odometry_relation(
+      robot.place->last_patch, next, path,
+      robot.noise.path_covariance(path.start_from_end, path.covariance, path.start_from_end, false));
+}
+
+void put_robot_on(Robot& robot, PatchId patch) {
+  Localisation& place = *robot.place;
+  place.pose = {patch, Pose{}};
+  place.covariance = place.spread = Eigen::Matrix3d::Identity() * 1e-8;
+  place.last_patch = patch;
+  place.since_last_patch = {};
+  ++robot.patches;
+}
+
+double uncovered_share(const Star& star, std::span<const LocalPatch> patches_near,
+                       const Pose& local_from_robot) {
+  std::vector<Pose> patch_from_robot;
+  for (const LocalPatch& near : patches_near) {
+    patch_from_robot.push_back(ominus(local_from_robot, near.local_from_patch));
+  }
+  const std::vector<float>& ranges = star.ranges_m();
+  const std::size_t stride = std::max<std::size_t>(1, ranges.size() / 36);
+  double area = 0;
+  double uncovered = 0;
+  for (std::size_t beam = stride / 2; beam < ranges.size(); beam += stride) {
+    const double range = std::min<double>(ranges[beam], 8);
+    if (range <= 0.3) continue;
+    const double bearing = star.bearing0_rad() + static_cast<double>(beam) * star.bearing_step_rad();
+    for (const double share : {0.4, 0.7, 0.92}) {
+      const Eigen::Vector2d at = star.robot_from_laser() * Eigen::Vector2d(share * range * std::cos(bearing),
+                                                                           share * range * std::sin(bearing));
+      const double weight = share * range * range;  // of the area the sample stands for
+      area += weight;
+      bool covered = false;
+      for (std::size_t k = 0; k < patches_near.size() && !covered; ++k) {
+        covered = patches_near[k].patch->star.contains(patch_from_robot[k] * at);
+      }
+      if (!covered) uncovered += weight;
+    }
+  }
+  return area > 0 ? uncovered / area : 0;
+}
+
+bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Placement& placement,
+                   const Star& star, const EngineOptions& options) {
+  struct Near {
+    const Determined* determined;
+    double distance_m;
+  };
+  std::vector<Near> near;
+  bool near_by = false;
+  bool close = false;
+  bool here = false;
+  const Pose& local_from_robot = placement.local_from_robot;
+  for (const Determined& determined : surroundings.patches()) {
+    if (!determined.firm) continue;
+    const Pose& local_from_patch = determined.local_from_patch;
+    const double distance =
+        std::hypot(local_from_robot.x - local_from_patch.x, local_from_robot.y - local_from_patch.y);
+    if (distance > 2 * options.local_map_reach_m) continue;
+    near.push_back({&determined, distance});
+    const double turned = std::abs(wrap_angle(local_from_robot.yaw - local_from_patch.yaw));
+    here = here || (distance < 0.3 * options.patch_spacing_m && turned < 0.3 * options.patch_spacing_rad);
+    near_by = near_by || distance < options.patch_spacing_m;
+    close = close || (distance < options.patch_spacing_m && turned < options.patch_spacing_rad);
+  }
+  const double score = placement.match.quality.score;
+  if (!near_by || (!here && score < options.thin_score)) return true;
+  std::sort(near.begin(), near.end(),
+            [](const Near& a, const Near& b) { return a.distance_m < b.distance_m; });
+  std::vector<LocalPatch> patches;
+  patches.reserve(near.size());
+  for (const Near& n : near)
+    patches.push_back({map.manifold().shared_patch(n.determined->patch), n.determined->local_from_patch});
+  const double uncovered = uncovered_share(star, patches, local_from_robot);
+  // Seen from here before, but turned away: worth a patch only if those who looked elsewhere saw less of it.
+  if (!close && (score < options.turned_score || uncovered > options.turned_uncovered_share) &&
+      !has_looked_from_here(map, surroundings.reference(), local_from_robot, options))
+    return true;
+  return uncovered > options.uncovered_share;
+}
+
+void begin_island(Map& map, Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+                  const EngineOptions& options) {
+  const PatchId id = map.manifold().next_id();
+  map.add(make_patch(id, robot.declaration.robot, scan, robot.declaration.laser, options.patch), Pose{});
+  robot.place = Localisation{};
+  robot.rejoins.clear();
+  robot.place->odom_from_robot = odom_from_robot;
+  robot.place->utime = scan.utime;
+  put_robot_on(robot, id);
+}
+
+bool extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement,
+            std::span<const ScanPoint> points, const EngineOptions& options) {
+  const PatchId id = map.manifold().next_id();
+  const Pose& local_from_robot = placement.local_from_robot;
+  std::vector<Relation> relations;
+  if (placement.matched) {
+    relations = match_relations(robot.local_map, points, placement.match, id, {OriginKind::match, {}},
+                                options.relations);
+  }
+  std::vector<Relation> loop;
+  if (placement.matched) {
+    const std::vector<PatchId> unpaired = unpaired_patches(robot.local_map, relations);
+    loop = robot.rejoins.take(
+        find_rejoin(map, robot.surroundings, local_from_robot, points, unpaired, id, options));
+  }
+  const Pose map_from_robot = map.manifold().pose(robot.surroundings.reference()) * local_from_robot;
+  map.add(make_patch(id, robot.declaration.robot, scan, robot.declaration.laser, options.patch),
+          map_from_robot);
+  const OdometryPath& path = robot.place->since_last_patch;
+  const PatchId previous = robot.place->last_patch;
+  const Eigen::Matrix3d covariance =
+      placement.matched ? robot.noise.path_covariance(path.start_from_end, path.covariance,
+                                                      ominus(map_from_robot, map.manifold().pose(previous)),
+                                                      placement.match.direction_trust.determinant() > 0.8)
+                        : path.covariance;
+  map.relate(odometry_relation(previous, id, path, covariance));
+  for (const Relation& relation : relations) map.relate(relation);
+  for (const Relation& relation : loop) map.relate(relation);
+  put_robot_on(robot, id);
+  map.refit_around(id, loop.empty() ? options.window_patches : options.loop_patches);
+  return !loop.empty();
+}
+
+}  // namespace isthmus

@@ -1,0 +1,93 @@
+#include "server/engine/localise/follow.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace isthmus {
+namespace {
+
+/// Local maps are chosen anew when the robot has moved so far.
+constexpr double reselect_m = 0.4;
+constexpr double reselect_rad = 0.3;
+
+// Eq. 14: puts the robot on the nearest patch of its local map that it lies in. The present patch is kept
+// until another is clearly nearer.
+void project_on_manifold(const Map& map, Robot& robot, const Placement& placement) {
+  constexpr double clearly_nearer_m = 0.2;
+  const PatchId present = robot.surroundings.reference();
+  const Pose& local_from_robot = placement.local_from_robot;
+  std::vector<PatchId> firm;
+  for (const Determined& determined : robot.surroundings.patches()) {
+    if (determined.firm) firm.push_back(determined.patch);
+  }
+  const ManifoldPose here{present, local_from_robot};
+  ManifoldPose best = map.manifold().project_back(map.manifold().project(here), firm).value_or(here);
+  const auto distance = [](const Pose& r) { return std::hypot(r.x, r.y); };
+  if (distance(best.patch_from_object) > distance(local_from_robot) - clearly_nearer_m) best = here;
+
+  Localisation& place = *robot.place;
+  place.pose = best;
+  const Pose present_from_best = ominus(map.manifold().pose(best.patch), map.manifold().pose(present));
+  const Eigen::Matrix3d turn = ominus_jacobians(local_from_robot, present_from_best).by_q;
+  place.covariance = turn * placement.covariance * turn.transpose();
+  place.spread = turn * placement.spread * turn.transpose();
+}
+
+}  // namespace
+
+void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot,
+                      std::span<const ScanPoint> points, const EngineOptions& options) {
+  robot.surroundings.update(map, robot.place->pose.patch, options, Surroundings::By::scans);
+  const Pose moved = ominus(local_from_robot, robot.local_map_centre);
+  if (robot.local_map.reference == robot.surroundings.reference() &&
+      robot.local_map_stamp == robot.surroundings.stamp() && std::hypot(moved.x, moved.y) < reselect_m &&
+      std::abs(moved.yaw) < reselect_rad) {
+    return;
+  }
+  robot.local_map = robot.surroundings.local_map(map, local_from_robot, points, options);
+  robot.local_map_centre = local_from_robot;
+  robot.local_map_stamp = robot.surroundings.stamp();
+}
+
+void follow(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,
+            const Pose& odom_from_robot, std::int64_t utime) {
+  Localisation& place = *robot.place;
+  const Pose matched_step = ominus(placement.local_from_robot, place.pose.patch_from_object);
+  if (placement.matched && expectation.plausible) {
+    const double yaw = place.pose.patch_from_object.yaw;
+    const Eigen::Matrix2d local_from_step = Eigen::Rotation2Dd(yaw).toRotationMatrix();
+    robot.noise.learn(expectation.step, matched_step,
+                      local_from_step.transpose() * placement.match.direction_trust * local_from_step);
+  }
+  if (placement.matched) {
+    robot.health.matched(expectation.claimed_step, matched_step,
+                         placement.match.direction_trust.determinant() > 0.8);
+  } else {
+    robot.health.unmatched();
+  }
+  place.last_step = matched_step;
+  place.since_last_patch.append(expectation.plausible ? expectation.step : matched_step,
+                                robot.noise.covariance(expectation.step));
+  place.odom_from_robot = odom_from_robot;
+  place.utime = utime;
+  place.suspect = placement.matched ? false : place.suspect || !expectation.plausible;
+  place.lost_scans = placement.matched ? 0 : place.lost_scans + 1;
+  project_on_manifold(map, robot, placement);
+}
+
+RobotPose answer(const Map& map, const Robot& robot, bool matched) {
+  const Localisation& place = *robot.place;
+  RobotPose pose;
+  pose.robot = robot.declaration.robot;
+  pose.utime = place.utime;
+  pose.island = map.graph().island(place.pose.patch);
+  pose.pose = place.pose;
+  pose.covariance = place.covariance;
+  pose.map_from_robot = map.manifold().project(place.pose);
+  pose.map_from_odom = pose.map_from_robot * inverse(place.odom_from_robot);
+  pose.matched = matched;
+  return pose;
+}
+
+}  // namespace isthmus

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "server/engine/localise/localise.hpp"
+#include "server/engine/robot/robot_pose.hpp"
+
+namespace isthmus {
+
+/// Chooses the robot's local map for a scan expected at `local_from_robot`, in the frame of its patch; keeps
+/// the one it has while that is near enough.
+void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot,
+                      std::span<const ScanPoint> points, const EngineOptions& options);
+
+/// Moves the robot's place on to a scan (eqs. 13, 14), and learns from it how far its odometry is right.
+void follow(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,
+            const Pose& odom_from_robot, std::int64_t utime);
+
+/// The robot's place, as it is told.
+RobotPose answer(const Map& map, const Robot& robot, bool matched);
+
+}  // namespace isthmus

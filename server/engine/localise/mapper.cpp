@@ -1,0 +1,66 @@
+#include "server/engine/localise/mapper.hpp"
+
+#include <cmath>
+
+#include "server/engine/localise/extend.hpp"
+#include "server/engine/localise/follow.hpp"
+
+namespace isthmus {
+namespace {
+
+/// After so many lost scans following implausible odometry, the robot is somewhere else: a new session.
+constexpr int most_lost_scans = 8;
+
+// An unmatched scan becomes a patch only where the robot has left its surroundings behind: odometry alone
+// joins it.
+bool worth_a_patch_unmatched(const Robot& robot, const Placement& placement,
+                             std::span<const ScanPoint> points, const EngineOptions& options) {
+  const Pose& path = robot.place->since_last_patch.start_from_end;
+  return !robot.place->suspect && placement.reason != "few_returns" &&
+         static_cast<int>(points.size()) >= 2 * options.match.min_pairs && robot.place->lost_scans >= 3 &&
+         (std::hypot(path.x, path.y) > 0.4 * options.patch_spacing_m ||
+          std::abs(path.yaw) > 0.4 * options.patch_spacing_rad);
+}
+
+}  // namespace
+
+bool has_all_patches(const Robot& robot, const EngineOptions& options) {
+  return robot.patches >= options.patches_per_robot;
+}
+
+bool may_not_begin(const Robot& robot, const EngineOptions& options) {
+  return !robot.place && has_all_patches(robot, options);
+}
+
+ScanOutcome take_scan(Map& map, Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+                      const EngineOptions& options) {
+  const Laser& laser = robot.declaration.laser;
+  const std::vector<ScanPoint> points = to_points(scan, laser, options.patch.normals);
+  if (!robot.place) {
+    begin_island(map, robot, scan, odom_from_robot, options);
+    return {answer(map, robot, true), {}, true};
+  }
+  const bool full = has_all_patches(robot, options);
+  const Expectation expectation = expect(robot, odom_from_robot, scan.utime);
+  choose_local_map(map, robot, expectation.local_from_robot, points, options);
+  const Placement placement = place(robot, expectation, robot.local_map, points, options);
+  if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
+      robot.place->lost_scans + 1 >= most_lost_scans && !full) {
+    robot.health.unmatched();
+    begin_island(map, robot, scan, odom_from_robot, options);
+    return {answer(map, robot, true), {}, true};
+  }
+  follow(map, robot, expectation, placement, odom_from_robot, scan.utime);
+  const Star star(scan, laser, options.patch.free_space.max_range_m,
+                  options.patch.free_space.no_return_range_m);
+  const bool worth_it = placement.matched ? worth_a_patch(map, robot.surroundings, placement, star, options)
+                                          : worth_a_patch_unmatched(robot, placement, points, options);
+  const bool loop = worth_it && !full && extend(map, robot, scan, placement, points, options);
+  ScanOutcome outcome{answer(map, robot, placement.matched), placement.reason};
+  outcome.unplaced = robot.place->suspect && !full;
+  outcome.loop_closed = loop;
+  outcome.patch_refused = worth_it && full;
+  return outcome;
+}
+
+}  // namespace isthmus

@@ -1,0 +1,50 @@
+#include "server/engine/map/contradiction.hpp"
+
+#include <algorithm>
+
+namespace isthmus {
+namespace {
+
+// How many of a's hits b sees at all, and how many of them where it looked far through.
+struct Seen {
+  int in_view = 0;
+  int deep = 0;
+};
+
+Seen seen_through(const Patch& a, const Patch& b, const Pose& b_from_a) {
+  constexpr double deep_m = 0.5;
+  constexpr std::size_t looked_at = 60;
+  Seen seen;
+  const std::size_t stride = std::max<std::size_t>(1, a.points.size() / looked_at);
+  for (std::size_t i = 0; i < a.points.size(); i += stride) {
+    const double depth = b.star.depth_m(b_from_a * a.points[i].position);
+    if (depth < -deep_m) continue;  // hidden from b, or outside its view
+    ++seen.in_view;
+    if (depth > deep_m) ++seen.deep;
+  }
+  return seen;
+}
+
+}  // namespace
+
+std::optional<double> contradiction(const Patch& a, const Patch& b, const Pose& a_from_b) {
+  constexpr int enough = 15;
+  const Seen of_a = seen_through(a, b, inverse(a_from_b));
+  const Seen of_b = seen_through(b, a, a_from_b);
+  const int in_view = of_a.in_view + of_b.in_view;
+  if (in_view < enough) return std::nullopt;
+  return static_cast<double>(of_a.deep + of_b.deep) / in_view;
+}
+
+void MeanContradiction::add(const Patch& a, const Patch& b, const Pose& a_from_b) {
+  const std::optional<double> share = contradiction(a, b, a_from_b);
+  if (!share) return;
+  sum_ += *share;
+  ++pairs_;
+}
+
+void MeanContradiction::add(const Manifold& manifold, PatchId a, PatchId b) {
+  add(manifold.patch(a), manifold.patch(b), ominus(manifold.pose(b), manifold.pose(a)));
+}
+
+}  // namespace isthmus

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <future>
+#include <memory>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "server/engine/map/map.hpp"
+
+namespace isthmus {
+
+/// A fit of a whole island on a copy of the map, in a thread of its own: begun at one event, and applied at a
+/// later one that a rule decides (after as many events as there are patches, or 20 ms a patch, so that it is
+/// hardly ever late). Who asks earlier waits.
+class FitJob {
+ public:
+  struct Result {
+    std::vector<PatchId> patches;  ///< of the island
+    std::vector<Pose> poses;       ///< by patch id, of all patches that the map had
+    bool ok = false;
+    /// Of the second patch relative to the first, before the change (see `confidence_between`).
+    std::optional<Eigen::Matrix3d> covariance;
+
+    auto members() { return std::tie(patches, poses, ok, covariance); }
+  };
+  /// Also computes how well one patch was determined relative to another, in another graph at the same poses.
+  struct ConfidenceQuestion {
+    RelationGraph graph;
+    PatchId a;
+    PatchId b;
+  };
+
+  FitJob() = default;  ///< to be read from a snapshot
+  FitJob(const Map& map, IslandId island, std::int64_t now_utime,
+         std::optional<ConfidenceQuestion> question = {});
+
+  /// Tells the job that an event was handled. Returns whether its result is due.
+  bool advance(std::int64_t now_utime);
+  IslandId island() const { return island_; }
+  /// Whether the thread has ended. It says nothing to what the map becomes: only whether letting go of the
+  /// job would wait.
+  bool ended() const { return result_.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
+  /// Waits for the result where it is late.
+  Result take() { return result_.get(); }
+
+  auto members() { return std::tie(island_, events_left_, due_utime_, result_); }
+
+ private:
+  IslandId island_;
+  std::int64_t events_left_ = 0;
+  std::int64_t due_utime_ = 0;
+  std::shared_future<Result> result_;
+};
+
+/// Fits that nobody waits for any more, until their threads end: letting go of one before would be a wait.
+/// They say nothing to what the map becomes, and are not in snapshots.
+class AbandonedFits {
+ public:
+  void add(std::unique_ptr<FitJob> job);
+  /// Of those that have ended.
+  void let_go();
+
+ private:
+  std::deque<std::unique_ptr<FitJob>> jobs_;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,205 @@
+#include "server/engine/map/rejoin.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <utility>
+
+#include "scanmatch/correlative.hpp"
+#include "scanmatch/match_relations.hpp"
+#include "scanmatch/score_profile.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr double rejoin_score = 0.55;
+constexpr double partly_known_score = 0.6;  // of the beams that found something to pair with,
+constexpr double least_paired = 0.35;       // at least this share
+constexpr double most_surprise = 16;        // chi² of three: 0.1 %
+constexpr double certain_half_width_m = 0.6;
+constexpr double widest_window_m = 6;
+constexpr double widest_window_rad = 0.7;
+constexpr double window_sigmas = 2.5;
+constexpr int enough_agreeing = 3;
+constexpr double enough_way_m = 2;
+constexpr std::size_t most_waiting = 20;
+
+// Whether patches lie near in projection that the surroundings do not know, but that a wider look at the
+// graph could: as near as any whose window can be searched whole.
+bool others_near(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
+                 const EngineOptions& options) {
+  const Pose map_from_robot = map.manifold().pose(surroundings.reference()) * local_from_robot;
+  const double reach = options.local_map_reach_m + std::numbers::sqrt2 * widest_window_m / window_sigmas;
+  std::vector<bool> known(map.manifold().size(), false);
+  for (const Determined& determined : surroundings.patches())
+    known[static_cast<std::size_t>(determined.patch.value)] = true;
+  const std::vector<PatchId> wider =
+      map.graph().nearest_in_graph(surroundings.reference(), options.rejoin_patches);
+  return std::ranges::any_of(wider, [&](PatchId id) {
+    const Pose& pose = map.manifold().pose(id);
+    return !known[static_cast<std::size_t>(id.value)] &&
+           std::hypot(pose.x - map_from_robot.x, pose.y - map_from_robot.y) < reach;
+  });
+}
+
+bool is_loose(const Determined& determined, std::span<const PatchId> unpaired) {
+  return !determined.firm || std::find(unpaired.begin(), unpaired.end(), determined.patch) != unpaired.end();
+}
+
+// The nearest of the patches asked for that the scan could overlap, wherever in its covariance it is.
+const Determined* nearest_among(const Surroundings& surroundings, const LoopQuery& query,
+                                const EngineOptions& options) {
+  const Determined* nearest = nullptr;
+  double nearest_m = 0;
+  for (const Determined& determined : surroundings.patches()) {
+    if (!query.among(determined)) continue;
+    const Pose patch_from_robot = ominus(query.local_from_robot, determined.local_from_patch);
+    const double distance = std::hypot(patch_from_robot.x, patch_from_robot.y);
+    const double slack = std::sqrt(determined.covariance.topLeftCorner<2, 2>().trace());
+    if (distance > options.local_map_reach_m + slack) continue;
+    if (nearest && distance >= nearest_m) continue;
+    nearest = &determined;
+    nearest_m = distance;
+  }
+  return nearest;
+}
+
+// The anchor's own firm surroundings near the robot, as far as they are asked for.
+LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
+                   const Surroundings& around_anchor, const Pose& anchor_from_robot, double slack_m,
+                   const EngineOptions& options) {
+  LocalMap local;
+  local.reference = around_anchor.reference();
+  for (const Determined& determined : around_anchor.patches()) {
+    const Pose patch_from_robot = ominus(anchor_from_robot, determined.local_from_patch);
+    if (!determined.firm ||
+        std::hypot(patch_from_robot.x, patch_from_robot.y) > options.local_map_reach_m + slack_m)
+      continue;
+    const bool wanted =
+        std::any_of(surroundings.patches().begin(), surroundings.patches().end(),
+                    [&](const Determined& d) { return d.patch == determined.patch && query.among(d); });
+    if (wanted)
+      local.patches.push_back({map.manifold().shared_patch(determined.patch), determined.local_from_patch});
+  }
+  constexpr std::size_t most = 20;
+  if (local.patches.size() > most) local.patches.resize(most);
+  return local;
+}
+
+// Whether a match is good enough: over all beams, or over those that found something to pair with.
+bool fits(const Match& match, const LoopQuery& query) {
+  if (!match.ok) return false;
+  if (!query.partly_known) return match.quality.score >= rejoin_score;
+  const double paired = static_cast<double>(match.quality.paired_beams) / std::max(1, match.quality.beams);
+  return paired >= least_paired && match.quality.score >= partly_known_score * paired;
+}
+
+double half_width(double variance, double most) {
+  return std::min(most, window_sigmas * std::sqrt(variance));
+}
+
+bool within_window(const Eigen::Matrix3d& covariance) {
+  const auto fits = [&](int i, double most) { return window_sigmas * std::sqrt(covariance(i, i)) <= most; };
+  return fits(0, widest_window_m) && fits(1, widest_window_m) && fits(2, widest_window_rad);
+}
+
+}  // namespace
+
+Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
+                 const EngineOptions& options) {
+  Rejoin found;
+  found.patch = query.patch;
+  const Determined* anchor = nearest_among(surroundings, query, options);
+  if (!anchor) return found;
+  Surroundings around_anchor;
+  around_anchor.update(map, anchor->patch, options, Surroundings::By::scans);
+
+  // The robot seen from the anchor: the covariance of the inverse pose.
+  const Pose anchor_from_robot = ominus(query.local_from_robot, anchor->local_from_patch);
+  const Eigen::Matrix3d jacobian = ominus_jacobians(query.local_from_robot, anchor->local_from_patch).by_pi;
+  Eigen::Matrix3d covariance = jacobian * anchor->covariance * jacobian.transpose();
+  // A slip of the past is in no covariance, and here is the last chance to mend it.
+  covariance.diagonal() += Eigen::Vector3d(0.04, 0.04, 1e-3);
+  const Eigen::Matrix3d information = covariance.inverse();
+  if (query.whole_window && !within_window(covariance)) return found;
+  const SearchWindow window{anchor_from_robot, half_width(covariance(0, 0), widest_window_m),
+                            half_width(covariance(1, 1), widest_window_m),
+                            half_width(covariance(2, 2), widest_window_rad)};
+  const double widest_m = std::max(window.half_x_m, window.half_y_m);
+  found.certain = widest_m <= certain_half_width_m;
+
+  const LocalMap local =
+      rigid_map(map, surroundings, query, around_anchor, anchor_from_robot, widest_m, options);
+  if (local.patches.empty()) return found;
+  found.compared = true;
+  const CorrelativeResult search = search_window(local, query.points, window);
+  if (search.score <= 0 || search.exhausted) return found;
+  if (!found.certain && search.second_score > ambiguous_share * search.score) return found;
+  Match match = match_scan(local, query.points, {search.local_from_robot, 0.01 * information}, options.match);
+  if (!fits(match, query) || (!found.certain && match.quality.degenerate)) return found;
+  Eigen::Vector3d innovation = to_vector(match.local_from_robot) - to_vector(anchor_from_robot);
+  innovation.z() = wrap_angle(innovation.z());
+  if (innovation.dot(information * innovation) > most_surprise) return found;
+
+  constexpr double looked_along_m = 0.6;
+  const double spread_m =
+      spread_of_match(local, query.points, match, std::min(widest_m, looked_along_m), options.match);
+  widen(match, spread_m, relation_sigma_m(match.quality, options.relations), options.match);
+
+  const Pose map_from_anchor = map.manifold().pose(anchor->patch);
+  const Pose before = map_from_anchor * anchor_from_robot;
+  found.map_from_map = map_from_anchor * match.local_from_robot * inverse(before);
+  found.position = {before.x, before.y};
+  found.relations = match_relations(local, query.points, match, query.patch, query.origin, options.relations);
+  return found;
+}
+
+Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const Pose& local_from_robot,
+                   std::span<const ScanPoint> points, std::span<const PatchId> unpaired, PatchId new_patch,
+                   const EngineOptions& options) {
+  Surroundings surroundings = near_surroundings;
+  if (others_near(map, surroundings, local_from_robot, options)) {
+    surroundings.update(map, surroundings.reference(), options, Surroundings::By::all,
+                        options.rejoin_patches);
+  }
+  LoopQuery query;
+  query.local_from_robot = local_from_robot;
+  query.points = points;
+  query.among = [&](const Determined& determined) { return is_loose(determined, unpaired); };
+  query.patch = new_patch;
+  query.origin = {OriginKind::match, {}};
+  query.whole_window = true;
+  return find_loop(map, surroundings, query, options);
+}
+
+std::vector<Relation> WaitingRejoins::take(Rejoin found) {
+  if (found.relations.empty()) return {};
+  if (found.certain) return std::move(found.relations);
+  // Two finds agree where they would move the map alike, seen where they are.
+  const auto agree = [&](const Rejoin& other) {
+    const Eigen::Vector2d mine = found.map_from_map * found.position;
+    const Eigen::Vector2d theirs = other.map_from_map * found.position;
+    return (mine - theirs).norm() < 0.4 &&
+           std::abs(wrap_angle(found.map_from_map.yaw - other.map_from_map.yaw)) < 0.07;
+  };
+  std::vector<Relation> relations = found.relations;
+  int agreeing = 1;
+  double way_m = 0;
+  for (const Rejoin& other : waiting_) {
+    if (!agree(other)) continue;
+    ++agreeing;
+    way_m = std::max(way_m, (other.position - found.position).norm());
+    relations.insert(relations.end(), other.relations.begin(), other.relations.end());
+  }
+  if (agreeing >= enough_agreeing && way_m >= enough_way_m) {
+    waiting_.clear();
+    return relations;
+  }
+  waiting_.push_back(std::move(found));
+  if (waiting_.size() > most_waiting) waiting_.pop_front();
+  return {};
+}
+
+}  // namespace isthmus

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <set>
+#include <tuple>
+
+#include "server/engine/map/fit_job.hpp"
+
+namespace isthmus {
+
+/// Whole-island fits of the map itself, one at a time and each a job beside the engine: after a loop or a
+/// merge, when windows around robots no longer suffice, and where operators ask for it.
+class Settling {
+ public:
+  void request(IslandId island) { requested_.insert(island); }
+  /// Islands have merged or parted: what a running fit will say is of a map that is no more.
+  void map_changed();
+
+  void advance(Map& map, std::int64_t now_utime);
+  bool busy() const { return job_ != nullptr || !requested_.empty(); }
+
+  auto members() { return std::tie(requested_, job_, abandoned_); }
+
+ private:
+  std::set<IslandId> requested_;  ///< any patch of the island names it
+  std::unique_ptr<FitJob> job_;
+  AbandonedFits abandoned_;
+};
+
+}  // namespace isthmus

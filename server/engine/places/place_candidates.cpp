@@ -1,0 +1,152 @@
+#include "server/engine/places/place_candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numbers>
+
+#include "relations/confidence.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr double spacing_m = 4;         // of anchors
+constexpr double half_window_m = 4;     // about an anchor: the next one has the rest
+constexpr double reach_m = 5;           // so near, two views overlap
+constexpr double least_way_m = 20;      // nearer over the map, it is the same stretch of way
+constexpr double drift_per_way = 0.06;  // more than any map errs before loops are closed
+constexpr double least_drift_m = 1;
+constexpr double window_sigmas = 3;
+constexpr double systematic_share = 0.012;       // of the way
+constexpr double systematic_yaw_per_m = 0.0004;  // rad
+constexpr double known_half_width_m = 0.6;       // of a window that rejoin.hpp calls certain
+constexpr double slack_yaw_rad = 0.1;
+constexpr std::size_t most_places = 40;  // of one island
+constexpr std::size_t least_island = 6;  // patches: less is no place
+
+bool sees_walls(const Map& map, PatchId id) { return !map.manifold().patch(id).points.empty(); }
+
+// Metres from one patch to all others of its island, over the fewest relations; negative: not on it.
+std::vector<double> ways_m(const Map& map, PatchId from) {
+  const RelationGraph& graph = map.graph();
+  const auto at = [](PatchId id) { return static_cast<std::size_t>(id.value); };
+  std::vector<double> ways(map.manifold().size(), -1);
+  ways[at(from)] = 0;
+  std::deque<PatchId> queue{from};
+  while (!queue.empty()) {
+    const PatchId id = queue.front();
+    queue.pop_front();
+    const Pose& pose = map.manifold().pose(id);
+    for (const RelationId relation_id : graph.of(id)) {
+      const Relation& relation = *graph.find(relation_id);
+      const PatchId next = relation.a == id ? relation.b : relation.a;
+      if (ways[at(next)] >= 0) continue;
+      const Pose& its = map.manifold().pose(next);
+      ways[at(next)] = ways[at(id)] + std::hypot(its.x - pose.x, its.y - pose.y);
+      queue.push_back(next);
+    }
+  }
+  return ways;
+}
+
+struct Rough {
+  PatchId anchor;
+  double way_m = 0;
+  double surprise = 0;  ///< distance as a share of what drift could explain
+};
+
+// Anchors so far apart that each patch of `ranked` is near one of them.
+std::vector<Rough> anchors_of(const Map& map, const std::vector<Rough>& ranked) {
+  std::vector<Rough> anchors;
+  for (const Rough& rough : ranked) {
+    const Pose& pose = map.manifold().pose(rough.anchor);
+    const bool covered = std::ranges::any_of(anchors, [&](const Rough& other) {
+      const Pose& its = map.manifold().pose(other.anchor);
+      return std::hypot(its.x - pose.x, its.y - pose.y) < spacing_m;
+    });
+    if (!covered) anchors.push_back(rough);
+    if (anchors.size() >= most_places) break;
+  }
+  return anchors;
+}
+
+// What of the covariance's box is near the anchor; nothing where the two do not meet.
+bool narrow(double& centre, double& half, double sigma) {
+  const double most = window_sigmas * sigma;
+  const double low = std::max(centre - most, -half_window_m - 1);
+  const double high = std::min(centre + most, half_window_m + 1);
+  if (high <= low) return false;
+  centre = 0.5 * (low + high);
+  half = 0.5 * (high - low);
+  return true;
+}
+
+}  // namespace
+
+Eigen::Vector3d systematic_variance(double way_m) {
+  const double position = 0.2 + systematic_share * way_m;
+  const double yaw = 0.03 + systematic_yaw_per_m * way_m;
+  return {position * position, position * position, yaw * yaw};
+}
+
+std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query) {
+  const Manifold& manifold = map.manifold();
+  const Pose& here = manifold.pose(query);
+  const std::vector<double> ways = ways_m(map, query);
+  std::vector<Rough> rough;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    if (ways[i] < least_way_m) continue;
+    const PatchId id{static_cast<std::int32_t>(i)};
+    const Pose& its = manifold.pose(id);
+    const double distance = std::hypot(its.x - here.x, its.y - here.y);
+    const double drift = least_drift_m + drift_per_way * ways[i];
+    if (distance > reach_m + drift || !sees_walls(map, id)) continue;
+    rough.push_back({id, ways[i], distance / drift});
+  }
+  if (rough.empty()) return {};
+  std::ranges::stable_sort(rough, {}, &Rough::surprise);
+  const std::vector<Rough> anchors = anchors_of(map, rough);
+  std::vector<PatchId> others;
+  for (const Rough& anchor : anchors) others.push_back(anchor.anchor);
+  const auto covariances = exact_relative_covariances(map.graph(), manifold.poses(), query, others);
+  std::vector<PlaceCandidate> places;
+  for (std::size_t i = 0; i < covariances.size(); ++i) {
+    // The patch seen from the anchor, rather than the anchor from the patch.
+    const Pose query_from_anchor = ominus(manifold.pose(others[i]), here);
+    const Eigen::Matrix3d jacobian = inverse_jacobian(query_from_anchor);
+    Eigen::Matrix3d covariance = jacobian * covariances[i] * jacobian.transpose();
+    if (window_sigmas * std::sqrt(covariance.diagonal().head<2>().maxCoeff()) < known_half_width_m) continue;
+    const Eigen::Vector3d sigma = (covariance.diagonal() + systematic_variance(anchors[i].way_m)).cwiseSqrt();
+    PlaceCandidate place;
+    place.anchor = others[i];
+    place.way_m = anchors[i].way_m;
+    place.window.centre = inverse(query_from_anchor);
+    if (!narrow(place.window.centre.x, place.window.half_x_m, sigma.x()) ||
+        !narrow(place.window.centre.y, place.window.half_y_m, sigma.y()))
+      continue;
+    place.sigma_m = std::hypot(sigma.x(), sigma.y());
+    place.window.half_yaw_rad = std::min(std::numbers::pi, window_sigmas * sigma.z() + slack_yaw_rad);
+    places.push_back(place);
+  }
+  return places;
+}
+
+std::vector<PlaceCandidate> places_on_other_islands(const Map& map, PatchId query) {
+  std::vector<PlaceCandidate> places;
+  const IslandId own = map.graph().island(query);
+  for (const std::vector<PatchId>& island : map.graph().islands()) {
+    if (island.size() < least_island || island.front() == own) continue;
+    std::vector<Rough> patches;
+    for (const PatchId id : island)
+      if (sees_walls(map, id)) patches.push_back({id, 0, 0});
+    for (const Rough& rough : anchors_of(map, patches)) {
+      PlaceCandidate place;
+      place.anchor = rough.anchor;
+      place.window = {Pose{}, half_window_m, half_window_m, std::numbers::pi};
+      places.push_back(place);
+    }
+  }
+  return places;
+}
+
+}  // namespace isthmus

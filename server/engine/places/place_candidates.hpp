@@ -1,0 +1,36 @@
+#pragma once
+
+#include <limits>
+#include <tuple>
+#include <vector>
+
+#include "scanmatch/correlative.hpp"
+#include "server/engine/input/engine_options.hpp"
+#include "server/engine/map/map.hpp"
+
+namespace isthmus {
+
+/// A place where a robot's newest patch might be, by what the map knows.
+struct PlaceCandidate {
+  PatchId anchor;
+  SearchWindow window;  ///< of the patch in the anchor's frame
+  double way_m = 0;     ///< between the two over the map; 0: on another island
+  /// How surely the map has the patch there, in all; infinite on another island.
+  double sigma_m = std::numeric_limits<double>::infinity();
+
+  auto members() { return std::tie(anchor, window, way_m, sigma_m); }
+};
+
+/// What maps err beyond their covariance, by the way between two patches: no sensor errs at random only, and
+/// what errs the same way all along adds up. Variances of x, y (m²) and yaw (rad²).
+Eigen::Vector3d systematic_variance(double way_m);
+
+/// Places of the patch's own island that are far from it over the map's relations, but whose projection could
+/// come to lie on it within the relative covariance. Those so well determined that a find could only be what
+/// the map says are left out: local loops are for rejoin.hpp. The likeliest first.
+std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query);
+
+/// All places of all other islands that are worth a name: nothing says where on them the patch lies.
+std::vector<PlaceCandidate> places_on_other_islands(const Map& map, PatchId query);
+
+}  // namespace isthmus

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <tuple>
+#include <vector>
+
+#include "scanmatch/correlative.hpp"
+#include "server/engine/map/surroundings.hpp"
+
+namespace isthmus {
+
+/// A piece of the map taken as rigid: patches around one, in its frame, with their points thinned.
+struct RigidPiece {
+  LocalMap local;
+  std::vector<ScanPoint> points;
+
+  auto members() { return std::tie(local, points); }
+};
+
+/// A place to search: a patch with what is firm relative to it nearby.
+RigidPiece place_around(const Map& map, PatchId anchor, const EngineOptions& options);
+
+/// What a robot saw on the last metres of its way, as seen from the newest of its patches there.
+RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first);
+
+/// Where a piece of a robot's way could lie at a place.
+struct PlaceAnswer {
+  PatchId anchor;
+  Pose anchor_from_piece;
+  double score = 0;
+  double way_m = 0;  ///< between the two over the map, and how surely (see PlaceCandidate)
+  double sigma_m = 0;
+
+  auto members() { return std::tie(anchor, anchor_from_piece, score, way_m, sigma_m); }
+};
+
+/// The pose at which a piece fits a place best and, where there is one, the best well apart from it. Nothing
+/// that fits worse than `least_score`. First coarsely in the whole window, then finely about what is found.
+struct PlaceSearch {
+  std::vector<PlaceAnswer> answers;  ///< best first
+  bool exhausted = false;            ///< the cap on work was reached: what was found need not be the best
+  long evaluations = 0;
+};
+PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const SearchWindow& window,
+                         double least_score);
+
+/// Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
+bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first);
+
+/// How a robot's patch lies at a place, as scans say in full.
+struct Find {
+  PatchId query;   ///< the robot's patch
+  PatchId anchor;  ///< of the place
+  Pose anchor_from_query;
+  double score = 0;
+  double way_m = 0;
+  double sigma_m = 0;
+  std::vector<Relation> relations;  ///< of patches of the way with patches of the place
+
+  auto members() { return std::tie(query, anchor, anchor_from_query, score, way_m, sigma_m, relations); }
+};
+
+/// Fits the piece to the place in full, and the scan of one of its patches for the relations. Nothing where
+/// that fits badly, leaves a direction open, or puts walls in free space.
+std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, const PlaceAnswer& answer,
+                           const EngineOptions& options);
+
+}  // namespace isthmus

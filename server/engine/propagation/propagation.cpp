@@ -1,0 +1,117 @@
+#include "server/engine/propagation/propagation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/engine/map/rejoin.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr int same_side_hops = 4;  // so near in the graph, two patches were known to be near before
+constexpr int most_visits = 4;     // of one patch to the queue
+constexpr double slack_m = 2;      // a candidate may lie so much farther than a local map reaches
+constexpr int refit_patches = 40;
+
+bool matched_before(const RelationGraph& graph, PatchId a, PatchId b) {
+  const std::vector<RelationId> between = graph.between(a, b);
+  return std::ranges::any_of(between, [&](RelationId id) { return is_match(*graph.find(id)); });
+}
+
+}  // namespace
+
+void Propagation::enqueue(PatchId patch) {
+  Visits& its = visits(patch);
+  if (its.queued || its.count >= most_visits) return;
+  its.queued = true;
+  queue_.push_back(patch);
+}
+
+Propagation::Visits& Propagation::visits(PatchId patch) {
+  const auto at = static_cast<std::size_t>(patch.value);
+  if (at >= visits_.size()) visits_.resize(at + 1);
+  return visits_[at];
+}
+
+void Propagation::forget_visits() {
+  for (Visits& visits : visits_) visits.count = 0;
+}
+
+std::vector<PatchId> Propagation::same_side(const Map& map, PatchId patch) const {
+  const RelationGraph& graph = before_ ? *before_ : map.graph();
+  return graph.within_hops(patch, same_side_hops, says_where_walls_are);
+}
+
+std::vector<PatchId> Propagation::candidates(const Map& map, PatchId patch,
+                                             const EngineOptions& options) const {
+  const Manifold& manifold = map.manifold();
+  const IslandId island = map.graph().island(patch);
+  const Pose& pose = manifold.pose(patch);
+  const double reach = options.local_map_reach_m + slack_m;
+  std::vector<PatchId> near;
+  std::vector<PatchId> own;
+  const std::size_t known = before_ ? before_->patch_count() : manifold.size();
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(known); ++i) {
+    const PatchId other{i};
+    const Pose& its = manifold.pose(other);
+    if (std::abs(its.x - pose.x) > reach || std::abs(its.y - pose.y) > reach) continue;
+    if (other == patch || map.graph().island(other) != island) continue;
+    if (manifold.patch(other).points.empty()) continue;
+    if (own.empty()) own = same_side(map, patch);
+    if (std::ranges::binary_search(own, other)) continue;
+    if (matched_before(map.graph(), patch, other)) continue;
+    near.push_back(other);
+  }
+  return near;
+}
+
+bool Propagation::step(Map& map, const EngineOptions& options) {
+  const PatchId id = queue_.front();
+  queue_.pop_front();
+  ++steps_;
+  ++visits(id).count;
+  visits(id).queued = false;
+  const Patch& patch = map.manifold().patch(id);
+  if (static_cast<int>(patch.points.size()) < options.match.min_pairs) return false;
+  const std::vector<PatchId> near = candidates(map, id, options);
+  if (near.empty()) return false;
+
+  Surroundings surroundings;
+  surroundings.update(map, id, options, Surroundings::By::all);
+  const auto wanted = [&](const Determined& determined) {
+    if (!std::ranges::binary_search(near, determined.patch)) return false;
+    // Where a candidate is well determined, it must also show what the scan sees.
+    if (!before_ && !determined.sure) return false;
+    const Pose other_from_patch = inverse(determined.local_from_patch);
+    return !determined.sure || overlap_share(map.manifold().patch(determined.patch), other_from_patch,
+                                             patch.points) >= options.local_map_overlap;
+  };
+  LoopQuery query;
+  query.points = patch.points;
+  query.among = wanted;
+  query.patch = id;
+  query.origin = origin_;
+  query.partly_known = true;
+  const Rejoin found = find_loop(map, surroundings, query, options);
+  if (found.relations.empty() || (!before_ && !found.certain)) {
+    if (found.compared && found.certain && !visits(id).matched && !visits(id).unmatched) {
+      visits(id).unmatched = true;
+      unmatched_.push_back(id);
+    }
+    return false;
+  }
+  if (!visits(id).matched) matched_.push_back(id);
+  visits(id).matched = true;
+  if (visits(id).unmatched) std::erase(unmatched_, id);
+  visits(id).unmatched = false;
+  for (const Relation& relation : found.relations) map.relate(relation);
+  map.refit_around(id, refit_patches);
+  for (const PatchId next : map.graph().neighbours(id)) enqueue(next);
+  return true;
+}
+
+void Propagation::retry() {
+  for (const PatchId id : std::vector<PatchId>(unmatched_)) enqueue(id);
+}
+
+}  // namespace isthmus

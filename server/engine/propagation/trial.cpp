@@ -1,0 +1,280 @@
+#include "server/engine/propagation/trial.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "relations/confidence.hpp"
+#include "server/engine/map/contradiction.hpp"
+#include "server/engine/propagation/seam.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr double most_gate = 25;             // chi² of three: how far a loop may jump, in its own sigmas
+constexpr int strong_support = 6;            // so many sightings may say that a sigma was too small
+constexpr double most_contradiction = 0.08;  // of hits deep in the other side's free space
+constexpr double most_sighting_cost =
+    0.75;  // mean chi² of the sightings after the fit; true ones stay below 0.55
+constexpr double least_matched_share = 0.4;  // of the patches that were compared
+constexpr int few_compared = 3;              // so few prove nothing
+constexpr int enough_support_two_way = 4;    // sightings, where scans cannot tell
+constexpr int enough_support_one_way = 6;
+constexpr double most_find_cost = 3;      // mean chi² of the finds' relations after the fit, of three
+constexpr int few_matched_scans = 4;      // patches, where scans are all there is
+constexpr int enough_matched = 12;        // asks for so many patches
+constexpr double enough_way_m = 15;       // over so much of the way
+constexpr double enough_loop_way_m = 7;   // of which a loop needs less,
+constexpr double enough_width_m = 2;      // not all along one corridor,
+constexpr double enough_corridor_m = 15;  // of a matched part that is no wider
+constexpr double enough_own_m = 5;        // and for maps that go on beyond what they share
+constexpr std::size_t most_matched_scans = 150;
+constexpr std::size_t first_queue = 80;  // patches around the closure
+constexpr std::size_t growth = 3;        // a whole fit each time the seam has grown so many times
+
+std::size_t next_relation(const RelationGraph& graph) {
+  std::size_t next = 0;
+  for (const auto& [id, relation] : graph.relations()) next = static_cast<std::size_t>(id.value) + 1;
+  return next;
+}
+
+}  // namespace
+
+Trial::Trial(const Map& map, Proposal proposal, const EngineOptions& options, std::int64_t now_utime)
+    : options_(options),
+      proposal_(std::move(proposal)),
+      map_(map),
+      patches_at_start_(map.manifold().size()),
+      first_relation_(next_relation(map.graph())),
+      propagation_(map.graph(), {OriginKind::propagation, proposal_.id}) {
+  const Relation& first = proposal_.relations.front();
+  if (proposal_.merge) {
+    map_.move_island(proposal_.younger, proposal_.older_from_younger);
+  } else {
+    gate_before_ = ominus(map_.manifold().pose(first.b), map_.manifold().pose(first.a));
+  }
+  for (const Relation& relation : proposal_.relations) map_.relate(relation);
+  begin_fit(now_utime, gate_before_.has_value());
+}
+
+void Trial::begin_fit(std::int64_t now_utime, bool with_gate) {
+  ++fits_;
+  matched_at_fit_ = propagation_.matched().size();
+  std::optional<FitJob::ConfidenceQuestion> question;
+  if (with_gate) {
+    RelationGraph before = map_.graph();
+    std::vector<RelationId> added;
+    for (const auto& [id, relation] : before.relations())
+      if (static_cast<std::size_t>(id.value) >= first_relation_) added.push_back(id);
+    before.remove(added);
+    const Relation& first = proposal_.relations.front();
+    question = FitJob::ConfidenceQuestion{std::move(before), first.a, first.b};
+  }
+  job_ = std::make_unique<FitJob>(map_, map_.graph().island(proposal_.relations.front().a), now_utime,
+                                  std::move(question));
+}
+
+void Trial::end_fit() {
+  const FitJob::Result result = job_->take();
+  job_.reset();
+  if (!result.ok) {
+    refusal_ = "fit_failed";
+    stage_ = Stage::done;
+    return;
+  }
+  map_.adopt(result.patches, result.poses);
+  if (stage_ != Stage::start) return;
+  const Relation& first = proposal_.relations.front();
+  const bool strong = proposal_.supporters >= strong_support && !proposal_.from_scans;
+  if (gate_before_ && result.covariance && !strong && !proposal_.measured) {
+    const Pose after = ominus(map_.manifold().pose(first.b), map_.manifold().pose(first.a));
+    Eigen::Vector3d jump = to_vector(after) - to_vector(*gate_before_);
+    jump.z() = wrap_angle(jump.z());
+    Eigen::Matrix3d covariance = *result.covariance;
+    covariance.diagonal() += proposal_.beyond_covariance;
+    if (jump.dot(covariance.inverse() * jump) > most_gate) {
+      refusal_ = "implausible_jump";
+      stage_ = Stage::done;
+      return;
+    }
+  }
+  for (const Relation& relation : proposal_.relations) {
+    propagation_.enqueue(relation.a);
+    propagation_.enqueue(relation.b);
+  }
+  // The two may have met where their views do not overlap, but their maps do not far from there.
+  for (const PatchId end : {proposal_.relations.front().a, proposal_.relations.front().b})
+    for (const PatchId next : map_.graph().nearest_in_graph(end, first_queue)) propagation_.enqueue(next);
+  stage_ = Stage::propagate;
+}
+
+void Trial::advance(std::int64_t now_utime) {
+  if (job_ && job_->advance(now_utime)) end_fit();
+}
+
+bool Trial::step(std::int64_t now_utime) {
+  if (job_ || stage_ == Stage::done) return false;
+  if (stage_ == Stage::judge) {
+    judge();
+  } else {
+    propagate(now_utime);
+  }
+  return true;
+}
+
+void Trial::propagate(std::int64_t now_utime) {
+  // A few dozen places that match tell as much as a thousand: the rest is woven where robots come
+  // (weaving.hpp).
+  const bool enough = proposal_.from_scans && propagation_.matched().size() >= most_matched_scans;
+  if (!propagation_.done() && !enough) {
+    propagation_.step(map_, options_);
+    if (!proposal_.from_scans &&
+        propagation_.matched().size() >= std::max<std::size_t>(4, growth * matched_at_fit_))
+      begin_fit(now_utime, false);
+    return;
+  }
+  if (stage_ == Stage::propagate && !enough) {
+    stage_ = Stage::last_propagate;
+    propagation_.retry();
+  } else {
+    stage_ = Stage::judge;
+  }
+  // Finds are as exact as matches: the fit that began the trial has brought everything near to its place.
+  if (proposal_.from_scans) return;
+  if (propagation_.matched().size() > matched_at_fit_ || stage_ == Stage::judge) begin_fit(now_utime, false);
+}
+
+void Trial::finish_step(std::int64_t now_utime) {
+  if (job_) end_fit();
+  step(now_utime);
+}
+
+void Trial::finish(std::int64_t now_utime) {
+  while (!done()) finish_step(now_utime);
+}
+
+double Trial::mean_contradiction() const {
+  constexpr int most_pairs = 300;
+  constexpr int most_unmatched = 8;
+  constexpr ConfidenceThreshold nearly_certain = {0.3, 0.05};
+  MeanContradiction found;
+  for (const PatchId a : propagation_.matched()) {
+    if (found.pairs() >= most_pairs) break;
+    const std::vector<PatchId> own = propagation_.same_side(map_, a);
+    for (const PatchId b : map_.graph().neighbours(a)) {
+      if (std::ranges::binary_search(own, b)) continue;
+      found.add(map_.manifold(), a, b);
+    }
+  }
+  // Where nothing matched, only patches whose relative pose is nearly certain can contradict one another.
+  int looked_at = 0;
+  for (const PatchId a : propagation_.unmatched()) {
+    if (++looked_at > most_unmatched) break;
+    const std::vector<PatchId> own = propagation_.same_side(map_, a);
+    const auto covariances =
+        local_relative_covariances(map_.graph(), map_.manifold().poses(), a, options_.confidence_patches);
+    for (const auto& [b, covariance] : covariances) {
+      if (b == a || !well_determined(covariance, nearly_certain) || std::ranges::binary_search(own, b))
+        continue;
+      found.add(map_.manifold(), a, b);
+    }
+  }
+  return found.mean();
+}
+
+double Trial::own_contradiction() const {
+  constexpr int most_pairs = 300;
+  MeanContradiction found;
+  for (const PatchId a : propagation_.matched()) {
+    for (const PatchId b : propagation_.before().neighbours(a)) {
+      if (found.pairs() >= most_pairs) break;
+      found.add(map_.manifold(), a, b);
+    }
+  }
+  return found.mean();
+}
+
+double Trial::sighting_cost() const {
+  double sum = 0;
+  int rows = 0;
+  for (const Relation& relation : proposal_.relations) {
+    const Pose a_from_b = ominus(map_.manifold().pose(relation.b), map_.manifold().pose(relation.a));
+    const double squared = 2 * cost(relation.measurement, a_from_b);
+    sum += std::min(squared, 50.0);
+    rows += std::holds_alternative<Correspondences>(relation.measurement) ? 2 : 1;
+  }
+  return rows > 0 ? sum / rows : 0;
+}
+
+double Trial::find_cost() const {
+  double sum = 0;
+  for (const Relation& relation : proposal_.relations) {
+    const Pose a_from_b = ominus(map_.manifold().pose(relation.b), map_.manifold().pose(relation.a));
+    sum += std::min(chi_squared(relation.measurement, a_from_b), 50.0);
+  }
+  return sum / static_cast<double>(proposal_.relations.size());
+}
+
+void Trial::judge() {
+  stage_ = Stage::done;
+  if (proposal_.measured) return;
+  if (proposal_.from_scans) return judge_scans();
+  const auto matched = static_cast<int>(propagation_.matched().size());
+  const int compared = matched + static_cast<int>(propagation_.unmatched().size());
+  const int enough = proposal_.two_way ? enough_support_two_way : enough_support_one_way;
+  if (sighting_cost() > most_sighting_cost) {
+    refusal_ = "sightings_disagree";
+  } else if (mean_contradiction() > most_contradiction) {
+    refusal_ = "walls_in_free_space";
+  } else if (compared >= few_compared && matched < least_matched_share * compared) {
+    refusal_ = "scans_disagree";
+  } else if (matched < few_compared && proposal_.supporters < enough) {
+    undecided_ = true;
+  }
+}
+
+// Where nobody has seen anybody, buildings that repeat themselves are to be feared.
+void Trial::judge_scans() {
+  const std::vector<PatchId>& matched = propagation_.matched();
+  const auto count = static_cast<int>(matched.size());
+  const int compared = count + static_cast<int>(propagation_.unmatched().size());
+  const auto undecided = [&](const std::string& why) {
+    undecided_ = true;
+    refusal_ = why;
+  };
+  if (find_cost() > most_find_cost) {
+    refusal_ = "finds_disagree";
+  } else if (mean_contradiction() > most_contradiction + own_contradiction()) {
+    refusal_ = "walls_in_free_space";
+  } else if (compared >= few_compared && count < least_matched_share * compared) {
+    refusal_ = "scans_disagree";
+  } else if (count < few_matched_scans) {
+    undecided("too_little_support");
+  } else if (proposal_.merge || proposal_.cautious) {
+    const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
+    const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
+    const Seam its = seam(map_, island, is_younger, matched);
+    if (proposal_.merge && its.border_contradiction > most_contradiction + own_contradiction()) {
+      refusal_ = "walls_in_free_space";
+    } else if (count < enough_matched || its.way_m < (proposal_.merge ? enough_way_m : enough_loop_way_m)) {
+      undecided("too_little_support");
+    } else if (its.width_m < enough_width_m && its.way_m < enough_corridor_m) {
+      undecided("one_corridor");
+    } else if (proposal_.merge && std::min(its.own_first_m, its.own_second_m) < enough_own_m) {
+      undecided("nothing_beyond_the_seam");
+    }
+  }
+}
+
+void Trial::commit(Map& map) const {
+  if (proposal_.merge) {
+    map.move_island(map.graph().island(proposal_.younger), proposal_.older_from_younger);
+  }
+  const IslandId island = map_.graph().island(proposal_.older);
+  map.adopt(map_.graph().patches_of(island), map_.manifold().poses());
+  for (const auto& [id, relation] : map_.graph().relations()) {
+    if (static_cast<std::size_t>(id.value) >= first_relation_) map.relate(relation);
+  }
+}
+
+}  // namespace isthmus

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "server/engine/map/fit_job.hpp"
+#include "server/engine/propagation/propagation.hpp"
+
+namespace isthmus {
+
+/// A closure that several sightings, or finds of scans, propose: how the patches of one chart lie to those of
+/// another.
+struct Proposal {
+  ClosureId id;
+  bool merge = false;               ///< of two islands; else a loop on one
+  IslandId older;                   ///< whose frame stays
+  IslandId younger;                 ///< of a merge
+  Pose older_from_younger;          ///< of a merge: the rough alignment
+  std::vector<Relation> relations;  ///< of the sightings or finds, with this closure as their origin
+  int supporters = 0;
+  bool two_way = false;
+  bool from_scans = false;  ///< relations are of scans that agree, nobody has seen anybody
+  /// What the map may err by beyond its covariance, where the loop closes: variances of x, y, yaw.
+  Eigen::Vector3d beyond_covariance = {0.01, 0.01, 0.001};
+  bool cautious = false;  ///< only where much agrees, and not along one corridor
+  bool measured = false;  ///< placed by the operators themselves: no test can refuse it
+
+  auto members() {
+    return std::tie(id, merge, older, younger, older_from_younger, relations, supporters, two_way, from_scans,
+                    beyond_covariance, cautious, measured);
+  }
+};
+
+/// A proposal tried out beside the map: provisional relations and poses over the shared patches (Howard et
+/// al. 2006, IV-B and IV-C, on a copy). Advances in bounded steps, one at a time; fits of whole islands are
+/// jobs in another thread. The map hears of it only when it is accepted.
+class Trial {
+ public:
+  Trial() = default;  ///< to be read from a snapshot
+  Trial(const Map& map, Proposal proposal, const EngineOptions& options, std::int64_t now_utime);
+
+  /// Tells a running job that an event was handled.
+  void advance(std::int64_t now_utime);
+  /// One bounded piece of work. Returns false where a job has to end first.
+  bool step(std::int64_t now_utime);
+  /// The same, but waits for a job that has to end first: repeated until it is done, it runs to the end.
+  void finish_step(std::int64_t now_utime);
+  void finish(std::int64_t now_utime);
+
+  bool done() const { return stage_ == Stage::done; }
+  bool accepted() const { return done() && !undecided_ && refusal_.empty(); }
+  /// Nothing spoke against it, but too little for it: more sightings may come.
+  bool undecided() const { return done() && undecided_; }
+  /// Why it was refused or is undecided; empty where it was accepted.
+  const std::string& refusal() const { return refusal_; }
+  const Proposal& proposal() const { return proposal_; }
+  /// The map as the trial has it now.
+  const Map& map() const { return map_; }
+  int patches_touched() const { return static_cast<int>(propagation_.matched().size()); }
+  int work_steps() const { return propagation_.steps() + fits_; }
+
+  /// Takes what was accepted over into the map, which may have grown since.
+  void commit(Map& map) const;
+
+  auto members() {
+    return std::tie(options_, proposal_, map_, patches_at_start_, first_relation_, gate_before_, propagation_,
+                    job_, stage_, fits_, matched_at_fit_, refusal_, undecided_);
+  }
+
+ private:
+  enum class Stage { start, propagate, last_propagate, judge, done };
+
+  void begin_fit(std::int64_t now_utime, bool with_gate);
+  void end_fit();
+  void propagate(std::int64_t now_utime);
+  void judge();
+  void judge_scans();
+  /// Mean share of hits of one side deep in the other's free space.
+  double mean_contradiction() const;
+  /// Mean χ² per residual of the sightings that proposed it, after the fit.
+  double sighting_cost() const;
+  /// Mean χ² of the relations of finds above what each alone costs, after the fit: how far they pull at one
+  /// another.
+  double find_cost() const;
+  /// What patches of one side contradict each other: people, glass, and maps that bend.
+  double own_contradiction() const;
+
+  EngineOptions options_;
+  Proposal proposal_;
+  Map map_;
+  std::size_t patches_at_start_ = 0;
+  std::size_t first_relation_ = 0;
+  std::optional<Pose> gate_before_;  ///< of b in a of the first relation, as the map had it
+  Propagation propagation_;
+  std::unique_ptr<FitJob> job_;
+  Stage stage_ = Stage::start;
+  int fits_ = 0;
+  std::size_t matched_at_fit_ = 0;
+  std::string refusal_;
+  bool undecided_ = false;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,107 @@
+#include "server/engine/record/refinement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scanmatch/match.hpp"
+#include "server/engine/map/surroundings.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr std::size_t most_patches = 12;  // of a local map: the nearest, as none is newer than another here
+constexpr int most_points = 400;          // no robot waits: nearly all beams
+constexpr double least_score = 0.35;
+constexpr double start_kernel_m = 0.08;  // the scan lies nearly right
+// How far a scan may lie from where its patch has carried it: standard deviations of (m, rad).
+constexpr double carried_sigma_m = 0.05;
+constexpr double carried_sigma_rad = 0.02;
+
+}  // namespace
+
+Refinement::Refinement(const MapCopy& map, const Configuration& configuration)
+    : configuration_(configuration) {
+  for (const auto& [name, robot] : configuration_.robots) lasers_[name] = robot.robot.laser;
+  for (std::size_t i = 0; i < map.patches.size(); ++i) map_.add(map.patches[i], map.poses[i]);
+  for (const auto& [id, relation] : map.graph.relations()) map_.relate(relation);
+  rows_ = map.trajectory->read(0, map.trajectory_rows);
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    row_of_[{map.sessions[static_cast<std::size_t>(rows_[i].session)].robot, rows_[i].utime}] = i;
+}
+
+void Refinement::take(const Event& event) {
+  if (const auto* robot = std::get_if<RobotEvent>(&event.body)) take(*robot);
+  if (const auto* scan = std::get_if<ScanEvent>(&event.body)) take(*scan);
+}
+
+// What the configuration says of a robot stands against what the robot says.
+void Refinement::take(const RobotEvent& robot) {
+  const auto configured = configuration_.robots.find(robot.robot);
+  if (configured == configuration_.robots.end() || !configured->second.declared)
+    lasers_[robot.robot] = robot.laser;
+}
+
+const std::vector<LocalPatch>& Refinement::firm_around(PatchId patch) {
+  const auto [found, is_new] = firm_.try_emplace(patch);
+  if (!is_new) return found->second;
+  Surroundings surroundings;
+  surroundings.update(map_, patch, options_, Surroundings::By::scans);
+  for (const Determined& determined : surroundings.patches()) {
+    const bool far = std::hypot(determined.local_from_patch.x, determined.local_from_patch.y) >
+                     2 * options_.local_map_reach_m;
+    if (determined.firm && !far)
+      found->second.push_back({map_.manifold().shared_patch(determined.patch), determined.local_from_patch});
+  }
+  return found->second;
+}
+
+LocalMap Refinement::local_map(const TrajectoryRow& row, std::span<const ScanPoint> points) {
+  struct Near {
+    LocalPatch patch;
+    double distance_m;
+  };
+  std::vector<Near> near;
+  for (const LocalPatch& local : firm_around(row.patch)) {
+    const Pose patch_from_robot = ominus(row.patch_from_robot, local.local_from_patch);
+    const double distance_m = std::hypot(patch_from_robot.x, patch_from_robot.y);
+    if (distance_m > options_.local_map_reach_m) continue;
+    if (overlap_share(*local.patch, patch_from_robot, points) < options_.local_map_overlap) continue;
+    near.push_back({local, distance_m});
+  }
+  std::ranges::stable_sort(near, {}, &Near::distance_m);
+  if (near.size() > most_patches) near.resize(most_patches);
+  LocalMap local;
+  local.reference = row.patch;
+  for (const Near& n : near) local.patches.push_back(n.patch);
+  return local;
+}
+
+void Refinement::take(const ScanEvent& scan) {
+  const auto row_number = row_of_.find({scan.robot, scan.scan.utime});
+  const auto laser = lasers_.find(scan.robot);
+  if (row_number == row_of_.end() || laser == lasers_.end()) return;
+  TrajectoryRow& row = rows_[row_number->second];
+  const std::vector<ScanPoint> points = to_points(scan.scan, laser->second, options_.patch.normals);
+  if (static_cast<int>(points.size()) < options_.match.min_pairs) return;
+  const LocalMap local = local_map(row, points);
+  if (local.patches.empty()) return;
+  MatchOptions match_options = options_.match;
+  match_options.start_kernel_m = start_kernel_m;
+  match_options.max_points = most_points;
+  Prediction carried{row.patch_from_robot, Eigen::Matrix3d::Zero()};
+  carried.information.diagonal() << 1 / (carried_sigma_m * carried_sigma_m),
+      1 / (carried_sigma_m * carried_sigma_m), 1 / (carried_sigma_rad * carried_sigma_rad);
+  const Match match = match_scan(local, points, carried, match_options);
+  if (!match.ok || match.quality.score < least_score) return;
+  row.patch_from_robot = match.local_from_robot;
+  ++refined_;
+}
+
+std::shared_ptr<const TrajectoryStore> Refinement::finish() {
+  auto store = std::make_shared<TrajectoryStore>();
+  for (const TrajectoryRow& row : rows_) store->append(row);
+  store->flush();
+  return store;
+}
+
+}  // namespace isthmus

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "server/engine/robot/robot_health.hpp"
+
+namespace isthmus {
+
+/// Something about a robot's data that looks wrong.
+struct HealthWarning {
+  std::string key;   ///< lower_case, the same in every release
+  std::string text;  ///< a sentence for people, with the robot's name
+};
+
+/// What looks wrong with a robot's data; nothing while too little is known. Of warnings with the same cause,
+/// the plainest. `dropped`: its messages, by reason.
+std::vector<HealthWarning> health_warnings(const std::string& robot, const Laser& laser,
+                                           const HealthFigures& figures,
+                                           const std::map<std::string, std::int64_t>& dropped = {});
+
+}  // namespace isthmus

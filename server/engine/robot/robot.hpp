@@ -1,0 +1,109 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "server/engine/input/event.hpp"
+#include "server/engine/map/rejoin.hpp"
+#include "server/engine/map/surroundings.hpp"
+#include "server/engine/robot/odometry_noise.hpp"
+#include "server/engine/robot/odometry_track.hpp"
+#include "server/engine/robot/pose_history.hpp"
+#include "server/engine/robot/robot_health.hpp"
+
+namespace isthmus {
+
+/// Odometry added up over several scans, with its covariance.
+struct OdometryPath {
+  Pose start_from_end;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+
+  void append(const Pose& step, const Eigen::Matrix3d& step_covariance);
+
+  auto members() { return std::tie(start_from_end, covariance); }
+};
+
+/// Where a robot is on the manifold, after its last scan.
+struct Localisation {
+  ManifoldPose pose;
+  /// Covariance of patch_from_robot, calibrated: what is published.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// Of the same, without the errors that successive matches with the same map have in common: what odometry
+  /// has to bridge from scan to scan.
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  Pose odom_from_robot;
+  Pose last_step;  ///< motion over the last scan period
+  std::int64_t utime = 0;
+  PatchId last_patch;             ///< the robot's newest own patch
+  OdometryPath since_last_patch;  ///< odometry since that patch
+  int lost_scans = 0;             ///< unmatched in a row
+  bool suspect = false;           ///< odometry did something implausible since the last match
+
+  auto members() {
+    return std::tie(pose, covariance, spread, odom_from_robot, last_step, utime, last_patch, since_last_patch,
+                    lost_scans, suspect);
+  }
+};
+
+/// A scan that was neither matched nor plausibly predicted: where the robot was is known once it is found
+/// again, by its odometry backwards from there.
+struct UnplacedScan {
+  std::int64_t utime = 0;
+  Pose odom_from_robot;
+
+  auto members() { return std::tie(utime, odom_from_robot); }
+};
+
+/// Another robot where this one last saw it.
+struct SeenTeammate {
+  std::int64_t utime = 0;
+  Eigen::Vector2d odom_position = Eigen::Vector2d::Zero();  ///< in this robot's odometry frame
+  double sigma_m = 0;
+
+  auto members() { return std::tie(utime, odom_position, sigma_m); }
+};
+
+struct PendingScan {
+  Scan scan;
+  std::int64_t receive_utime = 0;
+
+  auto members() { return std::tie(scan, receive_utime); }
+};
+
+/// What the engine keeps of one robot.
+struct Robot {
+  RobotEvent declaration;
+  bool declared = false;
+  OdometryTrack odometry;
+  OdometryNoise noise;
+  RobotHealth health;
+  std::deque<PendingScan> pending;  ///< scans that wait for odometry
+  std::optional<Localisation> place;
+  std::int32_t session = -1;
+  Surroundings surroundings;
+  LocalMap local_map;
+  Pose local_map_centre;  ///< local_from_robot that the local map was chosen for
+  std::int64_t local_map_stamp = -1;
+  std::int64_t last_scan_utime = 0;
+  std::int64_t newest_scan_utime = 0;
+  WaitingRejoins rejoins;
+  std::vector<UnplacedScan> unplaced;
+  PoseHistory history;
+  std::vector<Pose> way;  ///< of one without a laser: odometry since its last patch; empty: it had one
+  std::map<std::string, SeenTeammate> seen;  ///< by name
+  PatchId first_patch;                       ///< of its first session
+  int stale_scans = 0;                       ///< in a row
+  std::size_t patches = 0;                   ///< that it has added to the map
+
+  auto members() {
+    return std::tie(declaration, declared, odometry, noise, health, pending, place, session, surroundings,
+                    local_map, local_map_centre, local_map_stamp, last_scan_utime, newest_scan_utime, rejoins,
+                    unplaced, history, way, seen, first_patch, stale_scans, patches);
+  }
+};
+
+}  // namespace isthmus

@@ -1,0 +1,223 @@
+#include "server/engine/sightings/alignment.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace isthmus {
+namespace {
+
+constexpr double least_baseline_m = 0.4;
+
+// A residual of range and bearing, whitened, by (x, y, yaw) of first_from_second.
+struct Residual {
+  int rows = 0;
+  Eigen::Vector2d e = Eigen::Vector2d::Zero();
+  Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
+};
+
+Residual residual_of(const ChartSighting& s, const Pose& first_from_second) {
+  const Pose chart_from_chart = s.observer_in_first ? first_from_second : inverse(first_from_second);
+  const Pose observer_from_chart = inverse(s.chart_from_observer);
+  const Eigen::Vector2d seen = observer_from_chart * (chart_from_chart * s.target);
+  const double range = std::max(seen.norm(), 1e-3);
+  const Eigen::Vector2d radial = seen / range;
+  const Eigen::Vector2d across(-radial.y(), radial.x());
+
+  // How `seen` moves with the pose of the second chart in the first.
+  Eigen::Matrix<double, 2, 3> by_pose;
+  if (s.observer_in_first) {
+    const Eigen::Vector2d turned = rotate(first_from_second.yaw, s.target);
+    by_pose << 1, 0, -turned.y(), 0, 1, turned.x();
+    by_pose = Eigen::Rotation2Dd(observer_from_chart.yaw).toRotationMatrix() * by_pose;
+  } else {
+    const Eigen::Vector2d from_origin = s.target - Eigen::Vector2d(first_from_second.x, first_from_second.y);
+    const Eigen::Vector2d back = rotate(-first_from_second.yaw, from_origin);
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(-first_from_second.yaw).toRotationMatrix();
+    by_pose.leftCols<2>() = -turn;
+    by_pose.col(2) = Eigen::Vector2d(back.y(), -back.x());
+    by_pose = Eigen::Rotation2Dd(observer_from_chart.yaw).toRotationMatrix() * by_pose;
+  }
+
+  // And with the observer's own pose, in its own axes.
+  Eigen::Matrix<double, 2, 3> by_observer;
+  by_observer << -1, 0, seen.y(), 0, -1, -seen.x();
+  Eigen::Matrix2d covariance = by_observer * s.observer_covariance * by_observer.transpose();
+  covariance.diagonal().array() += s.target_variance + sighting_floor_m * sighting_floor_m;
+
+  Residual residual;
+  const auto add = [&](const Eigen::Vector2d& direction, double off, double variance, double scale) {
+    const double sigma = std::sqrt(variance);
+    residual.e(residual.rows) = off / sigma;
+    residual.by_pose.row(residual.rows++) = scale * direction.transpose() * by_pose / sigma;
+  };
+  if (s.has_range())
+    add(radial, range - s.range_m, s.range_sigma_m * s.range_sigma_m + radial.dot(covariance * radial), 1);
+  if (s.has_bearing())
+    add(across, wrap_angle(std::atan2(seen.y(), seen.x()) - s.bearing_rad),
+        s.bearing_sigma_rad * s.bearing_sigma_rad + sighting_floor_rad * sighting_floor_rad +
+            across.dot(covariance * across) / (range * range),
+        1 / range);
+  return residual;
+}
+
+// The points of both charts that a sighting says are one.
+struct Tie {
+  std::size_t sighting;
+  Eigen::Vector2d first;
+  Eigen::Vector2d second;
+};
+
+std::vector<Tie> ties_of(std::span<const ChartSighting> sightings) {
+  std::vector<Tie> ties;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const ChartSighting& s = sightings[i];
+    if (!s.has_range() || !s.has_bearing()) continue;
+    const Eigen::Vector2d measured =
+        s.chart_from_observer *
+        Eigen::Vector2d(s.range_m * std::cos(s.bearing_rad), s.range_m * std::sin(s.bearing_rad));
+    ties.push_back(s.observer_in_first ? Tie{i, measured, s.target} : Tie{i, s.target, measured});
+  }
+  return ties;
+}
+
+// Two points of the second chart laid on two of the first; nothing where their distances disagree.
+std::optional<Pose> lay(const Tie& a, const Tie& b) {
+  const Eigen::Vector2d first = b.first - a.first;
+  const Eigen::Vector2d second = b.second - a.second;
+  const double length = first.norm();
+  if (length < least_baseline_m || second.norm() < least_baseline_m) return std::nullopt;
+  if (std::abs(length - second.norm()) > 0.4 + 0.1 * length) return std::nullopt;
+  const double yaw = wrap_angle(std::atan2(first.y(), first.x()) - std::atan2(second.y(), second.x()));
+  const Eigen::Vector2d middle = 0.5 * (a.first + b.first) - rotate(yaw, 0.5 * (a.second + b.second));
+  return Pose{middle.x(), middle.y(), yaw};
+}
+
+std::vector<std::size_t> supporters_of(std::span<const ChartSighting> sightings, const Pose& pose) {
+  std::vector<std::size_t> supporters;
+  for (std::size_t i = 0; i < sightings.size(); ++i)
+    if (agrees(sightings[i], pose)) supporters.push_back(i);
+  return supporters;
+}
+
+double cost(std::span<const ChartSighting> sightings, std::span<const std::size_t> supporters,
+            const Pose& pose) {
+  double sum = 0;
+  for (const std::size_t i : supporters) sum += chi_squared(sightings[i], pose);
+  return sum;
+}
+
+double widest(std::span<const Tie> ties, std::span<const std::size_t> supporters) {
+  double most = 0;
+  for (const Tie& a : ties)
+    for (const Tie& b : ties) {
+      const bool both = std::ranges::find(supporters, a.sighting) != supporters.end() &&
+                        std::ranges::find(supporters, b.sighting) != supporters.end();
+      if (both) most = std::max(most, (a.first - b.first).norm());
+    }
+  return most;
+}
+
+}  // namespace
+
+bool ChartSighting::has_range() const { return std::isfinite(range_sigma_m); }
+bool ChartSighting::has_bearing() const { return std::isfinite(bearing_sigma_rad); }
+
+double chi_squared(const ChartSighting& sighting, const Pose& first_from_second) {
+  return residual_of(sighting, first_from_second).e.squaredNorm();
+}
+
+bool agrees(const ChartSighting& sighting, const Pose& first_from_second) {
+  const double most = sighting.has_range() && sighting.has_bearing() ? 13.8 : 10.8;
+  return chi_squared(sighting, first_from_second) <= most;
+}
+
+Alignment refine(std::span<const ChartSighting> sightings, std::vector<std::size_t> supporters,
+                 const Pose& start) {
+  Alignment alignment;
+  Pose pose = start;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (int iteration = 0; iteration < 10; ++iteration) {
+    information.setZero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    for (const std::size_t i : supporters) {
+      const Residual r = residual_of(sightings[i], pose);
+      information += r.by_pose.transpose() * r.by_pose;
+      gradient += r.by_pose.transpose() * r.e;
+    }
+    const Eigen::Matrix3d damped = information + 1e-6 * Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d step = -damped.ldlt().solve(gradient);
+    pose = to_pose(to_vector(pose) + step);
+    if (step.norm() < 1e-9) break;
+  }
+  alignment.first_from_second = pose;
+  alignment.covariance = (information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
+  const auto in_first = static_cast<std::size_t>(
+      std::ranges::count_if(supporters, [&](std::size_t i) { return sightings[i].observer_in_first; }));
+  alignment.two_way = in_first > 0 && in_first < supporters.size();
+  alignment.baseline_m = widest(ties_of(sightings), supporters);
+  alignment.supporters = std::move(supporters);
+  return alignment;
+}
+
+std::optional<Alignment> best_alignment(std::span<const ChartSighting> sightings) {
+  const std::vector<Tie> ties = ties_of(sightings);
+  std::vector<std::size_t> best;
+  Pose best_pose;
+  double best_cost = 0;
+  for (std::size_t i = 0; i < ties.size(); ++i) {
+    for (std::size_t j = i + 1; j < ties.size(); ++j) {
+      const std::optional<Pose> pose = lay(ties[i], ties[j]);
+      if (!pose) continue;
+      std::vector<std::size_t> supporters = supporters_of(sightings, *pose);
+      if (supporters.size() < 2 || supporters.size() < best.size()) continue;
+      const double its_cost = cost(sightings, supporters, *pose);
+      if (supporters.size() == best.size() && its_cost >= best_cost) continue;
+      best = std::move(supporters);
+      best_pose = *pose;
+      best_cost = its_cost;
+    }
+  }
+  if (best.size() < 2) return std::nullopt;
+  Alignment alignment = refine(sightings, best, best_pose);
+  // What agrees with the refined pose; twice is enough to settle.
+  for (int round = 0; round < 2; ++round) {
+    std::vector<std::size_t> supporters = supporters_of(sightings, alignment.first_from_second);
+    if (supporters == alignment.supporters || supporters.size() < alignment.supporters.size()) break;
+    alignment = refine(sightings, std::move(supporters), alignment.first_from_second);
+  }
+  // Its supporters are those that agree with it as it is now.
+  std::vector<std::size_t> still = supporters_of(sightings, alignment.first_from_second);
+  if (still.size() < alignment.supporters.size())
+    alignment = refine(sightings, std::move(still), alignment.first_from_second);
+  if (alignment.supporters.size() < 2) return std::nullopt;
+  return alignment;
+}
+
+bool ready(const Alignment& alignment, std::span<const ChartSighting> sightings, std::int64_t now_utime,
+           bool no_more_waiting) {
+  constexpr std::int64_t rival_us = 10'000'000;
+  constexpr std::int64_t lone_pair_us = 3'000'000;
+  constexpr int enough_supporters = 3;
+  constexpr double one_way_baseline_m = 1;
+  std::int64_t from = sightings[alignment.supporters.front()].utime;
+  std::int64_t to = from;
+  for (const std::size_t i : alignment.supporters) {
+    from = std::min(from, sightings[i].utime);
+    to = std::max(to, sightings[i].utime);
+  }
+  int rivals = 0;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const bool supports = std::ranges::find(alignment.supporters, i) != alignment.supporters.end();
+    if (!supports && sightings[i].utime >= from - rival_us && sightings[i].utime <= to + rival_us) ++rivals;
+  }
+  const auto supporters = static_cast<int>(alignment.supporters.size());
+  if (supporters <= rivals) return false;
+  if (!alignment.two_way)
+    return supporters >= enough_supporters && alignment.baseline_m >= one_way_baseline_m;
+  return supporters >= enough_supporters || no_more_waiting || now_utime > to + lone_pair_us;
+}
+
+}  // namespace isthmus

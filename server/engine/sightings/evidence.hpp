@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "server/engine/input/event.hpp"
+#include "server/engine/map/map.hpp"
+#include "server/engine/robot/robot.hpp"
+#include "server/engine/sightings/alignment.hpp"
+
+namespace isthmus {
+
+/// How a fixed tag is called where robots are by their names.
+std::string tag_name(std::int32_t barcode);
+
+/// A fixed tag on the map: a patch without extent, whose yaw means nothing.
+PatchPtr make_tag_patch(PatchId id, std::int32_t barcode, std::int64_t utime);
+
+/// A sighting with the places on the manifold that it ties together.
+struct Evidence {
+  std::size_t record = 0;  ///< its place among all sightings
+  std::int64_t receive_utime = 0;
+  SightingEvent sighting;
+  PastPlace observer;
+  std::string target;  ///< a robot's name, or "TAG n"
+  bool is_tag = false;
+  /// Of a tag: where its patch is, once it has one.
+  std::optional<PastPlace> target_place;
+  std::string doubt = "unsupported";  ///< why it would be refused if nothing more came
+  bool judge_again = false;           ///< the map has changed since it was judged
+
+  auto members() {
+    return std::tie(record, receive_utime, sighting, observer, target, is_tag, target_place, doubt,
+                    judge_again);
+  }
+};
+
+/// The sighting between the charts of its two ends as the map projects them now. `observer_in_first` is left
+/// to the caller.
+ChartSighting chart_sighting(const Map& map, const Evidence& evidence);
+
+/// The same between a chart and a point in it: where the map has the tag, or would have it.
+ChartSighting chart_sighting_of_point(const Map& map, const Evidence& evidence, const Eigen::Vector2d& target,
+                                      double target_variance);
+
+/// Where in the observer's chart the sighting puts its target; nothing where range or bearing is missing.
+std::optional<Eigen::Vector2d> measured_point(const Map& map, const Evidence& evidence);
+
+/// Sightings of one fixed thing from one chart that agree on where in it the thing is.
+struct PointConsensus {
+  std::vector<std::size_t> supporters;
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();
+  double apart_m = 0;  ///< between the places it was seen from
+  /// Three, or two from places apart.
+  bool enough() const;
+};
+/// The largest such group among the `members` of a pool.
+PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& pool,
+                                const std::vector<std::size_t>& members);
+
+/// The sighting as a relation between two patches: range with bearing as a point of b at a point of a, its
+/// covariance taken at the measured range and then fixed; range alone and bearing alone as themselves. The
+/// covariances of both places in their patches are carried. Nothing where both ends are on one patch.
+std::optional<Relation> sighting_relation(const Map& map, const Evidence& evidence, ClosureId closure);
+
+}  // namespace isthmus

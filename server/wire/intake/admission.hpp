@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include "server/engine/record/map_copy.hpp"
+
+namespace isthmus {
+
+struct AdmissionLimits {
+  std::size_t robots = 256;
+  std::size_t tags = 10'000;  ///< declared ones
+};
+
+/// How many robots and tags a map is for: anybody can make up more. Those that are known stay, more are
+/// refused before they are journalled, so that the engine remains a function of the journal.
+class Admission {
+ public:
+  explicit Admission(AdmissionLimits limits = {}) : limits_(limits) {}
+
+  /// Why an event is refused; empty: it is not, and whom it introduces is known from now on.
+  std::string admit(const Event& event);
+
+  /// Whom a map knows that was made before.
+  void know(const MapCopy& map);
+
+ private:
+  AdmissionLimits limits_;
+  std::set<std::string> robots_;
+  std::set<std::int32_t> tags_;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,59 @@
+#include "server/wire/journal/drop_record.hpp"
+
+#include <array>
+
+#include "isthmus/dropped_t.hpp"
+#include "server/wire/message/byte_check.hpp"
+#include "server/wire/message/encoded.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr const char* dropped_channel = "ISTHMUS_DROPPED";
+constexpr std::int32_t most_received = 16 * 1024 * 1024;
+constexpr std::array drop_members = {text(64), text(64), fixed(8), array(8, most_received)};
+constexpr std::array members = {list(drop_members, 100'000)};
+
+}  // namespace
+
+Message encode_drops(std::int64_t utime, const Drops& drops) {
+  dropped_t record{};
+  for (const auto& [robot, reasons] : drops) {
+    for (const auto& [reason, dropped] : reasons) {
+      drop_t one{};
+      one.robot = robot;
+      one.reason = reason;
+      one.count = dropped.count;
+      one.received = dropped.received;
+      one.nreceived = static_cast<std::int32_t>(one.received.size());
+      record.drops.push_back(std::move(one));
+    }
+  }
+  record.ndrops = static_cast<std::int32_t>(record.drops.size());
+  return {utime, dropped_channel, encoded(record)};
+}
+
+std::optional<Drops> read_drops(const Message& message) {
+  if (message.channel != dropped_channel) return std::nullopt;
+  if (!check_bytes(dropped_t::getHash(), members, message.bytes).empty()) return std::nullopt;
+  dropped_t record;
+  const int size = static_cast<int>(message.bytes.size());
+  if (record.decode(message.bytes.data(), 0, size) != size) return std::nullopt;
+  Drops drops;
+  for (const drop_t& one : record.drops) {
+    Dropped& dropped = drops[one.robot][one.reason];
+    dropped.count += one.count;
+    dropped.received.insert(dropped.received.end(), one.received.begin(), one.received.end());
+  }
+  return drops;
+}
+
+void count_drops(Engine& engine, const Drops& drops) {
+  for (const auto& [robot, reasons] : drops) {
+    for (const auto& [reason, dropped] : reasons) {
+      for (std::int64_t i = 0; i < dropped.count; ++i) engine.count_dropped(robot, reason);
+    }
+  }
+}
+
+}  // namespace isthmus

@@ -1,0 +1,131 @@
+#include "server/wire/journal/snapshot.hpp"
+
+#include <cstring>
+#include <filesystem>
+#include <numeric>
+#include <stdexcept>
+
+#include "server/engine/snapshot/snapshot_values.hpp"
+#include "server/wire/file/checked_file.hpp"
+#include "server/wire/journal/journal_files.hpp"
+
+namespace isthmus {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// To be raised with every change of what is written: a test holds a file of each version.
+constexpr FileForm snapshot_form{"isthmus-snapshot", 2};
+constexpr FileForm trajectory_form{"isthmus-rows", 1};
+
+constexpr std::size_t rows_at_once = 4096;
+
+struct Content {
+  JournalPlace place;  ///< first: `read_snapshot_place` reads no further
+  std::vector<TrajectoryPart> trajectory;
+  RobotMonitor monitor;
+  std::int64_t events = 0;
+  std::int64_t last_utime = 0;
+  std::vector<std::int64_t> set_aside;
+  std::vector<std::uint8_t> engine;
+
+  auto members() { return std::tie(place, trajectory, monitor, events, last_utime, set_aside, engine); }
+};
+
+void read_rows(const std::string& path, const TrajectoryPart& part, TrajectoryStore& rows) {
+  const auto [bytes, sha256] = read_checked_file(path, trajectory_form);
+  if (sha256 != part.sha256)
+    throw std::runtime_error(path + ": holds other rows than the snapshot was made with");
+  if (bytes.size() != part.rows * sizeof(TrajectoryRow))
+    throw std::runtime_error(path + ": holds not as many rows as the snapshot needs");
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(TrajectoryRow)) {
+    TrajectoryRow row;
+    std::memcpy(&row, bytes.data() + at, sizeof row);
+    rows.append(row);
+  }
+}
+
+/// The rows of an engine's trajectory from one on, as they lie in memory (see TrajectoryStore).
+std::vector<std::uint8_t> rows_from(const Engine& engine, std::uint64_t first) {
+  const MapCopy map = engine.copy();
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t at = first; at < map.trajectory_rows; at += rows_at_once) {
+    const auto rows = map.trajectory->read(at, std::min(rows_at_once, map.trajectory_rows - at));
+    const auto* from = reinterpret_cast<const std::uint8_t*>(rows.data());
+    bytes.insert(bytes.end(), from, from + rows.size() * sizeof(TrajectoryRow));
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Snapshot read_snapshot(const std::string& path) {
+  Snapshot snapshot;
+  const std::vector<std::uint8_t> bytes = read_checked_file(path, snapshot_form).bytes;
+  const std::string directory = fs::path(path).parent_path().string();
+  Content content;
+  auto rows = std::make_shared<TrajectoryStore>();
+  try {
+    SnapshotReader reader(bytes);
+    reader(content);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+  for (const TrajectoryPart& part : content.trajectory)
+    read_rows(trajectory_path(directory, part.segment), part, *rows);
+  try {
+    snapshot.map.engine = Engine::restore(content.engine, rows);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+  snapshot.place = content.place;
+  snapshot.map.monitor = std::move(content.monitor);
+  snapshot.map.events = content.events;
+  snapshot.map.last_utime = content.last_utime;
+  snapshot.map.set_aside = std::move(content.set_aside);
+  snapshot.trajectory = std::move(content.trajectory);
+  return snapshot;
+}
+
+JournalPlace read_snapshot_place(const std::string& path) {
+  const std::vector<std::uint8_t> bytes = read_checked_file(path, snapshot_form).bytes;
+  JournalPlace place;
+  try {
+    SnapshotReader reader(bytes);
+    reader(place);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+  return place;
+}
+
+void write_snapshot(const std::string& directory, const JournalPlace& place, ServedMap& map,
+                    const std::vector<TrajectoryPart>& earlier) {
+  Content content;
+  content.place = place;
+  content.trajectory = earlier;
+  const std::uint64_t written =
+      std::accumulate(earlier.begin(), earlier.end(), std::uint64_t{0},
+                      [](std::uint64_t sum, const TrajectoryPart& part) { return sum + part.rows; });
+  const std::vector<std::uint8_t> rows = rows_from(map.engine, written);
+  if (!rows.empty()) {
+    const Digest sha256 =
+        write_checked_file(trajectory_path(directory, place.segment), trajectory_form, rows);
+    content.trajectory.push_back({place.segment, rows.size() / sizeof(TrajectoryRow), sha256});
+  }
+  content.monitor = map.monitor;
+  content.events = map.events;
+  content.last_utime = map.last_utime;
+  content.set_aside = map.set_aside;
+  content.engine = map.engine.save();
+  SnapshotWriter writer;
+  writer(content);
+  write_checked_file(snapshot_path(directory, place.segment), snapshot_form, writer.take());
+}
+
+bool is_snapshot(const std::string& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && is_of_kind(path, snapshot_form);
+}
+
+}  // namespace isthmus

@@ -1,0 +1,74 @@
+// How a LiveServer ends: in a bounded time, and never without results.
+
+#include <optional>
+
+#include "server/wire/live/live_server.hpp"
+#include "server/wire/message/message.hpp"
+
+namespace isthmus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+void LiveServer::stop_within(Clock::duration time) {
+  stop_asked_ = Clock::now();
+  deadline_ = stop_asked_ + time;
+}
+
+/// Whether so much of the time to stop in is over.
+bool LiveServer::is_past(double share_of_time) const {
+  const Clock::time_point deadline = deadline_;
+  if (deadline == Clock::time_point::max()) return false;
+  return Clock::now() >= stop_asked_ + share_of_time * (deadline - stop_asked_);
+}
+
+/// Messages that there was no time to handle. Those that the spool holds are handled after the next start.
+void LiveServer::count_left_over() {
+  std::size_t kept = 0;
+  while (const std::optional<Message> message = inbox_.pop(std::chrono::milliseconds(0))) {
+    if (spool_ && message->received >= 0) {
+      ++kept;
+      continue;
+    }
+    const Decoded decoded =
+        decode(map_.engine.configuration(), message->channel, message->bytes, message->utime);
+    if (decoded.ours) map_.engine.count_dropped(decoded.robot, "stopped");
+  }
+  if (kept > 0)
+    say(LogLevel::info, "received and not handled yet; the next start on this journal does",
+        {{"messages", std::to_string(kept)}});
+}
+
+void LiveServer::end() {
+  map_publisher_.reset();
+  const std::string lost = finish_journal();
+  const Clock::time_point begun = Clock::now();
+  write_results(false);  // whatever comes
+  const Clock::time_point written = Clock::now();
+  const bool finished = finish_map(written - begun);
+  finish_s_ = std::chrono::duration<double>(Clock::now() - written).count();
+  closure_log_.tell(map_.engine.copy().closures, options_.log);
+  write_results(finished && recovered_all_);
+  if (!lost.empty()) throw std::runtime_error(lost);
+}
+
+/// False: there was no time to finish it and write it once more.
+bool LiveServer::finish_map(Clock::duration time_to_write) {
+  constexpr int caution = 2;  // a finished map may take longer to write
+  Outcome outcome;
+  while (map_.engine.finish_step(outcome)) {
+    publish_poses(outcome);
+    outcome.poses.clear();
+    const Clock::time_point deadline = deadline_;
+    if (deadline == Clock::time_point::max() || Clock::now() + caution * time_to_write < deadline) continue;
+    say(LogLevel::warning, "no time to finish the map; isthmus-replay makes the finished one of the journal",
+        {{"left", std::string(map_.engine.finishing())}});
+    return false;
+  }
+  publish_poses(outcome);
+  return true;
+}
+
+}  // namespace isthmus

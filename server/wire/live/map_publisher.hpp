@@ -1,0 +1,63 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/engine/record/map_copy.hpp"
+#include "server/wire/message/map_messages.hpp"
+
+namespace isthmus {
+
+/// Sends a message; called from several threads, and must not throw.
+using Publish = std::function<void(const std::string& channel, const std::vector<std::uint8_t>& bytes)>;
+
+struct MapPublisherOptions {
+  std::chrono::milliseconds whole_map_interval{60'000};
+  std::chrono::milliseconds grid_interval{5'000};  ///< at most one island's grid in this time
+  std::size_t grid_pixels = 1'000'000;             ///< larger islands are sent more coarsely
+  std::chrono::milliseconds chunk_pause{2};        ///< so that a burst of chunks fits receivers' buffers
+};
+
+/// Publishes ISTHMUS_MAP and ISTHMUS_GRID from copies of the map, in a thread of its own. While it is busy
+/// only the latest copy waits.
+class MapPublisher {
+ public:
+  MapPublisher(Publish publish, MapPublisherOptions options = {});
+  ~MapPublisher();
+
+  void offer(std::shared_ptr<const MapCopy> map, std::int64_t utime);
+  /// The next copy is sent whole.
+  void request_whole();
+
+ private:
+  struct RenderedIsland {
+    std::vector<Pose> poses;  ///< of its patches, when its grid was sent
+  };
+
+  void loop(const std::stop_token& stop);
+  void publish_map(const MapCopy& map, std::int64_t utime, bool whole, const std::stop_token& stop);
+  void publish_one_grid(const MapCopy& map, std::int64_t utime);
+
+  Publish publish_;
+  MapPublisherOptions options_;
+  MapMessages messages_;
+  std::map<IslandId, RenderedIsland> rendered_;
+  IslandId last_rendered_;
+
+  std::mutex mutex_;
+  std::condition_variable_any offered_;
+  std::shared_ptr<const MapCopy> latest_;
+  std::int64_t latest_utime_ = 0;
+  bool whole_requested_ = true;
+  std::jthread thread_;  ///< last: it uses all above
+};
+
+}  // namespace isthmus

@@ -1,0 +1,76 @@
+#include "server/wire/message/channel.hpp"
+
+#include <array>
+#include <utility>
+
+#include "server/engine/input/robot_name.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, Input>, 4> robot_suffixes = {
+    {{"_ROBOT", Input::robot},
+     {"_ODOMETRY", Input::odometry},
+     {"_SCAN", Input::scan},
+     {"_SIGHTING", Input::sighting}}};
+
+constexpr std::array<std::pair<std::string_view, Input>, 4> common_channels = {
+    {{"ISTHMUS_TAG", Input::tag},
+     {"ISTHMUS_COMMAND", Input::command},
+     {"ISTHMUS_CONFIGURATION", Input::configuration},
+     {"ISTHMUS_TICK", Input::tick}}};
+
+/// The channel that the configuration gives a robot's input; empty: the default.
+const std::string& configured_channel(const RobotConfiguration& robot, Input input) {
+  static const std::string none;
+  switch (input) {
+    case Input::odometry:
+      return robot.odometry_channel;
+    case Input::scan:
+      return robot.scan_channel;
+    case Input::sighting:
+      return robot.sighting_channel;
+    default:
+      return none;
+  }
+}
+
+bool has_other_channel(const Configuration& configuration, const Channel& channel) {
+  const auto robot = configuration.robots.find(channel.robot);
+  return robot != configuration.robots.end() && !configured_channel(robot->second, channel.input).empty();
+}
+
+}  // namespace
+
+std::optional<Channel> find_channel(const Configuration& configuration, const std::string& name) {
+  for (const auto& [robot, settings] : configuration.robots) {
+    for (const Input input : {Input::odometry, Input::scan, Input::sighting}) {
+      if (!name.empty() && configured_channel(settings, input) == name) return Channel{input, robot, true};
+    }
+  }
+  const std::string upper = upper_case(name);
+  for (const auto& [common, input] : common_channels) {
+    if (upper == common) return Channel{input, "", true};
+  }
+  for (const auto& [suffix, input] : robot_suffixes) {
+    if (!upper.ends_with(suffix)) continue;
+    Channel channel{input, upper.substr(0, upper.size() - suffix.size()), true};
+    channel.valid = is_robot_name(channel.robot);
+    if (!channel.valid) channel.robot.clear();
+    if (has_other_channel(configuration, channel)) return std::nullopt;
+    return channel;
+  }
+  return std::nullopt;
+}
+
+std::string default_channel(Input input, const std::string& robot) {
+  for (const auto& [suffix, suffix_input] : robot_suffixes) {
+    if (suffix_input == input) return robot + std::string(suffix);
+  }
+  for (const auto& [common, common_input] : common_channels) {
+    if (common_input == input) return std::string(common);
+  }
+  return "";
+}
+
+}  // namespace isthmus

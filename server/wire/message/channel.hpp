@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/engine/input/configuration.hpp"
+
+namespace isthmus {
+
+/// What Isthmus takes from channels (lcmtypes/README.md). Configuration and tick are found in journals
+/// only, never taken from the network.
+enum class Input { robot, odometry, scan, sighting, tag, command, configuration, tick };
+
+/// Whose message a channel carries, and which.
+struct Channel {
+  Input input = Input::robot;
+  std::string robot;  ///< upper case; empty for the last four inputs
+  bool valid = true;  ///< false: it ends like an input, but what comes before cannot be a robot's name
+};
+
+/// Nothing for a channel that is not an input. A channel named in the configuration is that robot's, as
+/// written; its default channel is then not read. Otherwise case does not count.
+std::optional<Channel> find_channel(const Configuration& configuration, const std::string& name);
+
+/// The channel an input has when the configuration says nothing else.
+std::string default_channel(Input input, const std::string& robot);
+
+}  // namespace isthmus

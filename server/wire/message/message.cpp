@@ -1,0 +1,183 @@
+#include "server/wire/message/message.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "server/wire/message/byte_check.hpp"
+#include "server/wire/message/channel.hpp"
+#include "server/wire/message/encoded.hpp"
+#include "server/wire/message/limits.hpp"
+#include "server/wire/message/read_message.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr std::int32_t most_name_bytes = 64;
+constexpr std::int32_t most_toml_bytes = 64 * 1024;
+
+constexpr Member number = fixed(8);   // int64_t, double
+constexpr Member integer = fixed(4);  // int32_t, float
+constexpr Member boolean = fixed(1);
+constexpr Member floats = array(4, most_beams);
+constexpr Member name = text(most_name_bytes);
+
+constexpr std::array robot_members = {number, name,   integer, number, number,
+                                      number, number, number,  number, boolean};
+constexpr std::array pose_members = {number,       fixed(3 * 8), fixed(3 * 8),
+                                     fixed(4 * 8), fixed(3 * 8), fixed(3 * 8)};
+constexpr std::array lidar_members = {number, floats, floats, integer, integer};
+constexpr std::array sighting_members = {number, integer, number, number, number, number};
+constexpr std::array tag_members = {number, integer};
+constexpr std::array command_members = {number, name, number, name};
+constexpr std::array configuration_members = {number, text(most_toml_bytes)};
+constexpr std::array tick_members = {number};
+
+/// How one input lies on the wire, and how it is read.
+struct InputType {
+  std::int64_t (*fingerprint)();
+  std::span<const Member> members;
+  Reading (*read)(std::span<const std::uint8_t> bytes, const std::string& robot);
+};
+
+/// The generated decoder; the bytes must have been checked.
+template <class T>
+Reading read_as(std::span<const std::uint8_t> bytes, const std::string& robot) {
+  T message;
+  const int size = static_cast<int>(bytes.size());
+  if (message.decode(bytes.data(), 0, size) != size) return {std::nullopt, "bad_length"};
+  return read_message(message, robot);
+}
+
+template <class T>
+constexpr InputType input_type(std::span<const Member> members) {
+  return {&T::getHash, members, &read_as<T>};
+}
+
+/// By Input, in its order.
+constexpr std::array<InputType, 8> input_types = {
+    input_type<robot_t>(robot_members),
+    input_type<bot_core::pose_t>(pose_members),
+    input_type<bot_core::planar_lidar_t>(lidar_members),
+    input_type<sighting_t>(sighting_members),
+    input_type<tag_t>(tag_members),
+    input_type<command_t>(command_members),
+    input_type<configuration_t>(configuration_members),
+    input_type<tick_t>(tick_members),
+};
+
+template <class T>
+Message pack(Input input, const std::string& robot, std::int64_t receive_utime, const T& message) {
+  return {receive_utime, default_channel(input, robot), encoded(message)};
+}
+
+/// Writes each kind of event as the message that `decode` reads.
+struct Encoder {
+  std::int64_t receive_utime;
+
+  Message operator()(const RobotEvent& event) const {
+    robot_t message{};
+    message.utime = event.utime;
+    message.name = event.robot;
+    message.barcode = event.barcode;
+    message.laser_x_m = event.laser.robot_from_laser.x;
+    message.laser_y_m = event.laser.robot_from_laser.y;
+    message.laser_yaw_rad = event.laser.robot_from_laser.yaw;
+    message.range_min_m = event.laser.range_min_m;
+    message.range_max_m = event.laser.range_max_m;
+    message.footprint_radius_m = event.footprint_radius_m;
+    message.restarted = event.restarted ? 1 : 0;
+    return pack(Input::robot, event.robot, receive_utime, message);
+  }
+
+  Message operator()(const OdometryEvent& event) const {
+    bot_core::pose_t message{};
+    message.utime = event.utime;
+    message.pos[0] = event.odom_from_robot.x;
+    message.pos[1] = event.odom_from_robot.y;
+    message.orientation[0] = std::cos(event.odom_from_robot.yaw / 2);
+    message.orientation[3] = std::sin(event.odom_from_robot.yaw / 2);
+    return pack(Input::odometry, event.robot, receive_utime, message);
+  }
+
+  Message operator()(const ScanEvent& event) const {
+    bot_core::planar_lidar_t message{};
+    message.utime = event.scan.utime;
+    message.nranges = static_cast<std::int32_t>(event.scan.ranges_m.size());
+    message.ranges = event.scan.ranges_m;
+    message.nintensities = 0;
+    message.rad0 = static_cast<float>(event.scan.bearing0_rad);
+    message.radstep = static_cast<float>(event.scan.bearing_step_rad);
+    return pack(Input::scan, event.robot, receive_utime, message);
+  }
+
+  Message operator()(const SightingEvent& event) const {
+    sighting_t message{};
+    message.utime = event.utime;
+    message.barcode = event.barcode;
+    message.range_m = event.range_m;
+    message.range_sigma_m = event.range_sigma_m;
+    message.bearing_rad = event.bearing_rad;
+    message.bearing_sigma_rad = event.bearing_sigma_rad;
+    return pack(Input::sighting, event.robot, receive_utime, message);
+  }
+
+  Message operator()(const TagEvent& event) const {
+    tag_t message{};
+    message.utime = event.utime;
+    message.barcode = event.barcode;
+    return pack(Input::tag, "", receive_utime, message);
+  }
+
+  Message operator()(const CommandEvent& event) const {
+    command_t message{};
+    message.utime = event.utime;
+    message.verb = event.verb;
+    message.closure = event.closure;
+    message.robot = event.robot;
+    return pack(Input::command, "", receive_utime, message);
+  }
+
+  Message operator()(const ConfigurationEvent& event) const {
+    configuration_t message{};
+    message.utime = receive_utime;
+    message.toml = event.toml;
+    return pack(Input::configuration, "", receive_utime, message);
+  }
+
+  Message operator()(const TickEvent&) const {
+    tick_t message{};
+    message.utime = receive_utime;
+    return pack(Input::tick, "", receive_utime, message);
+  }
+};
+
+}  // namespace
+
+Decoded decode(const Configuration& configuration, const std::string& channel,
+               std::span<const std::uint8_t> bytes, std::int64_t receive_utime) {
+  Decoded decoded;
+  const std::optional<Channel> found = find_channel(configuration, channel);
+  if (!found) {
+    decoded.ours = false;
+    return decoded;
+  }
+  decoded.robot = found->robot;
+  const InputType& type = input_types[static_cast<std::size_t>(found->input)];
+  decoded.reason = found->valid ? check_bytes(type.fingerprint(), type.members, bytes) : "bad_channel";
+  if (!decoded.reason.empty()) return decoded;
+  Reading reading = type.read(bytes, found->robot);
+  decoded.reason = is_plausible_utime(receive_utime) ? reading.reason : "absurd_value";
+  if (decoded.reason.empty()) decoded.event = Event{receive_utime, std::move(*reading.body)};
+  return decoded;
+}
+
+bool may_be_input(std::span<const std::uint8_t> beginning, std::int64_t bytes) {
+  return std::any_of(input_types.begin(), input_types.end(), [&](const InputType& type) {
+    return may_begin(type.fingerprint(), type.members, beginning, bytes);
+  });
+}
+
+Message encode(const Event& event) { return std::visit(Encoder{event.receive_utime}, event.body); }
+
+}  // namespace isthmus

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "server/engine/input/configuration.hpp"
+#include "server/wire/journal/signature.hpp"
+
+namespace isthmus {
+
+/// An envelope that was opened, or the reason why not.
+struct Opened {
+  std::optional<Message> message;  ///< with its signature
+  std::string robot;               ///< whose message it is or claims to be; empty: no robot's
+  std::string reason;              ///< as in report.json's `dropped`
+};
+
+/// Decides which messages are believed, once the configuration holds keys: those in an envelope whose sender
+/// has a key, signed with it, counting on, and on a channel that is the sender's: a robot's own and tags; for
+/// an operator commands and tags. A sender with a new key counts from the beginning: what the old key signed
+/// is not believed any more, and a counter that ran out does no longer hold. One thread.
+class Authenticator {
+ public:
+  /// `counters`: what was accepted before is not taken again.
+  explicit Authenticator(Authentication keys = {}, SignatureCounters counters = {});
+
+  bool is_required() const { return keys_.is_required(); }
+
+  Opened open(const Configuration& configuration, std::int64_t utime, std::span<const std::uint8_t> bytes);
+
+ private:
+  struct Signer {
+    AuthKey key;
+    std::string name;  ///< of sender and key, for its counters
+  };
+
+  bool counts_on(const std::string& sender, const std::string& stream, const Signer& signer,
+                 std::int64_t counter);
+
+  Authentication keys_;
+  std::map<std::string, Signer> signers_;  ///< by sender
+  SignatureCounters counters_;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,28 @@
+#include "server/wire/watch/closure_log.hpp"
+
+namespace isthmus {
+namespace {
+
+std::string joined(const std::vector<std::string>& robots) {
+  std::string text;
+  for (const std::string& robot : robots) text += (text.empty() ? "" : ",") + robot;
+  return text;
+}
+
+}  // namespace
+
+void ClosureLog::tell(const std::vector<ClosureRecord>& closures, const Log& log) {
+  for (const ClosureRecord& closure : closures) {
+    std::string& state = states_[closure.id];
+    if (state == closure.state) continue;
+    state = closure.state;
+    if (state == "waiting" || !log) continue;
+    log(LogLevel::info, closure.kind + " " + state,
+        {{"closure", std::to_string(closure.id.value)},
+         {"reason", closure.reason},
+         {"robots", joined(closure.robots)},
+         {"patches", std::to_string(closure.patches_touched)}});
+  }
+}
+
+}  // namespace isthmus

@@ -1,0 +1,97 @@
+#include "server/engine/places/place_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "server/engine/propagation/seam.hpp"
+#include "tests/support/ways.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+// A map of two ways through the same walls that nothing joins: the first of patches 0, 1, ..., the second,
+// whose frame is another, of those after.
+struct TwoWays {
+  Map map;
+  std::vector<PatchId> second_newest_first;
+};
+
+TwoWays two_ways(const Walls& walls, const std::vector<Pose>& first, const std::vector<Pose>& second) {
+  TwoWays ways;
+  add_way(ways.map, walls, first, Pose{});
+  const auto count = static_cast<std::int32_t>(first.size());
+  add_way(ways.map, walls, second, Pose{20, 5, 1});
+  for (std::int32_t i = count + static_cast<std::int32_t>(second.size()); i-- > count;)
+    ways.second_newest_first.push_back(PatchId{i});
+  return ways;
+}
+
+// The furnished room with a closet and a recess: turned by half a circle it is not itself.
+Walls crooked_room() {
+  Walls walls = furnished_room();
+  add_box(walls, -4, 1.2, -2.8, 3);
+  add_box(walls, 0, -3, 1.5, -2.4);
+  add_box(walls, 3.2, -1.5, 4, 0.5);
+  return walls;
+}
+
+const std::vector<Pose> there = {
+    {-2.5, -1.5, 0.1}, {-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 1.2}, {1.8, -0.8, 2.8}};
+const std::vector<Pose> back = {{2, 0.2, 3}, {0.8, 0.1, 3.1}, {-0.5, 0, -3.1}, {-1.2, -0.6, -2.6}};
+
+TEST(SearchPlace, FindsWhereAWayLiesWhateverItsYaw) {
+  const TwoWays ways = two_ways(crooked_room(), there, back);
+  const RigidPiece place = place_around(ways.map, PatchId{1}, {});
+  const RigidPiece piece = piece_of_way(ways.map, ways.second_newest_first);
+  const PlaceSearch search = search_place(place, piece, {Pose{}, 4, 4, std::numbers::pi}, 0.5);
+  ASSERT_FALSE(search.answers.empty());
+  EXPECT_FALSE(search.exhausted);
+  const Pose truth = ominus(back.back(), there[1]);
+  const Pose off = ominus(search.answers.front().anchor_from_piece, truth);
+  EXPECT_LT(std::hypot(off.x, off.y), 0.15);
+  EXPECT_LT(std::abs(off.yaw), 0.04);
+
+  const auto find = refine(place, piece, search.answers.front(), {});
+  ASSERT_TRUE(find);
+  EXPECT_FALSE(find->relations.empty());
+  const auto query = static_cast<std::size_t>(find->query.value) - there.size();
+  const Pose refined_off = ominus(find->anchor_from_query, ominus(back[query], there[1]));
+  EXPECT_LT(std::hypot(refined_off.x, refined_off.y), 0.03);
+  EXPECT_LT(std::abs(refined_off.yaw), 0.01);
+}
+
+TEST(SearchPlace, FindsNothingElsewhere) {
+  Walls other;
+  add_box(other, -1.5, -9, 1.5, 9);
+  add_box(other, -1.5, -3, -0.5, -2);
+  TwoWays ways = two_ways(furnished_room(), there, {});
+  const auto first_other = static_cast<std::int32_t>(there.size());
+  add_way(ways.map, other, {{0, -7, 1.5}, {0.3, -5, 1.6}, {0.6, -2, 1.5}, {0, 2, 1.7}}, Pose{});
+  std::vector<PatchId> newest_first;
+  for (std::int32_t i = first_other + 4; i-- > first_other;) newest_first.push_back(PatchId{i});
+  const PlaceSearch search =
+      search_place(place_around(ways.map, PatchId{1}, {}), piece_of_way(ways.map, newest_first),
+                   {Pose{}, 4, 4, std::numbers::pi}, 0.7);
+  EXPECT_TRUE(search.answers.empty());
+}
+
+TEST(Refine, ACorridorTellsNotHowFarAlong) {
+  const TwoWays ways = two_ways(corridor(), {{0, 0, 0}, {2, 0, 0}, {4, 0, 0}}, {{1, 0.1, 0}, {3, 0, 0}});
+  const PlaceAnswer answer{PatchId{1}, Pose{1, 0, 0}, 1, 0, 0};
+  EXPECT_FALSE(refine(place_around(ways.map, PatchId{1}, {}),
+                      piece_of_way(ways.map, ways.second_newest_first), answer, {}));
+}
+
+TEST(Seam, OneCorridorHasNoWidth) {
+  const TwoWays ways = two_ways(corridor(), {{0, 0, 0}, {4, 0.1, 0}, {8, -0.1, 0}, {12, 0, 0}}, {});
+  const std::vector<PatchId> all = {PatchId{0}, PatchId{1}, PatchId{2}, PatchId{3}};
+  EXPECT_LT(width_m(ways.map, all), 0.5);
+  const TwoWays room = two_ways(furnished_room(), {{-3, -2, 0}, {3, -2, 0}, {3, 2, 0}, {-3, 2, 0}}, {});
+  EXPECT_GT(width_m(room.map, all), 2);
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,78 @@
+#include "server/engine/places/places_job.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/walls.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+// Once round a block of 10 m by 10 m, by odometry alone: the end lies beside the beginning, far over the map.
+//
+//     29 - 28 - ... - 20
+//      |               |
+//     ...             ...
+//      |               |
+//      0 -  1 - ... - 10
+Map round_a_block() {
+  Walls walls;
+  add_box(walls, -2, -2, 12, 12);
+  add_box(walls, 1.5, 1.5, 8.5, 8.5);
+  Map map;
+  for (int i = 0; i < 39; ++i) {
+    const double along = i % 10;
+    const Pose corners[] = {{along, 0, 0}, {10, along, 1.57}, {10 - along, 10, 3.14}, {0, 10 - along, -1.57}};
+    const PatchId id = map.manifold().next_id();
+    map.add(patch_from(walls, id, corners[i / 10]), corners[i / 10]);
+    if (i == 0) continue;
+    Relation relation;
+    relation.a = PatchId{i - 1};
+    relation.b = id;
+    relation.kind = RelationKind::odometry;
+    relation.measurement = RelativePose{ominus(map.manifold().pose(id), map.manifold().pose(relation.a)),
+                                        Eigen::Vector3d(400, 400, 4e3).asDiagonal()};
+    map.relate(relation);
+  }
+  return map;
+}
+
+void expect_same(const std::vector<PlaceCandidate>& given, const std::vector<PlaceCandidate>& expected) {
+  ASSERT_EQ(given.size(), expected.size());
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    EXPECT_EQ(given[i].anchor, expected[i].anchor);
+    EXPECT_EQ(given[i].window.centre, expected[i].window.centre);
+    EXPECT_EQ(given[i].window.half_x_m, expected[i].window.half_x_m);
+    EXPECT_EQ(given[i].window.half_y_m, expected[i].window.half_y_m);
+    EXPECT_EQ(given[i].window.half_yaw_rad, expected[i].window.half_yaw_rad);
+    EXPECT_EQ(given[i].sigma_m, expected[i].sigma_m);
+  }
+}
+
+TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
+  Map map = round_a_block();
+  const std::vector<PatchId> asked = {PatchId{38}, PatchId{5}, PatchId{36}};
+  std::vector<std::vector<PlaceCandidate>> expected;
+  for (const PatchId patch : asked) expected.push_back(places_on_own_island(map, patch));
+  ASSERT_FALSE(expected.front().empty());
+
+  const PlacesJob job(map, asked, 0);
+  map.move_island(PatchId{0}, {3, 4, 1});
+  map.refit_island(PatchId{0});
+  ASSERT_EQ(job.places().size(), asked.size());
+  for (std::size_t i = 0; i < asked.size(); ++i) expect_same(job.places()[i], expected[i]);
+}
+
+TEST(PlacesJob, IsDueByTheTimeThatPassesAndTheSizeOfTheMapAlone) {
+  const Map map = round_a_block();
+  const PlacesJob job(map, {PatchId{38}}, 5'000'000);
+  EXPECT_FALSE(job.is_due(5'000'000));
+  EXPECT_FALSE(job.is_due(5'116'999));
+  EXPECT_TRUE(job.is_due(5'117'000));
+  const PlacesJob later(map, {PatchId{38}}, 6'000'000);
+  EXPECT_FALSE(later.is_due(6'116'999));
+}
+
+}  // namespace
+}  // namespace isthmus

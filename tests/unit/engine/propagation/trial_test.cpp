@@ -1,0 +1,354 @@
+// Each refusal of a trial by itself: every case below is accepted but for the one thing that it is named
+// after.
+
+#include "server/engine/propagation/trial.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/ways.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+const Pose second_from_world{20, 5, 1};  // the frame of the island that merges
+
+Relation tie(PatchId a, PatchId b, const Pose& a_from_b, double sigma_m = 0.02, double sigma_rad = 0.01) {
+  const double by_m = 1 / (sigma_m * sigma_m);
+  Relation relation;
+  relation.a = a;
+  relation.b = b;
+  relation.kind = RelationKind::relative_pose;
+  relation.measurement =
+      RelativePose{a_from_b, Eigen::Vector3d(by_m, by_m, 1 / (sigma_rad * sigma_rad)).asDiagonal()};
+  relation.origin = {OriginKind::sighting, ClosureId{0}};
+  return relation;
+}
+
+/// Two ways whose poses in the world are known, and what a closure says of them.
+struct Case {
+  Map map;
+  std::vector<Pose> world;  // by patch
+  std::vector<PatchId> first;
+  std::vector<PatchId> second;
+  Proposal proposal;
+
+  template <class Seen>
+  void add(const Seen& walls, const std::vector<Pose>& poses, bool to_first, const Pose& map_from_world) {
+    (to_first ? first : second) = add_way(map, walls, poses, map_from_world);
+    world.insert(world.end(), poses.begin(), poses.end());
+  }
+  const Pose& truth(PatchId id) const { return world[static_cast<std::size_t>(id.value)]; }
+  Pose true_relative(PatchId a, PatchId b) const { return ominus(truth(b), truth(a)); }
+  /// That b lies in a where it truly does, but for `off`.
+  void say(PatchId a, PatchId b, const Pose& off = {}, double sigma_m = 0.02, double sigma_rad = 0.01) {
+    proposal.relations.push_back(tie(a, b, true_relative(a, b) * off, sigma_m, sigma_rad));
+  }
+  Trial tried() const {
+    Trial trial(map, proposal, EngineOptions{}, 0);
+    trial.finish(0);
+    return trial;
+  }
+};
+
+/// A merge of the islands of two ways, proposed by six sightings of either direction.
+template <class Seen>
+Case merge_of(const Seen& of_first, const std::vector<Pose>& first, const Seen& of_second,
+              const std::vector<Pose>& second) {
+  Case made;
+  made.add(of_first, first, true, {});
+  made.add(of_second, second, false, second_from_world);
+  made.proposal.id = ClosureId{0};
+  made.proposal.merge = true;
+  made.proposal.older = PatchId{0};
+  made.proposal.younger = made.second.front();
+  made.proposal.older_from_younger = inverse(second_from_world);
+  made.proposal.supporters = 6;
+  made.proposal.two_way = true;
+  return made;
+}
+
+/// A loop of one island that has lost its way between the two: a link that says next to nothing ties them.
+template <class Seen>
+Case loop_of(const Seen& of_first, const std::vector<Pose>& first, const Seen& of_second,
+             const std::vector<Pose>& second) {
+  Case made = merge_of(of_first, first, of_second, second);
+  made.map.move_island(made.second.front(), inverse(second_from_world));
+  const PatchId a = made.first.back(), b = made.second.front();
+  made.map.relate(tie(a, b, made.true_relative(a, b), 1, 0.5));
+  made.proposal.merge = false;
+  return made;
+}
+
+// A room of 8 m by 6 m that looks like itself in one pose only.
+Walls crooked_room() {
+  Walls walls = furnished_room();
+  add_box(walls, -4, 1.2, -2.8, 3);
+  add_box(walls, 0, -3, 1.5, -2.4);
+  add_box(walls, 3.2, -1.5, 4, 0.5);
+  return walls;
+}
+
+const std::vector<Pose> there = {{-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 1.2}};
+const std::vector<Pose> back = {{2, 0.2, 3}, {0.8, 0.1, 3.1}, {-0.5, 0, -3.1}};
+
+TEST(TrialBySightings, OfWhatIsTrueIsAccepted) {
+  Case its = merge_of(crooked_room(), there, crooked_room(), back);
+  its.say(PatchId{1}, PatchId{4});
+  const Trial trial = its.tried();
+  EXPECT_TRUE(trial.accepted()) << trial.refusal();
+  EXPECT_GE(trial.patches_touched(), 3) << "the scans bear it out";
+  trial.commit(its.map);
+  EXPECT_EQ(its.map.graph().islands().size(), 1U);
+}
+
+// The ways lie where they truly do, and one half of the sightings pulls against the other.
+TEST(TrialBySightings, ThatPullAtOneAnotherIsRefused) {
+  for (const double off_m : {0.0, 0.06}) {
+    Case its = merge_of(crooked_room(), there, crooked_room(), back);
+    for (const double sign : {-1, 1}) its.say(PatchId{1}, PatchId{4}, {sign * off_m, 0, 0});
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.refusal(), off_m == 0 ? "" : "sightings_disagree");
+    EXPECT_EQ(trial.accepted(), off_m == 0);
+  }
+}
+
+//   +---------------+
+//   |      |        |    A screen where the first way looked through. All else is alike, and matches.
+//   |   o  |        |
+//   +---------------+
+Walls with_a_screen(Walls walls) {
+  walls.push_back({{1, -1.5}, {1, 1.5}});
+  return walls;
+}
+
+TEST(TrialBySightings, ThatPutsWallsInFreeSpaceIsRefused) {
+  for (const bool contradicts : {false, true}) {
+    const Walls room = crooked_room();
+    Case its =
+        merge_of(room, {{-1.5, -0.4, 0.2}}, contradicts ? with_a_screen(room) : room, {{-1.4, -0.3, 0.4}});
+    its.say(PatchId{0}, PatchId{1});
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.refusal(), contradicts ? "walls_in_free_space" : "");
+    EXPECT_EQ(trial.accepted(), !contradicts);
+  }
+}
+
+/// A room whose walls are of teeth, so steep that no beam finds its line on a plain wall.
+Walls toothed_room() {
+  Walls walls;
+  const auto add = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+    const Eigen::Vector2d along = (to - from).normalized(), out(along.y(), -along.x());
+    Eigen::Vector2d before = from;
+    for (int i = 1; i * 0.1 < (to - from).norm(); ++i) {
+      const Eigen::Vector2d next = from + i * 0.1 * along + (i % 2 == 0 ? -0.1 : 0.1) * out;
+      walls.push_back({before, next});
+      before = next;
+    }
+    walls.push_back({before, to});
+  };
+  add({-4, -3}, {4, -3});
+  add({4, -3}, {4, 3});
+  add({4, 3}, {-4, 3});
+  add({-4, 3}, {-4, -3});
+  return walls;
+}
+
+TEST(TrialBySightings, WhoseScansDoNotMatchIsRefused) {
+  Walls plain;
+  add_box(plain, -4, -3, 4, 3);
+  for (const bool matches : {true, false}) {
+    Case its = merge_of(plain, there, matches ? plain : toothed_room(), back);
+    its.say(PatchId{1}, PatchId{4});
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.refusal(), matches ? "" : "scans_disagree");
+    EXPECT_EQ(trial.accepted(), matches);
+  }
+}
+
+// Nothing to compare: sightings must say it alone, and then they must be enough.
+TEST(TrialBySightings, WithoutScansNeedsMoreSupportFromOneDirectionThanFromTwo) {
+  Walls none;
+  for (const auto& [supporters, two_way, enough] :
+       {std::tuple{3, true, false}, {4, true, true}, {5, false, false}, {6, false, true}}) {
+    Case its = merge_of(none, there, none, back);
+    its.say(PatchId{1}, PatchId{4});
+    its.proposal.supporters = supporters;
+    its.proposal.two_way = two_way;
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.accepted(), enough) << supporters;
+    EXPECT_EQ(trial.undecided(), !enough) << supporters;
+  }
+}
+
+// A metre to the side in a chain good to some centimetres, and nothing else to judge it by.
+TEST(TrialBySightings, ThatBendsALoopBeyondItsCovarianceIsRefusedUnlessManySayIt) {
+  const Walls none;
+  for (const auto& [off_m, supporters, refusal] :
+       {std::tuple{0.2, 4, ""}, {1.5, 4, "implausible_jump"}, {1.5, 6, ""}}) {
+    Case its;
+    its.add(none, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, true, {});
+    its.proposal.older = its.proposal.younger = PatchId{0};
+    its.proposal.supporters = supporters;
+    its.proposal.two_way = true;
+    its.say(PatchId{0}, PatchId{3}, {0, off_m, 0}, 3e-5, 1);
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.refusal(), refusal) << off_m << " by " << supporters;
+    EXPECT_EQ(trial.accepted(), std::string(refusal).empty());
+  }
+}
+
+Case by_scans(Case made, int finds = 4) {
+  made.proposal.from_scans = true;
+  made.proposal.supporters = finds;
+  return made;
+}
+
+TEST(TrialByScans, OfALoopThatIsTrueIsAccepted) {
+  Case its = by_scans(loop_of(crooked_room(), there, crooked_room(), back));
+  its.say(PatchId{1}, PatchId{4});
+  const Trial trial = its.tried();
+  EXPECT_TRUE(trial.accepted()) << trial.refusal();
+  EXPECT_GE(trial.patches_touched(), 4);
+}
+
+TEST(TrialByScans, WhoseFindsPullAtOneAnotherIsRefused) {
+  Case its = by_scans(loop_of(crooked_room(), there, crooked_room(), back));
+  for (const double sign : {-1, 1}) its.say(PatchId{1}, PatchId{4}, {sign * 0.1, 0, 0});
+  EXPECT_EQ(its.tried().refusal(), "finds_disagree");
+}
+
+TEST(TrialByScans, WithFewMatchedPatchesWaits) {
+  Case its = by_scans(loop_of(crooked_room(), {there[1]}, crooked_room(), {back[1]}));
+  its.say(PatchId{0}, PatchId{1});
+  const Trial trial = its.tried();
+  EXPECT_TRUE(trial.undecided());
+  EXPECT_EQ(trial.refusal(), "too_little_support");
+}
+
+TEST(TrialByScans, WhoseScansDoNotMatchIsRefused) {
+  Walls plain;
+  add_box(plain, -4, -3, 4, 3);
+  Case its = by_scans(loop_of(plain, there, toothed_room(), back));
+  its.say(PatchId{1}, PatchId{4});
+  EXPECT_EQ(its.tried().refusal(), "scans_disagree");
+}
+
+const std::vector<Pose> early = {{-1.5, -0.4, 0.2}, {-1.6, -0.3, 0.1}, {-1.7, -0.5, 0}};
+const std::vector<Pose> late = {{-1.4, -0.3, 0.2}, {-1.5, -0.5, 0.1}, {-1.6, -0.4, 0.3}};
+
+TEST(TrialByScans, ThatPutsWallsInFreeSpaceIsRefused) {
+  const Walls room = crooked_room();
+  Case its = by_scans(loop_of(room, early, with_a_screen(room), late));
+  its.say(PatchId{1}, PatchId{4});
+  EXPECT_EQ(its.tried().refusal(), "walls_in_free_space");
+}
+
+// Somebody who came and went: as much as a map contradicts itself, maps may contradict one another.
+TEST(TrialByScans, MayContradictAsMuchAsTheMapsContradictThemselves) {
+  const Walls without = crooked_room(), with = with_a_screen(without);
+  Case its =
+      by_scans(loop_of(std::vector{with, without, with}, early, std::vector{without, with, without}, late));
+  its.say(PatchId{1}, PatchId{4});
+  const Trial trial = its.tried();
+  EXPECT_TRUE(trial.accepted()) << trial.refusal();
+}
+
+// A corridor of uneven niches, so that every metre of it is known from every other.
+Walls long_corridor() {
+  Walls walls = corridor();
+  double x = -10;
+  for (int i = 0; x < 60; ++i, x += 0.7 + 0.13 * (i * i % 7)) {
+    const double side = i % 3 == 0 ? -1 : 0.75;
+    add_box(walls, x, side, x + 0.3 + 0.05 * (i % 4), side + 0.25);
+  }
+  return walls;
+}
+
+std::vector<Pose> along(double from_x, double to_x, double y, double step_m = 1) {
+  std::vector<Pose> poses;
+  for (double x = from_x; x <= to_x; x += step_m) poses.push_back({x, y, 0});
+  return poses;
+}
+
+// |===================|    Ten metres of one corridor, driven twice: corridors look alike.
+//    1  2  3 ... 10
+// |===================|
+TEST(TrialByScans, OfALoopAlongOneCorridorWaitsWhereTheMapIsUnsure) {
+  for (const bool cautious : {false, true}) {
+    Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
+    its.proposal.cautious = cautious;
+    its.say(PatchId{5}, PatchId{17});
+    const Trial trial = its.tried();
+    EXPECT_GE(trial.patches_touched(), 12);
+    EXPECT_EQ(trial.refusal(), cautious ? "one_corridor" : "");
+    EXPECT_EQ(trial.undecided(), cautious);
+  }
+}
+
+// Ten patches over ten metres: few, however far apart.
+TEST(TrialByScans, OfALoopByFewPatchesWaitsWhereTheMapIsUnsure) {
+  Case its = by_scans(loop_of(long_corridor(), along(0, 9, 0, 2), long_corridor(), along(1, 10, 0.1, 2)));
+  its.proposal.cautious = true;
+  its.say(PatchId{2}, PatchId{7});
+  const Trial trial = its.tried();
+  EXPECT_GE(trial.patches_touched(), 8);
+  EXPECT_LT(trial.patches_touched(), 12);
+  EXPECT_EQ(trial.refusal(), "too_little_support");
+}
+
+Case merge_along(double first_from, double first_to, double second_from, double second_to,
+                 const Walls& of_second) {
+  Case its = by_scans(merge_of(long_corridor(), along(first_from, first_to, 0), of_second,
+                               along(second_from, second_to, 0.1)));
+  // Where both are in the middle of what they share.
+  const double middle = 0.5 * (std::max(first_from, second_from) + std::min(first_to, second_to));
+  const auto nearest = [&](const std::vector<PatchId>& way) {
+    return *std::ranges::min_element(way, {}, [&](PatchId id) { return std::abs(its.truth(id).x - middle); });
+  };
+  its.say(nearest(its.first), nearest(its.second));
+  return its;
+}
+
+//    1 --------------------------------          What they share is long, and each goes on beyond it.
+//                    ---------------------- 2
+TEST(TrialByScans, OfAMergeThatSharesMuchAndGoesOnIsAccepted) {
+  const Trial trial = merge_along(0, 40, 16.3, 56, long_corridor()).tried();
+  EXPECT_TRUE(trial.accepted()) << trial.refusal();
+}
+
+TEST(TrialByScans, OfAMergeThatSharesLittleWaits) {
+  const Trial trial = merge_along(0, 20, 9.3, 30, long_corridor()).tried();
+  EXPECT_TRUE(trial.undecided());
+  EXPECT_GE(trial.patches_touched(), 12);
+  EXPECT_EQ(trial.refusal(), "too_little_support");
+}
+
+TEST(TrialByScans, OfAMergeWithNothingBeyondTheSeamWaits) {
+  const Trial trial = merge_along(10, 29, 10.3, 38, long_corridor()).tried();
+  EXPECT_TRUE(trial.undecided());
+  EXPECT_EQ(trial.refusal(), "nothing_beyond_the_seam");
+}
+
+// Beyond what they share, the second way saw a hall where the first saw the corridor go on.
+Walls corridor_into_a_hall() {
+  Walls walls = long_corridor();
+  std::erase_if(walls, [](const Wall2d& wall) { return std::max(wall.first.x(), wall.second.x()) > 34; });
+  walls.insert(walls.end(), {{{-100, -1}, {34, -1}},
+                             {{-100, 1}, {34, 1}},
+                             {{34, -1}, {34, -4}},
+                             {{34, 1}, {34, 4}},
+                             {{34, -4}, {60, -4}},
+                             {{34, 4}, {60, 4}}});
+  return walls;
+}
+
+TEST(TrialByScans, OfAMergeWhoseMapsContradictOneAnotherAtTheBorderIsRefused) {
+  const Trial trial = merge_along(0, 40, 10.3, 44, corridor_into_a_hall()).tried();
+  EXPECT_EQ(trial.refusal(), "walls_in_free_space");
+}
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,77 @@
+#include <gtest/gtest.h>
+
+#include "server/engine/robot/odometry_noise.hpp"
+#include "server/engine/robot/odometry_track.hpp"
+
+namespace isthmus {
+namespace {
+
+TEST(OdometryTrack, GivesTheLastSampleOfExactlyThatStamp) {
+  OdometryTrack track;
+  track.add(100, {1, 0, 0});
+  track.add(100, {2, 0, 0});
+  track.add(200, {3, 0, 0});
+  EXPECT_EQ(track.at(100)->x, 2);
+}
+
+TEST(OdometryTrack, InterpolatesBetweenSamplesAlsoAcrossTheTurnOfTheAngle) {
+  OdometryTrack track;
+  track.add(100, {0, 0, 3.1});
+  track.add(200, {1, 0, -3.1});
+  const auto middle = track.at(150);
+  ASSERT_TRUE(middle);
+  EXPECT_NEAR(std::abs(middle->yaw), 3.14159, 1e-3);
+}
+
+TEST(OdometryTrack, KnowsNothingYetOfAStampThatIsNewerThanAllItHeard) {
+  OdometryTrack track;
+  EXPECT_FALSE(track.at(100));
+  track.add(100, {});
+  EXPECT_FALSE(track.at(101));
+}
+
+TEST(OdometryTrack, TakesTheNewestPairWhenStampsWentBack) {
+  OdometryTrack track;
+  track.add(1'000'000, {1, 0, 0});
+  track.add(1'200'000, {2, 0, 0});
+  track.add(900'000, {3, 0, 0});
+  track.add(1'100'000, {5, 0, 0});
+  EXPECT_NEAR(track.at(1'000'001)->x, 4, 1e-4);
+}
+
+TEST(OdometryNoise, LearnsToTrustOdometryThatAgreesAndToDoubtOneThatDoesNot) {
+  OdometryNoise good;
+  OdometryNoise bad;
+  const Pose step{0.1, 0, 0.02};
+  for (int i = 0; i < 500; ++i) {
+    good.learn(step, step, Eigen::Matrix2d::Identity());
+    bad.learn(step, {0.14, i % 2 == 0 ? 0.03 : -0.03, -0.03}, Eigen::Matrix2d::Identity());
+  }
+  EXPECT_LT(good.translation_scale(), 0.7);
+  EXPECT_LT(good.rotation_scale(), 0.7);
+  EXPECT_GT(bad.translation_scale(), 2);
+  EXPECT_GT(bad.rotation_scale(), 2);
+}
+
+TEST(OdometryNoise, LearnsNothingFromRestNorAlongADirectionThatTheMatchOnlyGuesses) {
+  OdometryNoise noise;
+  const double before = noise.translation_scale();
+  for (int i = 0; i < 500; ++i) noise.learn({}, {0.005, 0, 0}, Eigen::Matrix2d::Identity());
+  EXPECT_EQ(noise.translation_scale(), before);
+  const Eigen::Matrix2d across_only = Eigen::Vector2d(0, 1).asDiagonal();
+  for (int i = 0; i < 500; ++i) noise.learn({0.1, 0, 0}, {0.3, 0, 0}, across_only);
+  EXPECT_EQ(noise.translation_scale(), before);
+}
+
+TEST(OdometryNoise, APathThatIsFarOffIsBelievedLess) {
+  OdometryNoise noise;
+  const Eigen::Matrix3d summed = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
+  const Eigen::Matrix3d near = noise.path_covariance({1, 0, 0}, summed, {1.005, 0, 0}, true);
+  const Eigen::Matrix3d far = noise.path_covariance({1, 0, 0}, summed, {1.5, 0, 0}, true);
+  EXPECT_GT(far(0, 0), 10 * near(0, 0));
+  // What is off by half a metre is then no contradiction: chi² within its 95 %.
+  EXPECT_LE(0.25 / far(0, 0), 7.9);
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,381 @@
+// What a server had received when it was killed, a later one on the same journal handles.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include "isthmus/received_t.hpp"
+#include "server/wire/journal/set_aside.hpp"
+#include "server/wire/journal/spool_file.hpp"
+#include "server/wire/live/live_server.hpp"
+#include "server/wire/trust/envelope.hpp"
+#include "tests/support/box_room.hpp"
+#include "tests/support/failing_disk.hpp"
+#include "tests/support/log_files.hpp"
+#include "tests/support/published.hpp"
+#include "tests/support/replayed.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace isthmus {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+template <class Condition>
+bool soon(const Condition& condition) {
+  for (int i = 0; i < 20'000 && !condition(); ++i) std::this_thread::sleep_for(milliseconds(1));
+  return condition();
+}
+
+void push(Inbox& inbox, const std::string& robot, const Message& message) {
+  inbox.push(robot, message.channel.ends_with("_SCAN"), message.utime, message.channel, message.bytes,
+             message.signature);
+}
+
+/// Odometry and scan of rounds [from, to) of R1.
+void drive(Inbox& inbox, int from, int to) {
+  const BoxRoomRobot robot("R1");
+  if (from == 0) push(inbox, "R1", robot.introduction());
+  for (int i = from; i < to; ++i) {
+    for (const Message& message : robot.round(i)) push(inbox, "R1", message);
+  }
+}
+
+LiveOptions journalled(const std::string& directory) {
+  LiveOptions options = quick_options();
+  options.journal_directory = directory;
+  return options;
+}
+
+/// A server's life that ends in order, with nothing new received.
+MapCopy serve(const LiveOptions& options) {
+  Published published;
+  Inbox inbox;
+  LiveServer server(options, inbox, published.sink());
+  inbox.close();
+  server.run();
+  return server.engine().copy();
+}
+
+/// Holds the engine up at a scan until it is let go.
+class Brake {
+ public:
+  std::function<void(const Event&)> hook() {
+    return [this](const Event& event) {
+      if (!std::holds_alternative<ScanEvent>(event.body)) return;
+      held_ = true;
+      while (holds_) std::this_thread::sleep_for(milliseconds(1));
+    };
+  }
+  bool holds() const { return held_; }
+  void let_go() { holds_ = false; }
+
+ private:
+  std::atomic<bool> holds_ = true;
+  std::atomic<bool> held_ = false;
+};
+
+/// What the disk has of a directory at this moment: what a process that is killed now leaves.
+void copy_as_if_killed(const std::string& from, const std::string& to) {
+  fs::copy(from, to, fs::copy_options::recursive);
+}
+
+/// How often each message of R1 is in a journal.
+std::map<std::pair<std::string, std::vector<std::uint8_t>>, int> messages_in(const std::string& journal) {
+  std::map<std::pair<std::string, std::vector<std::uint8_t>>, int> messages;
+  for (const Message& message : read_log(journal).messages)
+    if (message.channel.starts_with("R1_")) messages[{message.channel, message.bytes}] += 1;
+  return messages;
+}
+
+void expect_each_once(const std::string& journal, std::size_t count) {
+  const auto messages = messages_in(journal);
+  EXPECT_EQ(messages.size(), count);
+  for (const auto& [message, times] : messages) EXPECT_EQ(times, 1) << message.first;
+}
+
+TEST(KeptMessages, OutliveAKillWhileTheEngineIsFarBehind) {
+  TemporaryDirectory directory;
+  Brake brake;
+  LiveOptions options = journalled(directory / "journal");
+  options.before_event = brake.hook();
+  Published published;
+  Inbox inbox;
+  LiveServer server(options, inbox, published.sink());
+  std::thread engine_thread([&] { server.run(); });
+  drive(inbox, 0, 2410);
+  copy_as_if_killed(directory / "journal", directory / "killed");
+  brake.let_go();
+  inbox.close();
+  engine_thread.join();
+
+  const std::string map = map_sha256(serve(journalled(directory / "killed")));
+  expect_each_once(directory / "killed", 1 + 2 * 2410);
+  EXPECT_EQ(replay(directory / "killed").sha256, map);
+}
+
+TEST(KeptMessages, OutliveAKillWhileTheServerRecovers) {
+  TemporaryDirectory directory;
+  {
+    Published published;
+    Inbox inbox;
+    LiveServer server(journalled(directory / "journal"), inbox, published.sink());
+    drive(inbox, 0, 50);
+    inbox.close();
+    server.run();
+  }
+  Brake brake;
+  LiveOptions options = journalled(directory / "journal");
+  options.before_event = brake.hook();
+  Published published;
+  Inbox inbox;
+  LiveServer server(options, inbox, published.sink());
+  std::thread engine_thread([&] { server.run(); });
+  ASSERT_TRUE(soon([&] { return brake.holds(); }));
+  drive(inbox, 50, 150);
+  copy_as_if_killed(directory / "journal", directory / "killed");
+  brake.let_go();
+  inbox.close();
+  engine_thread.join();
+
+  const std::string map = map_sha256(serve(journalled(directory / "killed")));
+  expect_each_once(directory / "killed", 1 + 2 * 150);
+  EXPECT_EQ(replay(directory / "killed").sha256, map);
+}
+
+// Kills at any moment of a life, each followed by the next: nothing twice, nothing lost.
+TEST(KeptMessages, AreTakenOnceHoweverOftenTheServerIsKilled) {
+  TemporaryDirectory directory;
+  std::string journal = directory / "0";
+  for (int life = 0; life < 6; ++life) {
+    Published published;
+    Inbox inbox;
+    LiveServer server(journalled(journal), inbox, published.sink());
+    std::thread engine_thread([&] { server.run(); });
+    drive(inbox, 40 * life, 40 * (life + 1));
+    soon([&] { return inbox.size() <= 10U * static_cast<unsigned>(life); });
+    const std::string next = directory / std::to_string(life + 1);
+    copy_as_if_killed(journal, next);
+    inbox.close();
+    engine_thread.join();
+    journal = next;
+  }
+  const std::string map = map_sha256(serve(journalled(journal)));
+  expect_each_once(journal, 1 + 2 * 240);
+  EXPECT_EQ(replay(journal).sha256, map);
+}
+
+TEST(KeptMessages, AreCountedAsDroppedAfterAKillWhereTheInboxWasFull) {
+  TemporaryDirectory directory;
+  Brake brake;
+  LiveOptions options = journalled(directory / "journal");
+  options.before_event = brake.hook();
+  options.status_interval = milliseconds(1);
+  InboxLimits limits;
+  limits.messages = 20;
+  Published published;
+  Inbox inbox(limits);
+  LiveServer server(options, inbox, published.sink());
+  std::thread engine_thread([&] { server.run(); });
+  drive(inbox, 0, 1);
+  ASSERT_TRUE(soon([&] { return brake.holds(); }));
+  drive(inbox, 1, 100);
+  brake.let_go();
+  const auto recorded = [&] { return replay(directory / "journal").dropped["queue_full"] >= 170; };
+  ASSERT_TRUE(soon(recorded));
+  copy_as_if_killed(directory / "journal", directory / "killed");
+  inbox.close();
+  engine_thread.join();
+
+  const MapCopy map = serve(journalled(directory / "killed"));
+  const auto dropped = static_cast<std::size_t>(map.counters.dropped.at("queue_full"));
+  expect_each_once(directory / "killed", 1 + 2 * 100 - dropped);
+  EXPECT_EQ(replay(directory / "killed").dropped, map.counters.dropped);
+}
+
+TEST(KeptMessages, StayForTheNextStartWhereTheServerStopsFirst) {
+  TemporaryDirectory directory;
+  Published published;
+  Inbox inbox;
+  LiveServer server(journalled(directory / "journal"), inbox, published.sink());
+  std::thread engine_thread([&] { server.run(); });
+  drive(inbox, 0, 20);
+  inbox.close();
+  engine_thread.join();
+  expect_each_once(directory / "journal", 1 + 2 * 20);
+  ASSERT_EQ(list_spool(directory / "journal").size(), 1U);
+  EXPECT_LT(fs::file_size(list_spool(directory / "journal").begin()->second), 100U) << "all is settled";
+}
+
+// A sender that signs counts on: what was received and not handled keeps its counter, and is not taken again.
+TEST(KeptMessages, KeepTheirSignatures) {
+  TemporaryDirectory directory;
+  AuthKey key{};
+  key[0] = 1;
+  std::string hex(64, '0');
+  hex[1] = '1';
+  LiveOptions options = journalled(directory / "journal");
+  options.toml = "[auth.robots]\nR1 = \"" + hex + "\"\n";
+  const BoxRoomRobot robot("R1");
+  std::int64_t counter = 0;
+  std::vector<Message> sealed = {seal(key, "R1", ++counter, robot.introduction())};
+  for (int i = 0; i < 20; ++i) {
+    for (const Message& message : robot.round(i)) sealed.push_back(seal(key, "R1", ++counter, message));
+  }
+  Brake brake;
+  options.before_event = brake.hook();
+  Published published;
+  Inbox inbox;
+  {
+    LiveServer server(options, inbox, published.sink());
+    Authenticator authenticator = server.authenticator();
+    std::thread engine_thread([&] { server.run(); });
+    for (const Message& envelope : sealed) {
+      const Opened opened =
+          authenticator.open(server.engine().configuration(), envelope.utime, envelope.bytes);
+      ASSERT_TRUE(opened.message);
+      push(inbox, "R1", *opened.message);
+    }
+    copy_as_if_killed(directory / "journal", directory / "killed");
+    brake.let_go();
+    inbox.close();
+    engine_thread.join();
+  }
+  options.before_event = {};
+  options.journal_directory = directory / "killed";
+  for (int start = 0; start < 2; ++start) {
+    Inbox next;
+    LiveServer server(options, next, published.sink());
+    Authenticator authenticator = server.authenticator();
+    for (const Message& envelope : sealed) {
+      const Opened opened =
+          authenticator.open(server.engine().configuration(), envelope.utime, envelope.bytes);
+      EXPECT_EQ(opened.reason, "replayed");
+    }
+    next.close();
+    server.run();
+  }
+  expect_each_once(directory / "killed", 1 + 2 * 20);
+}
+
+TEST(KeptMessages, AreAcknowledgedToTheirSenders) {
+  TemporaryDirectory directory;
+  Published published;
+  Inbox inbox;
+  LiveServer server(journalled(directory / "journal"), inbox, published.sink());
+  std::thread engine_thread([&] { server.run(); });
+  drive(inbox, 0, 30);
+  const auto all = [&] {
+    const auto told = published.of<received_t>("ISTHMUS_RECEIVED");
+    return !told.empty() && told.back().nchannels == 3 && told.back().channels[2].messages == 30;
+  };
+  EXPECT_TRUE(soon(all));
+  const received_t told = published.of<received_t>("ISTHMUS_RECEIVED").back();
+  ASSERT_EQ(told.nchannels, 3);
+  EXPECT_EQ(told.channels[0].channel, "R1_ODOMETRY");
+  EXPECT_EQ(told.channels[2].channel, "R1_SCAN");
+  EXPECT_EQ(told.channels[2].newest_utime, 1'000'000'000 + 29 * 100'000);
+  inbox.close();
+  engine_thread.join();
+}
+
+TEST(KeptMessages, AreNotAcknowledgedWithoutAJournal) {
+  Published published;
+  Inbox inbox;
+  LiveServer server(quick_options(), inbox, published.sink());
+  drive(inbox, 0, 5);
+  inbox.close();
+  server.run();
+  EXPECT_TRUE(published.of<received_t>("ISTHMUS_RECEIVED").empty());
+}
+
+/// A process that serves the journal, to whose engine R1's scan with the stamp of round `fatal` is fatal.
+/// Returns its exit code, or -1 where a signal ended it.
+int live_in_a_process(const std::string& journal, int from, int to, int fatal, bool throws = false) {
+  const pid_t child = fork();
+  if (child == 0) {
+    ::signal(SIGABRT, SIG_DFL);
+    LiveOptions options = journalled(journal);
+    const std::int64_t fatal_utime = 1'000'000'000 + fatal * std::int64_t{100'000};
+    options.log = [&](LogLevel level, std::string_view message, const LogFields&) {
+      if (level == LogLevel::error) std::ofstream(journal + "/said", std::ios::app) << message << "\n";
+    };
+    options.before_event = [&](const Event& event) {
+      const auto* scan = std::get_if<ScanEvent>(&event.body);
+      if (scan == nullptr || scan->scan.utime != fatal_utime) return;
+      if (throws) throw std::logic_error("an invariant is broken");
+      ::kill(::getpid(), SIGKILL);
+    };
+    int code = 1;
+    try {
+      Inbox inbox;
+      LiveServer server(options, inbox, [](const auto&, const auto&) {});
+      drive(inbox, from, to);
+      inbox.close();
+      server.run();
+      code = 0;
+    } catch (const std::exception&) {
+    }
+    ::_exit(code);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+std::string content(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+TEST(AFatalEvent, IsSetAsideAfterItsSecondCrashAndReplayPassesItOverToo) {
+  for (const bool throws : {false, true}) {
+    TemporaryDirectory directory;
+    const std::string journal = directory / "journal";
+    const int crashed = throws ? 1 : -1;
+    EXPECT_EQ(live_in_a_process(journal, 0, 40, 20, throws), crashed) << "live";
+    EXPECT_TRUE(read_set_aside(journal).empty());
+    EXPECT_EQ(live_in_a_process(journal, 40, 60, 20, throws), crashed) << "while it recovers";
+    EXPECT_TRUE(read_set_aside(journal).empty()) << "a process that died cannot say so";
+    EXPECT_EQ(live_in_a_process(journal, 60, 80, 20, throws), 0);
+    const SetAsideEvents events = read_set_aside(journal);
+    ASSERT_EQ(events.size(), 1U);
+    EXPECT_EQ(events.begin()->second.channel, "R1_SCAN");
+    EXPECT_EQ(events.begin()->second.robot, "R1");
+    EXPECT_NE(content(journal + "/said").find(" of the journal on R1_SCAN is set aside"), std::string::npos);
+
+    const MapCopy map = serve(journalled(journal));
+    EXPECT_EQ(map.counters.dropped.at("set_aside"), 1);
+    EXPECT_EQ(map.counters.scans, 79);
+    const Replayed replayed = replay(journal);
+    EXPECT_EQ(replayed.sha256, map_sha256(map));
+    EXPECT_EQ(replayed.dropped.at("set_aside"), 1);
+    EXPECT_EQ(live_in_a_process(journal, 80, 90, 20, throws), 0) << "and again";
+  }
+}
+
+TEST(AFatalEvent, IsNotSetAsideForOneCrash) {
+  TemporaryDirectory directory;
+  const std::string journal = directory / "journal";
+  EXPECT_EQ(live_in_a_process(journal, 0, 40, 20), -1);
+  EXPECT_EQ(live_in_a_process(journal, 40, 60, 1000), 0) << "it was not the event's fault";
+  EXPECT_EQ(live_in_a_process(journal, 60, 80, 20), -1) << "in recovery, but it was got past before";
+  EXPECT_EQ(live_in_a_process(journal, 80, 90, 1000), 0);
+  EXPECT_TRUE(read_set_aside(journal).empty());
+  expect_each_once(journal, 1 + 2 * 90);
+}
+
+}  // namespace
+}  // namespace isthmus

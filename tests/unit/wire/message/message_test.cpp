@@ -1,0 +1,298 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "bot_core/planar_lidar_t.hpp"
+#include "bot_core/pose_t.hpp"
+#include "isthmus/sighting_t.hpp"
+#include "server/wire/message/message.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+template <class T>
+std::vector<std::uint8_t> bytes_of(const T& message) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+Decoded decode_on(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+  return decode(Configuration{}, channel, bytes, 1'000'000);
+}
+
+bot_core::pose_t plain_pose() {
+  bot_core::pose_t pose{};
+  pose.utime = 5;
+  pose.pos[0] = 1;
+  pose.pos[1] = 2;
+  pose.orientation[0] = 1;
+  return pose;
+}
+
+bot_core::planar_lidar_t scan_of(std::vector<float> ranges) {
+  bot_core::planar_lidar_t scan{};
+  scan.utime = 5;
+  scan.nranges = static_cast<std::int32_t>(ranges.size());
+  scan.ranges = std::move(ranges);
+  scan.nintensities = 0;
+  scan.rad0 = -1;
+  scan.radstep = 0.1F;
+  return scan;
+}
+
+RobotEvent plain_robot() {
+  RobotEvent robot;
+  robot.robot = "R1";
+  robot.utime = 5;
+  robot.barcode = 7;
+  return robot;
+}
+
+SightingEvent plain_sighting() { return {"R1", 5, 7, 2.0, 0.1, 0.5, 0.01}; }
+
+Decoded round_trip(Event event) {
+  const Message message = encode(event);
+  return decode(Configuration{}, message.channel, message.bytes, message.utime);
+}
+
+// Fields equal to the LCM world's own types make the same wire type: old logs and viewers work.
+TEST(WireTypes, HaveTheFingerprintsOfBotCore) {
+  EXPECT_EQ(static_cast<std::uint64_t>(bot_core::pose_t::getHash()), 0x2e16efb052b0105eULL);
+  EXPECT_EQ(static_cast<std::uint64_t>(bot_core::planar_lidar_t::getHash()), 0xe3d17423180b5e8dULL);
+}
+
+TEST(Decode, TakesTheRobotFromTheChannelWithoutCase) {
+  const Decoded decoded = decode_on("r2_Odometry", bytes_of(plain_pose()));
+  ASSERT_TRUE(decoded.event) << decoded.reason;
+  EXPECT_EQ(decoded.robot, "R2");
+  EXPECT_EQ(std::get<OdometryEvent>(decoded.event->body).robot, "R2");
+  EXPECT_EQ(decoded.event->receive_utime, 1'000'000);
+}
+
+TEST(Decode, LeavesForeignChannelsAlone) {
+  for (const char* channel : {"R1_POSE", "ISTHMUS_MAP", "CAMERA", "", "R1_SCANNER"}) {
+    const Decoded decoded = decode_on(channel, bytes_of(plain_pose()));
+    EXPECT_FALSE(decoded.ours) << channel;
+    EXPECT_FALSE(decoded.event) << channel;
+  }
+}
+
+TEST(Decode, RefusesNamesThatCannotBeFileNames) {
+  for (const char* channel : {"../ETC_SCAN", "_SCAN", "A B_SCAN", "ISTHMUS_SCAN", "-X_ROBOT"}) {
+    const Decoded decoded = decode_on(channel, bytes_of(scan_of({1, 1})));
+    EXPECT_EQ(decoded.reason, "bad_channel") << channel;
+    EXPECT_TRUE(decoded.ours) << channel;
+    EXPECT_EQ(decoded.robot, "") << channel;
+  }
+}
+
+TEST(Decode, ReadsTheChannelsOfTheConfigurationInsteadOfTheDefault) {
+  Configuration configuration;
+  configuration.robots["R1"].odometry_channel = "POSE_BASE";
+  const auto bytes = bytes_of(plain_pose());
+  EXPECT_EQ(decode(configuration, "POSE_BASE", bytes, 1).robot, "R1");
+  EXPECT_FALSE(decode(configuration, "pose_base", bytes, 1).ours);
+  EXPECT_FALSE(decode(configuration, "R1_ODOMETRY", bytes, 1).ours);
+  EXPECT_TRUE(decode(configuration, "R2_ODOMETRY", bytes, 1).event);
+}
+
+TEST(Decode, HeadingIsTheDirectionOfTheRotatedXAxis) {
+  bot_core::pose_t pose = plain_pose();
+  // A quarter turn about z after a tilt of 30 degrees about x: x points along y all the same.
+  const double c = std::cos(pi / 4), s = std::sin(pi / 4), ct = std::cos(pi / 12), st = std::sin(pi / 12);
+  const double tilted[4] = {c * ct, c * st, s * st, s * ct};
+  std::copy(std::begin(tilted), std::end(tilted), pose.orientation);
+  const Decoded decoded = decode_on("R1_ODOMETRY", bytes_of(pose));
+  ASSERT_TRUE(decoded.event) << decoded.reason;
+  EXPECT_NEAR(std::get<OdometryEvent>(decoded.event->body).odom_from_robot.yaw, pi / 2, 1e-12);
+}
+
+TEST(Decode, RefusesOdometryThatCannotBe) {
+  const auto reason = [](auto change) {
+    bot_core::pose_t pose = plain_pose();
+    change(pose);
+    return decode_on("R1_ODOMETRY", bytes_of(pose)).reason;
+  };
+  EXPECT_EQ(reason([](auto&) {}), "");
+  EXPECT_EQ(reason([](auto& pose) { pose.pos[0] = nan; }), "not_finite");
+  EXPECT_EQ(reason([](auto& pose) { pose.pos[1] = -infinity; }), "not_finite");
+  EXPECT_EQ(reason([](auto& pose) { pose.orientation[3] = nan; }), "not_finite");
+  EXPECT_EQ(reason([](auto& pose) { pose.pos[0] = 1e7; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& pose) { pose.orientation[0] = 0; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& pose) { pose.orientation[0] = 1e200; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& pose) { pose.utime = -1; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& pose) { pose.utime = std::numeric_limits<std::int64_t>::max(); }),
+            "absurd_value");
+  EXPECT_EQ(reason([](auto& pose) { pose.vel[0] = pose.pos[2] = nan; }), "") << "not used";
+}
+
+TEST(Decode, RefusesScansThatCannotBe) {
+  const auto reason = [](bot_core::planar_lidar_t scan) {
+    return decode_on("R1_SCAN", bytes_of(scan)).reason;
+  };
+  const auto changed = [](auto change) {
+    bot_core::planar_lidar_t scan = scan_of({1, 2, 3});
+    change(scan);
+    return scan;
+  };
+  const float nanf = std::numeric_limits<float>::quiet_NaN();
+  const float inff = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(reason(scan_of({1, 2, 3})), "");
+  EXPECT_EQ(reason(scan_of({nanf, -inff, 0, inff})), "") << "beams are judged one by one (REP-117)";
+  EXPECT_EQ(reason(scan_of({})), "zero_beams");
+  EXPECT_EQ(reason(scan_of({nanf, -inff})), "not_finite");
+  EXPECT_EQ(reason(scan_of({-1, 0, nanf})), "absurd_value");
+  EXPECT_EQ(reason(scan_of(std::vector<float>(20'001, 1))), "bad_length");
+  EXPECT_EQ(reason(changed([&](auto& scan) { scan.rad0 = nanf; })), "not_finite");
+  EXPECT_EQ(reason(changed([&](auto& scan) { scan.radstep = inff; })), "not_finite");
+  EXPECT_EQ(reason(changed([](auto& scan) { scan.radstep = 0; })), "absurd_value");
+  EXPECT_EQ(reason(changed([](auto& scan) { scan.radstep = 4; })), "absurd_value");
+  EXPECT_EQ(reason(changed([](auto& scan) { scan.rad0 = 1e9F; })), "absurd_value");
+  bot_core::planar_lidar_t one_beam = scan_of({1});
+  one_beam.radstep = 0;
+  EXPECT_EQ(reason(one_beam), "") << "the report says that there is but one";
+  EXPECT_EQ(reason(changed([](auto& scan) { scan.radstep = -0.1F; })), "");
+}
+
+TEST(Decode, RefusesRobotsThatCannotBe) {
+  const auto reason = [](auto change) {
+    RobotEvent robot = plain_robot();
+    change(robot);
+    return round_trip({1, robot}).reason;
+  };
+  EXPECT_EQ(reason([](auto&) {}), "");
+  EXPECT_EQ(reason([](auto& robot) { robot.laser.robot_from_laser.yaw = nan; }), "not_finite");
+  EXPECT_EQ(reason([](auto& robot) { robot.laser.robot_from_laser.x = 1e3; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& robot) { robot.laser.range_max_m = robot.laser.range_min_m; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& robot) { robot.laser.range_min_m = -1; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& robot) { robot.laser.range_max_m = -1; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& robot) { robot.footprint_radius_m = -1; }), "absurd_value");
+}
+
+TEST(Decode, TakesAMaximumRangeOfZeroForNoLaserWhateverTheMinimum) {
+  for (const double range_min_m : {0.0, 0.05, 20.0}) {
+    RobotEvent robot = plain_robot();
+    robot.laser.range_min_m = range_min_m;
+    robot.laser.range_max_m = 0;
+    const Decoded decoded = round_trip({1, robot});
+    ASSERT_TRUE(decoded.event) << decoded.reason;
+    EXPECT_EQ(std::get<RobotEvent>(decoded.event->body).laser.range_max_m, 0);
+  }
+}
+
+TEST(Decode, RefusesARobotUnderAnotherName) {
+  const Message message = encode({1, plain_robot()});
+  EXPECT_EQ(decode_on("R1_ROBOT", message.bytes).reason, "");
+  EXPECT_EQ(decode_on("R2_ROBOT", message.bytes).reason, "bad_name");
+}
+
+TEST(Decode, TakesSightingsWithOnePartNotMeasured) {
+  SightingEvent sighting = plain_sighting();
+  sighting.range_sigma_m = infinity;
+  sighting.range_m = nan;
+  const Decoded decoded = round_trip({1, sighting});
+  ASSERT_TRUE(decoded.event) << decoded.reason;
+  EXPECT_EQ(std::get<SightingEvent>(decoded.event->body).range_m, 0);
+  EXPECT_EQ(std::get<SightingEvent>(decoded.event->body).bearing_rad, sighting.bearing_rad);
+}
+
+TEST(Decode, RefusesSightingsThatCannotBe) {
+  const auto reason = [](auto change) {
+    SightingEvent sighting = plain_sighting();
+    change(sighting);
+    return round_trip({1, sighting}).reason;
+  };
+  EXPECT_EQ(reason([](auto&) {}), "");
+  EXPECT_EQ(reason([](auto& s) { s.range_sigma_m = s.bearing_sigma_rad = infinity; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& s) { s.range_sigma_m = 0; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& s) { s.bearing_sigma_rad = nan; }), "not_finite");
+  EXPECT_EQ(reason([](auto& s) { s.range_m = nan; }), "not_finite");
+  EXPECT_EQ(reason([](auto& s) { s.range_m = -1; }), "absurd_value");
+  EXPECT_EQ(reason([](auto& s) { s.barcode = -1; }), "absurd_value");
+}
+
+TEST(Decode, RefusesUnknownCommands) {
+  EXPECT_EQ(round_trip({1, CommandEvent{5, "send_map", -1, ""}}).reason, "");
+  EXPECT_EQ(round_trip({1, CommandEvent{5, "drop", -1, "r1"}}).reason, "");
+  EXPECT_EQ(round_trip({1, CommandEvent{5, "explode", -1, ""}}).reason, "unknown_command");
+  EXPECT_EQ(round_trip({1, CommandEvent{5, "drop", -1, "../x"}}).reason, "bad_name");
+}
+
+TEST(Decode, RefusesCommandsThatNameNothing) {
+  const auto reason = [](const char* verb, std::int64_t closure, const char* robot) {
+    return round_trip({1, CommandEvent{5, verb, closure, robot}}).reason;
+  };
+  for (const char* verb : {"withdraw", "forbid", "allow"}) {
+    EXPECT_EQ(reason(verb, 0, ""), "") << verb;
+    EXPECT_EQ(reason(verb, -1, ""), "absurd_value") << verb;
+    EXPECT_EQ(reason(verb, std::int64_t{1} << 31, ""), "absurd_value") << verb;
+  }
+  EXPECT_EQ(reason("allow", -1, "R1"), "") << "takes back a drop";
+  EXPECT_EQ(reason("drop", -1, ""), "bad_name");
+  EXPECT_EQ(reason("refine", -1, ""), "");
+}
+
+TEST(Decode, RefusesReceiveTimesThatCannotBe) {
+  const Message message = encode({1, plain_robot()});
+  EXPECT_EQ(decode(Configuration{}, message.channel, message.bytes, -1).reason, "absurd_value");
+}
+
+// The generated decoder would read out of bounds, or allocate 1 GB, on these.
+TEST(Decode, RefusesCountsThatTheBytesDoNotHold) {
+  const std::vector<std::uint8_t> good = bytes_of(scan_of({1, 2, 3}));
+  const std::size_t count_at = 8 + 8;
+  for (const std::uint32_t count : {0x40000000U, 0x10000000U, 0xFFFFFFFFU, 0x80000000U, 4U, 2U, 20'000U}) {
+    std::vector<std::uint8_t> bytes = good;
+    for (std::size_t i = 0; i < 4; ++i)
+      bytes[count_at + i] = static_cast<std::uint8_t>(count >> (24 - 8 * i));
+    EXPECT_FALSE(decode_on("R1_SCAN", bytes).event) << count;
+    EXPECT_EQ(decode_on("R1_SCAN", bytes).reason, "bad_length") << count;
+  }
+}
+
+TEST(Decode, RefusesStringLengthsThatTheBytesDoNotHold) {
+  const std::vector<std::uint8_t> good = encode({1, plain_robot()}).bytes;
+  for (const std::uint32_t length : {0U, 0xFFFFFFFFU, 0x80000000U, 2U, 4U, 65U, 0x7FFFFFFFU}) {
+    std::vector<std::uint8_t> bytes = good;
+    for (std::size_t i = 0; i < 4; ++i) bytes[16 + i] = static_cast<std::uint8_t>(length >> (24 - 8 * i));
+    EXPECT_EQ(decode_on("R1_ROBOT", bytes).reason, "bad_length") << length;
+  }
+}
+
+// It would not be the same when written again.
+TEST(Decode, RefusesTextThatGoesOnAfterANul) {
+  std::vector<std::uint8_t> bytes = encode({1, ConfigurationEvent{"abc"}}).bytes;
+  EXPECT_EQ(decode_on("ISTHMUS_CONFIGURATION", bytes).reason, "");
+  bytes[bytes.size() - 3] = 0;
+  EXPECT_EQ(decode_on("ISTHMUS_CONFIGURATION", bytes).reason, "bad_length");
+}
+
+TEST(Decode, RefusesAMessageOfAnotherType) {
+  EXPECT_EQ(decode_on("R1_SCAN", bytes_of(plain_pose())).reason, "bad_fingerprint");
+  EXPECT_EQ(decode_on("R1_SCAN", {}).reason, "bad_length");
+}
+
+TEST(Decode, RefusesEveryShorterAndLongerMessage) {
+  for (const Message& message :
+       {encode({1, plain_robot()}), encode({1, plain_sighting()}),
+        encode({1, ConfigurationEvent{"tags = \"any\""}}), encode({1, TickEvent{}})}) {
+    std::vector<std::uint8_t> bytes = message.bytes;
+    bytes.push_back(0);
+    EXPECT_EQ(decode_on(message.channel, bytes).reason, "bad_length") << message.channel;
+    for (std::size_t size = 0; size < message.bytes.size(); ++size) {
+      bytes.resize(size);
+      EXPECT_EQ(decode_on(message.channel, std::vector(bytes)).reason, "bad_length")
+          << message.channel << size;
+      bytes = message.bytes;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace isthmus
