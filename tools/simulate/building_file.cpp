@@ -1,5 +1,8 @@
 #include "tools/simulate/building_file.hpp"
 
+#include <limits>
+#include <numbers>
+
 namespace isthmus {
 namespace {
 
@@ -41,7 +44,7 @@ void read_furniture(Fields& fields, Building& building) {
 Clutter read_clutter(const Setting& setting) {
   Fields fields(setting);
   Clutter clutter;
-  fields.read("count", clutter.count);
+  fields.read_within("count", clutter.count, 0, 1'000'000'000);
   fields.read_within("size_min_m", clutter.size_min_m, 0.01, 100);
   fields.read_within("size_max_m", clutter.size_max_m, 0.01, 100);
   fields.read_within("clearance_m", clutter.clearance_m, 0, 100);
@@ -64,7 +67,7 @@ std::pair<Building, Clutter> read_building(const Setting& setting) {
   fields.read_within("facet_m", building.facet_m, 0.05, 1000);
   fields.read_within("glossy_share", building.glossy_share, 0, 1);
   fields.read_degrees("glossy_incidence_deg", building.glossy_incidence_rad);
-  fields.read("seed", building.seed);
+  fields.read_within("seed", building.seed, 0, std::numeric_limits<std::int64_t>::max());
   if (const Setting* table = fields.find("clutter")) clutter = read_clutter(*table);
   fields.finish();
   return {std::move(building), clutter};

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "tools/simulate/clutter.hpp"
-#include "tools/simulate/settings.hpp"
+#include "tools/simulate/scenario_settings.hpp"
 
 namespace isthmus {
 

@@ -1,6 +1,7 @@
 #include "tools/simulate/floor_file.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "tools/simulate/floor_furniture.hpp"
@@ -27,7 +28,7 @@ FloorOrder read_floor(const Setting& setting) {
   FloorOrder order;
   FloorStyle& style = order.style;
   fields.read_within("area_m2", style.area_m2, 100, 1e5);
-  fields.read("seed", style.seed);
+  fields.read_within("seed", style.seed, 0, std::numeric_limits<std::int64_t>::max());
   fields.read("corridors", style.corridors);
   if (style.corridors != "any" && style.corridors != "ring" && style.corridors != "spine")
     fail_at(fields.where(), "'corridors' must be \"any\", \"ring\" or \"spine\"");
@@ -37,8 +38,7 @@ FloorOrder read_floor(const Setting& setting) {
   if (fields.has("room_m")) fields.read_within("room_m", style.room_m, 3.5, 12);
   fields.read_within("hall_share", style.hall_share, 0, 1);
   fields.read_within("furniture", style.furniture, 0, 10);
-  fields.read("robots", order.robots);
-  if (order.robots < 1 || order.robots > 1000) fail_at(fields.where(), "'robots' must be between 1 and 1000");
+  fields.read_within("robots", order.robots, 1, 1000);
   fields.read_within("tour_m", order.tour_m, 0, 1e6);
   fields.read_within("roughness_m", order.roughness_m, 0, 1);
   fields.finish();

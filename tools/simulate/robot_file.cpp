@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
+#include <limits>
 
 namespace isthmus {
 namespace {
 
 constexpr double largest = 1e9;
+constexpr int most_laps = 1'000'000'000;
 
 Pose as_pose_degrees(const Setting& setting) {
   const auto n = as_numbers(setting, 3, "[x, y, yaw] in metres and degrees");
@@ -16,8 +19,7 @@ Pose as_pose_degrees(const Setting& setting) {
 void read_laser(const Setting* setting, LaserPlan& plan) {
   if (setting == nullptr) return;
   Fields fields(*setting);
-  fields.read("beams", plan.beams);
-  if (plan.beams < 1 || plan.beams > 20000) fail_at(fields.where(), "'beams' must be between 1 and 20000");
+  fields.read_within("beams", plan.beams, 1, 20000);
   fields.read_degrees("field_of_view_deg", plan.field_of_view_rad);
   fields.read_within("rate_hz", plan.rate_hz, 0, 1000);
   fields.read_within("range_min_m", plan.laser.range_min_m, 0, 1000);
@@ -103,7 +105,7 @@ std::string upper(std::string text) {
 
 RobotPlan read_common(Fields& scenario) {
   RobotPlan common;
-  scenario.read("laps", common.laps);
+  scenario.read_within("laps", common.laps, 0, most_laps);
   read_laser(scenario.find("laser"), common.laser);
   read_odometry(scenario.find("odometry"), common.odometry);
   read_camera(scenario.find("camera"), common.camera);
@@ -119,8 +121,8 @@ RobotFromFile read_robot(const std::string& name, const Setting& setting, const 
   const bool has_tour = !common.tour.empty();
   const auto find = [&](const char* key) { return has_tour ? fields.find(key) : &fields.require(key); };
   if (const Setting* start = find("start")) plan.start = as_pose_degrees(*start);
-  fields.read("barcode", plan.barcode);
-  fields.read("laps", plan.laps);
+  fields.read_within("barcode", plan.barcode, -1, std::numeric_limits<std::int32_t>::max());
+  fields.read_within("laps", plan.laps, 0, most_laps);
   fields.read("silent", plan.silent);
   fields.read_within("start_s", plan.start_s, 0, largest);
   fields.read_within("radius_m", plan.radius_m, 0.01, 10);

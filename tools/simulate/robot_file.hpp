@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/simulate/scenario.hpp"
-#include "tools/simulate/settings.hpp"
+#include "tools/simulate/scenario_settings.hpp"
 
 namespace isthmus {
 

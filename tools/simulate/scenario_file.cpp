@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -110,7 +111,7 @@ Scenario read_scenario(const Setting& root, const fs::path& file) {
   Scenario scenario;
   scenario.name = file.stem().string();
   fields.read("summary", scenario.summary);
-  fields.read("start_utime", scenario.start_utime);
+  fields.read_within("start_utime", scenario.start_utime, 0, std::numeric_limits<std::int64_t>::max());
   fields.read_within("duration_s", scenario.duration_s, 0, 1e9);
   fields.read("bodies_visible", scenario.bodies_visible);
   fields.read("robots_give_way", scenario.robots_give_way);

@@ -85,7 +85,7 @@ TEST(FloorFile, MistakesAreNamed) {
   EXPECT_EQ(error_of_floor({"floor.corridors=round"}),
             "floor.toml:5: 'corridors' must be \"any\", \"ring\" or \"spine\"");
   EXPECT_EQ(error_of_floor({"floor.area_m2=20"}),
-            "--set floor.area_m2=20: 'area_m2' must be between 100 and 100000");
+            "--set floor.area_m2=20: area_m2 = 20 is not within 100 to 100000");
   EXPECT_EQ(error_of_floor({"laps=2"}), "floor.toml:5: a floor's tours are driven once: laps must be 1");
   EXPECT_EQ(error_of_floor({"robots.R9.barcode=3"}),
             "--set robots.R9.barcode=3: the floor has no robot 'R9'");

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/temporary_directory.hpp"
-#include "tools/simulate/settings.hpp"
+#include "tools/simulate/scenario_settings.hpp"
 
 namespace isthmus {
 namespace {
@@ -72,20 +72,23 @@ TEST(ScenarioFile, RobotsOwnSettingsLieOverThoseOfAll) {
 }
 
 TEST(ScenarioFile, ErrorsNameFileLineAndReason) {
-  EXPECT_EQ(error_with(replaced(small_scenario, "summary", "sumary")), ":1: unknown key 'sumary'");
+  EXPECT_EQ(error_with(replaced(small_scenario, "summary", "sumary")).substr(0, 31),
+            ":1: unknown key 'sumary' (known");
   EXPECT_EQ(error_with(replaced(small_scenario, "wait_s", "wait")), ":6: 'carry_to' is missing");
   EXPECT_EQ(error_with(replaced(small_scenario, "[2, 3, 90]", "[2, 3]")),
             ":5: expected [x, y, yaw] in metres and degrees");
   EXPECT_EQ(error_with(replaced(small_scenario, "[2, 3, 90]", "[2, nan, 0]")),
             ":5: expected [x, y, yaw] in metres and degrees");
-  EXPECT_EQ(error_with(replaced(small_scenario, "\"a room\"", "3")), ":1: 'summary' must be a string");
+  EXPECT_EQ(error_with(replaced(small_scenario, "\"a room\"", "3")), ":1: summary must be a string");
   EXPECT_EQ(error_with("building = {walls = []}\n[laser]\nrange_sigma_m = -1\n[robots.r1]\nstart = [0, 0, "
                        "0]\ntour = []\n"),
-            ":3: 'range_sigma_m' must be between 0 and 10");
+            ":3: range_sigma_m = -1 is not within 0 to 10");
   EXPECT_EQ(error_with("building = {walls = []}\n").substr(0, 3), ":1:");
   EXPECT_EQ(error_with("tour = [[1,").substr(0, 3), ":1:");
   EXPECT_EQ(error_with(small_scenario, {"laps"}), "--set laps: expected key=value");
-  EXPECT_EQ(error_with(small_scenario, {"lap=2"}), "--set lap=2: unknown key 'lap'");
+  EXPECT_EQ(error_with(small_scenario, {"lap=2"}).substr(0, 32), "--set lap=2: unknown key 'lap' (");
+  EXPECT_EQ(error_with(small_scenario, {"laps=1.5"}), "--set laps=1.5: laps must be an integer");
+  EXPECT_EQ(error_with(small_scenario, {"summary=it's"}).substr(0, 20), "--set summary=it's: ");
 }
 
 TEST(ScenarioFile, RefusesATourThroughAWall) {
