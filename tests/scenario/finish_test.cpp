@@ -4,15 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
 
-#include "relations/g2o.hpp"
 #include "server/engine/engine.hpp"
 #include "server/output/graph_g2o.hpp"
 #include "server/output/islands.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/simulate/scenario_file.hpp"
 #include "tools/simulate/simulation.hpp"
+#include "tools/text/g2o.hpp"
 
 namespace isthmus {
 namespace {
@@ -60,11 +59,9 @@ TEST(GraphG2o, OfTeamsWithTagsAndWithoutLasersIsReadAgain) {
     const MapCopy map = engine.copy();
     const TemporaryDirectory directory;
     write_g2o(map, rank_islands(map), directory / "graph.g2o");
-    std::ifstream file(directory / "graph.g2o");
-    const auto graph = read_g2o(file, "graph.g2o");
-    if (const std::string* error = std::get_if<std::string>(&graph)) FAIL() << *error;
-    EXPECT_EQ(std::get<PoseGraphFile>(graph).graph.relations().size(), map.graph.relations().size());
-    EXPECT_EQ(std::get<PoseGraphFile>(graph).poses.size(), map.patches.size());
+    const G2oFile graph = read_g2o(directory / "graph.g2o");
+    EXPECT_EQ(graph.edges.size(), map.graph.relations().size());
+    EXPECT_EQ(graph.vertices.size(), map.patches.size());
   }
 }
 

@@ -1,24 +1,13 @@
 #include "tools/evaluate/pose_graph.hpp"
 
 #include <ctime>
-#include <sstream>
-#include <stdexcept>
 
 #include "relations/fit.hpp"
-#include "relations/g2o.hpp"
+#include "tools/evaluate/form_graph.hpp"
 #include "tools/text/lines.hpp"
 
 namespace isthmus {
 namespace {
-
-PoseGraphFile read(const std::string& file) {
-  LineReader lines(file);
-  std::stringstream text;
-  while (const auto line = lines.next()) text << *line << '\n';
-  auto graph = read_g2o(text, file);
-  if (const std::string* error = std::get_if<std::string>(&graph)) throw std::runtime_error(*error);
-  return std::get<PoseGraphFile>(std::move(graph));
-}
 
 double cost_f(const RelationGraph& graph, const std::vector<Pose>& poses) {
   double f = 0;
@@ -33,7 +22,8 @@ double cost_f(const RelationGraph& graph, const std::vector<Pose>& poses) {
 }  // namespace
 
 PoseGraphFit fit_pose_graph(const std::string& file) {
-  PoseGraphFile input = read(file);
+  FormGraph input = form_graph(read_g2o(file));
+  if (input.graph.relations().empty()) throw FileError(file, 0, "no EDGE_SE2 line");
   PoseGraphFit result;
   result.patches = input.graph.patch_count();
   result.relations = input.graph.relations().size();

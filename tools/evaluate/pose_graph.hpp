@@ -5,7 +5,7 @@
 namespace isthmus {
 
 /// What one batch fit made of a pose graph. F = Σ κ‖R_j − R_i R̃‖² + τ‖t_j − t_i − R_i t̃‖²
-/// (relations/g2o.hpp).
+/// (tools/evaluate/form_graph.hpp).
 struct PoseGraphFit {
   std::size_t patches = 0;
   std::size_t relations = 0;
@@ -17,8 +17,8 @@ struct PoseGraphFit {
   std::string failure;  ///< why there is no solution; empty: there is
 };
 
-/// Reads a g2o file, plain or gz, and fits each of its islands. Throws std::runtime_error naming file, line
-/// and reason.
+/// Reads a g2o file, plain or gz, and fits each of its islands. Throws FileError naming file, line and
+/// reason.
 PoseGraphFit fit_pose_graph(const std::string& file);
 
 }  // namespace isthmus

@@ -14,7 +14,7 @@ struct PoseGraph {
 };
 
 /// Reads an exported graph.g2o: every edge is a RelativePose relation with the information it had at its
-/// minimiser. Vertex ids must be 0, 1, 2, ... in order. Throws FileError naming file and line.
+/// minimiser. Vertex ids must be 0, 1, 2, ... and have poses. Throws FileError naming file and reason.
 PoseGraph read_pose_graph(const std::string& file);
 
 }  // namespace isthmus
