@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "server/engine/record/uninterrupted.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -56,8 +58,7 @@ void AtomicFile::commit() {
 void AtomicFile::write_buffer() {
   std::string_view rest = buffer_;
   while (!rest.empty()) {
-    const ssize_t written = ::write(file_, rest.data(), rest.size());
-    if (written < 0 && errno == EINTR) continue;
+    const ssize_t written = uninterrupted([&] { return ::write(file_, rest.data(), rest.size()); });
     if (written < 0) fail("cannot be written");
     rest.remove_prefix(static_cast<std::size_t>(written));
   }

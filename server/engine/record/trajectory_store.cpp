@@ -11,6 +11,8 @@
 #include <string>
 #include <type_traits>
 
+#include "server/engine/record/uninterrupted.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -34,8 +36,8 @@ int open_unlinked_file() {
 
 bool write_at(int file, const char* bytes, std::size_t count, std::size_t offset) {
   while (count > 0) {
-    const ssize_t written = ::pwrite(file, bytes, count, static_cast<off_t>(offset));
-    if (written < 0 && errno == EINTR) continue;
+    const ssize_t written =
+        uninterrupted([&] { return ::pwrite(file, bytes, count, static_cast<off_t>(offset)); });
     if (written <= 0) return false;
     bytes += written;
     offset += static_cast<std::size_t>(written);
@@ -48,8 +50,8 @@ bool write_at(int file, const char* bytes, std::size_t count, std::size_t offset
 std::size_t read_at(int file, char* bytes, std::size_t count, std::size_t offset) {
   std::size_t done = 0;
   while (done < count) {
-    const ssize_t got = ::pread(file, bytes + done, count - done, static_cast<off_t>(offset + done));
-    if (got < 0 && errno == EINTR) continue;
+    const ssize_t got = uninterrupted(
+        [&] { return ::pread(file, bytes + done, count - done, static_cast<off_t>(offset + done)); });
     if (got <= 0) break;
     done += static_cast<std::size_t>(got);
   }

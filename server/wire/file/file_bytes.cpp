@@ -11,6 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include "server/engine/record/uninterrupted.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -57,9 +59,10 @@ void FileBytes::load(std::int64_t offset, std::int64_t count) {
   window_.resize(static_cast<std::size_t>(std::min(std::max(count, window_bytes), size_ - offset)));
   std::size_t filled = 0;
   while (filled < window_.size()) {
-    const ssize_t got = ::pread(file_.get(), window_.data() + filled, window_.size() - filled,
-                                offset + static_cast<std::int64_t>(filled));
-    if (got < 0 && errno == EINTR) continue;
+    const ssize_t got = uninterrupted([&] {
+      return ::pread(file_.get(), window_.data() + filled, window_.size() - filled,
+                     offset + static_cast<std::int64_t>(filled));
+    });
     if (got < 0) throw std::runtime_error(path_ + ": " + errno_text(errno));
     if (got == 0) break;  // the file became shorter while it was read
     filled += static_cast<std::size_t>(got);
@@ -84,8 +87,7 @@ std::int64_t FileBytes::find_word(std::uint32_t word, std::int64_t from, std::in
 
 int write_all(int descriptor, std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
+    const ssize_t written = uninterrupted([&] { return ::write(descriptor, bytes.data(), bytes.size()); });
     if (written < 0) return errno;
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <stdexcept>
 
+#include "server/engine/record/uninterrupted.hpp"
 #include "server/wire/file/file_bytes.hpp"
 
 namespace isthmus {
@@ -29,10 +30,10 @@ std::string read_text_file(const std::string& path) {
   std::string text;
   std::array<char, 65'536> bytes;
   while (true) {
-    const ssize_t size = ::read(file.get(), bytes.data(), bytes.size());
-    if (size < 0 && errno != EINTR) throw unreadable(path, errno);
+    const ssize_t size = uninterrupted([&] { return ::read(file.get(), bytes.data(), bytes.size()); });
+    if (size < 0) throw unreadable(path, errno);
     if (size == 0) return text;
-    if (size > 0) text.append(bytes.data(), static_cast<std::size_t>(size));
+    text.append(bytes.data(), static_cast<std::size_t>(size));
   }
 }
 

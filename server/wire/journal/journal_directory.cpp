@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "server/engine/record/uninterrupted.hpp"
 #include "server/wire/journal/journal_files.hpp"
 #include "server/wire/journal/segment_reader.hpp"
 
@@ -34,8 +35,7 @@ bool is_file_at(const std::string& path, int descriptor) {
 int copy_all(int from, int to) {
   std::array<std::uint8_t, 1 << 16> buffer{};
   for (off_t offset = 0;;) {
-    const ssize_t got = ::pread(from, buffer.data(), buffer.size(), offset);
-    if (got < 0 && errno == EINTR) continue;
+    const ssize_t got = uninterrupted([&] { return ::pread(from, buffer.data(), buffer.size(), offset); });
     if (got < 0) return errno;
     if (got == 0) return 0;
     if (const int error = write_all(to, std::span(buffer).first(static_cast<std::size_t>(got)))) return error;
