@@ -171,8 +171,8 @@ TEST(Tables, RelationsHaveKindCountOriginClosureAndWhatTheyDependOn) {
 TEST(Tables, SightingsRepeatTheInputAndSayWhatBecameOfIt) {
   MapCopy map;
   const double inf = std::numeric_limits<double>::infinity();
-  map.sightings = {{{"R1", 5'000'001, 12, 2.5, 0.02, -0.125, 0.07}, "set_aside", "", ClosureId{}},
-                   {{"R2", 6, 13, 0, inf, 0.1, 0.07}, "refused", "gate, 95 %", ClosureId{4}}};
+  map.sightings.append({{"R1", 5'000'001, 12, 2.5, 0.02, -0.125, 0.07}, "set_aside", "", ClosureId{}});
+  map.sightings.append({{"R2", 6, 13, 0, inf, 0.1, 0.07}, "refused", "gate, 95 %", ClosureId{4}});
   const TemporaryDirectory directory;
   write_sightings(map, directory.file("sightings.csv"));
   EXPECT_EQ(lines(directory.file("sightings.csv")),

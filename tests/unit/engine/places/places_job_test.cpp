@@ -55,7 +55,7 @@ TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
   const std::vector<PatchId> asked = {PatchId{38}, PatchId{5}, PatchId{36}};
   std::vector<std::vector<PlaceCandidate>> expected;
   for (const PatchId patch : asked) expected.push_back(places_on_own_island(map, patch));
-  ASSERT_FALSE(expected.front().empty());
+  ASSERT_FALSE(expected.at(0).empty());
 
   const PlacesJob job(map, asked, 0);
   map.move_island(PatchId{0}, {3, 4, 1});

@@ -85,6 +85,36 @@ class Brake {
   std::atomic<bool> held_ = false;
 };
 
+/// A server that runs in a thread of its own; the engine may be held up at its first scan.
+class RunningServer {
+ public:
+  explicit RunningServer(LiveOptions options, bool braked = false, const InboxLimits& limits = {})
+      : inbox(limits),
+        server_(braked ? with_brake(std::move(options)) : std::move(options), inbox, published.sink()),
+        thread_([this] { server_.run(); }) {}
+  ~RunningServer() { end(); }
+
+  /// In order, with all that it has received handled.
+  void end() {
+    brake.let_go();
+    inbox.close();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  Brake brake;
+  Published published;
+  Inbox inbox;
+
+ private:
+  LiveOptions with_brake(LiveOptions options) {
+    options.before_event = brake.hook();
+    return options;
+  }
+
+  LiveServer server_;
+  std::thread thread_;
+};
+
 /// What the disk has of a directory at this moment: what a process that is killed now leaves.
 void copy_as_if_killed(const std::string& from, const std::string& to) {
   fs::copy(from, to, fs::copy_options::recursive);
@@ -104,53 +134,35 @@ void expect_each_once(const std::string& journal, std::size_t count) {
   for (const auto& [message, times] : messages) EXPECT_EQ(times, 1) << message.first;
 }
 
+/// The next server on a journal takes what R1 sent in so many rounds, each message once, and replay makes of
+/// it the map that it made.
+void expect_kept(const std::string& journal, std::size_t rounds) {
+  const std::string map = map_sha256(serve(journalled(journal)));
+  expect_each_once(journal, 1 + 2 * rounds);
+  EXPECT_EQ(replay(journal).sha256, map);
+}
+
 TEST(KeptMessages, OutliveAKillWhileTheEngineIsFarBehind) {
   TemporaryDirectory directory;
-  Brake brake;
-  LiveOptions options = journalled(directory / "journal");
-  options.before_event = brake.hook();
-  Published published;
-  Inbox inbox;
-  LiveServer server(options, inbox, published.sink());
-  std::thread engine_thread([&] { server.run(); });
-  drive(inbox, 0, 2410);
+  RunningServer server(journalled(directory / "journal"), true);
+  drive(server.inbox, 0, 2410);
   copy_as_if_killed(directory / "journal", directory / "killed");
-  brake.let_go();
-  inbox.close();
-  engine_thread.join();
-
-  const std::string map = map_sha256(serve(journalled(directory / "killed")));
-  expect_each_once(directory / "killed", 1 + 2 * 2410);
-  EXPECT_EQ(replay(directory / "killed").sha256, map);
+  server.end();
+  expect_kept(directory / "killed", 2410);
 }
 
 TEST(KeptMessages, OutliveAKillWhileTheServerRecovers) {
   TemporaryDirectory directory;
   {
-    Published published;
-    Inbox inbox;
-    LiveServer server(journalled(directory / "journal"), inbox, published.sink());
-    drive(inbox, 0, 50);
-    inbox.close();
-    server.run();
+    RunningServer before(journalled(directory / "journal"));
+    drive(before.inbox, 0, 50);
   }
-  Brake brake;
-  LiveOptions options = journalled(directory / "journal");
-  options.before_event = brake.hook();
-  Published published;
-  Inbox inbox;
-  LiveServer server(options, inbox, published.sink());
-  std::thread engine_thread([&] { server.run(); });
-  ASSERT_TRUE(soon([&] { return brake.holds(); }));
-  drive(inbox, 50, 150);
+  RunningServer server(journalled(directory / "journal"), true);
+  ASSERT_TRUE(soon([&] { return server.brake.holds(); }));
+  drive(server.inbox, 50, 150);
   copy_as_if_killed(directory / "journal", directory / "killed");
-  brake.let_go();
-  inbox.close();
-  engine_thread.join();
-
-  const std::string map = map_sha256(serve(journalled(directory / "killed")));
-  expect_each_once(directory / "killed", 1 + 2 * 150);
-  EXPECT_EQ(replay(directory / "killed").sha256, map);
+  server.end();
+  expect_kept(directory / "killed", 150);
 }
 
 // Kills at any moment of a life, each followed by the next: nothing twice, nothing lost.
@@ -158,44 +170,31 @@ TEST(KeptMessages, AreTakenOnceHoweverOftenTheServerIsKilled) {
   TemporaryDirectory directory;
   std::string journal = directory / "0";
   for (int life = 0; life < 6; ++life) {
-    Published published;
-    Inbox inbox;
-    LiveServer server(journalled(journal), inbox, published.sink());
-    std::thread engine_thread([&] { server.run(); });
-    drive(inbox, 40 * life, 40 * (life + 1));
-    soon([&] { return inbox.size() <= 10U * static_cast<unsigned>(life); });
+    RunningServer server(journalled(journal));
+    drive(server.inbox, 40 * life, 40 * (life + 1));
+    soon([&] { return server.inbox.size() <= 10U * static_cast<unsigned>(life); });
     const std::string next = directory / std::to_string(life + 1);
     copy_as_if_killed(journal, next);
-    inbox.close();
-    engine_thread.join();
     journal = next;
   }
-  const std::string map = map_sha256(serve(journalled(journal)));
-  expect_each_once(journal, 1 + 2 * 240);
-  EXPECT_EQ(replay(journal).sha256, map);
+  expect_kept(journal, 240);
 }
 
 TEST(KeptMessages, AreCountedAsDroppedAfterAKillWhereTheInboxWasFull) {
   TemporaryDirectory directory;
-  Brake brake;
   LiveOptions options = journalled(directory / "journal");
-  options.before_event = brake.hook();
   options.status_interval = milliseconds(1);
   InboxLimits limits;
   limits.messages = 20;
-  Published published;
-  Inbox inbox(limits);
-  LiveServer server(options, inbox, published.sink());
-  std::thread engine_thread([&] { server.run(); });
-  drive(inbox, 0, 1);
-  ASSERT_TRUE(soon([&] { return brake.holds(); }));
-  drive(inbox, 1, 100);
-  brake.let_go();
+  RunningServer server(options, true, limits);
+  drive(server.inbox, 0, 1);
+  ASSERT_TRUE(soon([&] { return server.brake.holds(); }));
+  drive(server.inbox, 1, 100);
+  server.brake.let_go();
   const auto recorded = [&] { return replay(directory / "journal").dropped["queue_full"] >= 170; };
   ASSERT_TRUE(soon(recorded));
   copy_as_if_killed(directory / "journal", directory / "killed");
-  inbox.close();
-  engine_thread.join();
+  server.end();
 
   const MapCopy map = serve(journalled(directory / "killed"));
   const auto dropped = static_cast<std::size_t>(map.counters.dropped.at("queue_full"));
@@ -205,13 +204,9 @@ TEST(KeptMessages, AreCountedAsDroppedAfterAKillWhereTheInboxWasFull) {
 
 TEST(KeptMessages, StayForTheNextStartWhereTheServerStopsFirst) {
   TemporaryDirectory directory;
-  Published published;
-  Inbox inbox;
-  LiveServer server(journalled(directory / "journal"), inbox, published.sink());
-  std::thread engine_thread([&] { server.run(); });
-  drive(inbox, 0, 20);
-  inbox.close();
-  engine_thread.join();
+  RunningServer server(journalled(directory / "journal"));
+  drive(server.inbox, 0, 20);
+  server.end();
   expect_each_once(directory / "journal", 1 + 2 * 20);
   ASSERT_EQ(list_spool(directory / "journal").size(), 1U);
   EXPECT_LT(fs::file_size(list_spool(directory / "journal").begin()->second), 100U) << "all is settled";
@@ -270,23 +265,18 @@ TEST(KeptMessages, KeepTheirSignatures) {
 
 TEST(KeptMessages, AreAcknowledgedToTheirSenders) {
   TemporaryDirectory directory;
-  Published published;
-  Inbox inbox;
-  LiveServer server(journalled(directory / "journal"), inbox, published.sink());
-  std::thread engine_thread([&] { server.run(); });
-  drive(inbox, 0, 30);
+  RunningServer server(journalled(directory / "journal"));
+  drive(server.inbox, 0, 30);
   const auto all = [&] {
-    const auto told = published.of<received_t>("ISTHMUS_RECEIVED");
+    const auto told = server.published.of<received_t>("ISTHMUS_RECEIVED");
     return !told.empty() && told.back().nchannels == 3 && told.back().channels[2].messages == 30;
   };
   EXPECT_TRUE(soon(all));
-  const received_t told = published.of<received_t>("ISTHMUS_RECEIVED").back();
+  const received_t told = server.published.of<received_t>("ISTHMUS_RECEIVED").back();
   ASSERT_EQ(told.nchannels, 3);
   EXPECT_EQ(told.channels[0].channel, "R1_ODOMETRY");
   EXPECT_EQ(told.channels[2].channel, "R1_SCAN");
   EXPECT_EQ(told.channels[2].newest_utime, 1'000'000'000 + 29 * 100'000);
-  inbox.close();
-  engine_thread.join();
 }
 
 TEST(KeptMessages, AreNotAcknowledgedWithoutAJournal) {
