@@ -220,9 +220,11 @@ void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_
 }
 
 void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) {
+  const Laser& laser = robot.declaration.laser;
   const std::vector<Body> bodies = teammates_around(map, robots, robot, odom_from_robot, scan.utime);
-  ScanOutcome done = take_scan(map, robot, without_bodies(scan, robot.declaration.laser, bodies),
-                               odom_from_robot, configuration.engine);
+  ScanOutcome done =
+      take_scan(map, robot, observe(without_bodies(scan, laser, bodies), laser, configuration.engine.patch),
+                odom_from_robot, configuration.engine);
   if (done.predicted_reason.empty()) {
     ++counters.scans_matched;
   } else {

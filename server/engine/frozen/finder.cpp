@@ -50,20 +50,22 @@ std::vector<RigidPiece> all_places(const Map& map, const EngineOptions& options)
   return places;
 }
 
-void Finder::take_scan(const Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+void Finder::take_scan(const Robot& robot, Observation observation, const Pose& odom_from_robot,
                        const EngineOptions& options) {
   if (sketch_.manifold().size() >= most_sketch_patches) *this = {};
   robot_.declaration = robot.declaration;
   const bool first = !robot_.place;
   if (first) robot_.noise = robot.noise;
-  const ScanOutcome done = isthmus::take_scan(sketch_, robot_, scan, odom_from_robot, options);
+  const std::int64_t utime = observation.scan.utime;
+  const ScanOutcome done =
+      isthmus::take_scan(sketch_, robot_, std::move(observation), odom_from_robot, options);
   if (done.new_session) {
     newest_first_.clear();
     from_newest_m_.clear();
     sighted_.clear();
     found_.reset();
     query_.reset();
-    since_utime_ = scan.utime;
+    since_utime_ = utime;
   }
   if (newest_first_.empty() || newest_first_.front() != robot_.place->last_patch) note_patch();
 }

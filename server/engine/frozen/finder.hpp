@@ -30,7 +30,7 @@ struct FinderCounts {
 class Finder {
  public:
   /// The next scan of the robot.
-  void take_scan(const Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+  void take_scan(const Robot& robot, Observation observation, const Pose& odom_from_robot,
                  const EngineOptions& options);
 
   bool has_work() const { return due_ || query_.has_value(); }

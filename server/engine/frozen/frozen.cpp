@@ -45,42 +45,44 @@ Localisation guessed(const ManifoldPose& pose, const Pose& odom_from_robot, std:
 
 }  // namespace
 
-std::optional<ScanOutcome> Frozen::take_scan(const Map& map, Robot& robot, const Scan& scan,
+std::optional<ScanOutcome> Frozen::take_scan(const Map& map, Robot& robot, Observation observation,
                                              const Pose& odom_from_robot, const EngineOptions& options) {
   const std::string& name = robot.declaration.robot;
-  if (!robot.place || robot.place->suspect) put_where_thought(robot, lookouts_[name], scan, odom_from_robot);
+  const std::int64_t utime = observation.scan.utime;
+  if (!robot.place || robot.place->suspect) put_where_thought(robot, lookouts_[name], utime, odom_from_robot);
   if (robot.place) {
-    if (auto done = follow_on(map, robot, scan, odom_from_robot, options)) return done;
+    if (auto done = follow_on(map, robot, observation, odom_from_robot, options)) return done;
   }
   Finder& finder = lookouts_[name].finder;
-  finder.take_scan(robot, scan, odom_from_robot, options);
+  finder.take_scan(robot, std::move(observation), odom_from_robot, options);
   // Where it was before it was carried away, nobody can tell from where it is found.
   if (!robot.unplaced.empty() && robot.unplaced.front().utime < finder.since_utime())
     std::erase_if(robot.unplaced,
                   [&](const UnplacedScan& unplaced) { return unplaced.utime < finder.since_utime(); });
-  robot.unplaced.push_back({scan.utime, odom_from_robot});
+  robot.unplaced.push_back({utime, odom_from_robot});
   if (robot.unplaced.size() > most_unplaced) robot.unplaced.erase(robot.unplaced.begin());
   return std::nullopt;
 }
 
-void Frozen::put_where_thought(Robot& robot, Lookout& lookout, const Scan& scan,
+void Frozen::put_where_thought(Robot& robot, Lookout& lookout, std::int64_t utime,
                                const Pose& odom_from_robot) {
   std::optional<ManifoldPose> thought = lookout.finder.take_found();
   if (!thought && lookout.last) thought = lookout.last->pose;
   lookout.last.reset();
   if (!thought) return;
-  robot.place = guessed(*thought, odom_from_robot, scan.utime);
+  robot.place = guessed(*thought, odom_from_robot, utime);
   lookout.tries_left = most_tries;
   lookout.moved_away = true;
 }
 
-std::optional<ScanOutcome> Frozen::follow_on(const Map& map, Robot& robot, const Scan& scan,
+std::optional<ScanOutcome> Frozen::follow_on(const Map& map, Robot& robot, const Observation& observation,
                                              const Pose& odom_from_robot, const EngineOptions& options) {
-  const std::vector<ScanPoint> points = to_points(scan, robot.declaration.laser, options.patch.normals);
-  const Expectation expectation = expect(robot, odom_from_robot, scan.utime);
+  const std::vector<ScanPoint>& points = observation.points;
+  const std::int64_t utime = observation.scan.utime;
+  const Expectation expectation = expect(robot, odom_from_robot, utime);
   choose_local_map(map, robot, expectation.local_from_robot, points, options);
   const Placement placement = place(robot, expectation, robot.local_map, points, options);
-  follow(map, robot, expectation, placement, odom_from_robot, scan.utime);
+  follow(map, robot, expectation, placement, odom_from_robot, utime);
   const std::string& name = robot.declaration.robot;
   if (placement.matched) {
     robot.place->since_last_patch = {};  // since the last match, here: the robot has no patches

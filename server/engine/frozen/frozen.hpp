@@ -22,7 +22,7 @@ class Frozen {
   Frozen(const Map& map, const EngineOptions& options) : places_(all_places(map, options)) {}
 
   /// Nothing where the robot is not on the map as far as is known.
-  std::optional<ScanOutcome> take_scan(const Map& map, Robot& robot, const Scan& scan,
+  std::optional<ScanOutcome> take_scan(const Map& map, Robot& robot, Observation observation,
                                        const Pose& odom_from_robot, const EngineOptions& options);
 
   /// The robot's odometry begins anew, where it was or elsewhere.
@@ -43,8 +43,8 @@ class Frozen {
     bool moved_away = false;  ///< it may be elsewhere: where it is found, a new session begins
   };
 
-  void put_where_thought(Robot& robot, Lookout& lookout, const Scan& scan, const Pose& odom_from_robot);
-  std::optional<ScanOutcome> follow_on(const Map& map, Robot& robot, const Scan& scan,
+  void put_where_thought(Robot& robot, Lookout& lookout, std::int64_t utime, const Pose& odom_from_robot);
+  std::optional<ScanOutcome> follow_on(const Map& map, Robot& robot, const Observation& observation,
                                        const Pose& odom_from_robot, const EngineOptions& options);
   void lose(Robot& robot, Lookout& lookout, const Expectation& expectation);
 

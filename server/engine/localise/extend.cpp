@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "scanmatch/match_relations.hpp"
 #include "server/engine/map/rejoin.hpp"
@@ -136,19 +137,21 @@ bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Place
   return uncovered > options.uncovered_share;
 }
 
-void begin_island(Map& map, Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+void begin_island(Map& map, Robot& robot, Observation observation, const Pose& odom_from_robot,
                   const EngineOptions& options) {
   const PatchId id = map.manifold().next_id();
-  map.add(make_patch(id, robot.declaration.robot, scan, robot.declaration.laser, options.patch), Pose{});
+  const std::int64_t utime = observation.scan.utime;
+  map.add(make_patch(id, robot.declaration.robot, std::move(observation), options.patch), Pose{});
   robot.place = Localisation{};
   robot.rejoins.clear();
   robot.place->odom_from_robot = odom_from_robot;
-  robot.place->utime = scan.utime;
+  robot.place->utime = utime;
   put_robot_on(robot, id);
 }
 
-bool extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement,
-            std::span<const ScanPoint> points, const EngineOptions& options) {
+bool extend(Map& map, Robot& robot, Observation observation, const Placement& placement,
+            const EngineOptions& options) {
+  const std::vector<ScanPoint>& points = observation.points;
   const PatchId id = map.manifold().next_id();
   const Pose& local_from_robot = placement.local_from_robot;
   std::vector<Relation> relations;
@@ -163,8 +166,7 @@ bool extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement
         find_rejoin(map, robot.surroundings, local_from_robot, points, unpaired, id, options));
   }
   const Pose map_from_robot = map.manifold().pose(robot.surroundings.reference()) * local_from_robot;
-  map.add(make_patch(id, robot.declaration.robot, scan, robot.declaration.laser, options.patch),
-          map_from_robot);
+  map.add(make_patch(id, robot.declaration.robot, std::move(observation), options.patch), map_from_robot);
   const OdometryPath& path = robot.place->since_last_patch;
   const PatchId previous = robot.place->last_patch;
   const Eigen::Matrix3d covariance =

@@ -13,11 +13,11 @@ bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Place
 double uncovered_share(const Star& star, std::span<const LocalPatch> patches_near,
                        const Pose& local_from_robot);
 
-/// Makes a placed scan a patch with its relations: those of its match, odometry's to the robot's previous
-/// patch, and those of local loops that close here. Refits around it, and puts the robot at its origin
-/// (eq. 15). `place` must have been settled at the scan. Returns whether a local loop was closed.
-bool extend(Map& map, Robot& robot, const Scan& scan, const Placement& placement,
-            std::span<const ScanPoint> points, const EngineOptions& options);
+/// Makes the observation of a placed scan a patch with its relations: those of its match, odometry's to the
+/// robot's previous patch, and those of local loops that close here. Refits around it, and puts the robot at
+/// its origin (eq. 15). `place` must have been settled at the scan. Returns whether a local loop was closed.
+bool extend(Map& map, Robot& robot, Observation observation, const Placement& placement,
+            const EngineOptions& options);
 
 /// Odometry's account of the way from a robot's newest own patch to another, with what is to be believed of
 /// it.
@@ -27,7 +27,7 @@ Relation odometry_relation(Robot& robot, PatchId next);
 void put_robot_on(Robot& robot, PatchId patch);
 
 /// The first patch of a new island, at the origin of its own frame.
-void begin_island(Map& map, Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+void begin_island(Map& map, Robot& robot, Observation observation, const Pose& odom_from_robot,
                   const EngineOptions& options);
 
 }  // namespace isthmus

@@ -1,6 +1,7 @@
 #include "server/engine/localise/mapper.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "server/engine/localise/extend.hpp"
 #include "server/engine/localise/follow.hpp"
@@ -32,30 +33,28 @@ bool may_not_begin(const Robot& robot, const EngineOptions& options) {
   return !robot.place && has_all_patches(robot, options);
 }
 
-ScanOutcome take_scan(Map& map, Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pose& odom_from_robot,
                       const EngineOptions& options) {
-  const Laser& laser = robot.declaration.laser;
-  const std::vector<ScanPoint> points = to_points(scan, laser, options.patch.normals);
+  const std::vector<ScanPoint>& points = observation.points;
   if (!robot.place) {
-    begin_island(map, robot, scan, odom_from_robot, options);
+    begin_island(map, robot, std::move(observation), odom_from_robot, options);
     return {answer(map, robot, true), {}, true};
   }
   const bool full = has_all_patches(robot, options);
-  const Expectation expectation = expect(robot, odom_from_robot, scan.utime);
+  const Expectation expectation = expect(robot, odom_from_robot, observation.scan.utime);
   choose_local_map(map, robot, expectation.local_from_robot, points, options);
   const Placement placement = place(robot, expectation, robot.local_map, points, options);
   if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
       robot.place->lost_scans + 1 >= most_lost_scans && !full) {
     robot.health.unmatched();
-    begin_island(map, robot, scan, odom_from_robot, options);
+    begin_island(map, robot, std::move(observation), odom_from_robot, options);
     return {answer(map, robot, true), {}, true};
   }
-  follow(map, robot, expectation, placement, odom_from_robot, scan.utime);
-  const Star star(scan, laser, options.patch.free_space.max_range_m,
-                  options.patch.free_space.no_return_range_m);
-  const bool worth_it = placement.matched ? worth_a_patch(map, robot.surroundings, placement, star, options)
-                                          : worth_a_patch_unmatched(robot, placement, points, options);
-  const bool loop = worth_it && !full && extend(map, robot, scan, placement, points, options);
+  follow(map, robot, expectation, placement, odom_from_robot, observation.scan.utime);
+  const bool worth_it = placement.matched
+                            ? worth_a_patch(map, robot.surroundings, placement, observation.star, options)
+                            : worth_a_patch_unmatched(robot, placement, points, options);
+  const bool loop = worth_it && !full && extend(map, robot, std::move(observation), placement, options);
   ScanOutcome outcome{answer(map, robot, placement.matched), placement.reason};
   outcome.unplaced = robot.place->suspect && !full;
   outcome.loop_closed = loop;

@@ -21,9 +21,9 @@ bool has_all_patches(const Robot& robot, const EngineOptions& options);
 /// Such a one that has no place: it would need a patch to begin with.
 bool may_not_begin(const Robot& robot, const EngineOptions& options);
 
-/// Incremental localisation and mapping (Howard et al. 2006, IV-A) of one scan of one robot, whose odometry
-/// at the scan's stamp is given. A robot with all its patches must have a place.
-ScanOutcome take_scan(Map& map, Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+/// Incremental localisation and mapping (Howard et al. 2006, IV-A) of what one robot has seen in one scan;
+/// its odometry at the scan's stamp is given. A robot with all its patches must have a place.
+ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pose& odom_from_robot,
                       const EngineOptions& options);
 
 }  // namespace isthmus
