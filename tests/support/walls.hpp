@@ -30,6 +30,20 @@ inline Walls furnished_room() {
 /// Two parallel walls, 2 m apart, longer than any laser sees.
 inline Walls corridor() { return {{{-100, -1}, {100, -1}}, {{-100, 1}, {100, 1}}}; }
 
+/// A hall of 4 m by 27 m along x, with niches no two of which are alike.
+inline Walls niched_hall() {
+  Walls walls;
+  add_box(walls, -3, -2, 24, 2);
+  double x = -2;
+  double side = 1;
+  for (const double width : {0.4, 1.1, 0.6, 0.9, 0.3, 0.7, 1.2, 0.5, 0.8}) {
+    add_box(walls, x, side * 2 - 0.5, x + width, side * 2 + 0.5);
+    x += 1.8 + width;
+    side = -side;
+  }
+  return walls;
+}
+
 inline double range_to(const Walls& walls, const Eigen::Vector2d& eye, double bearing) {
   const Eigen::Vector2d direction(std::cos(bearing), std::sin(bearing));
   double nearest = std::numeric_limits<double>::infinity();

@@ -1,0 +1,110 @@
+#include "server/engine/frozen/frozen.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/ways.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+Map mapped_hall() {
+  Map map;
+  std::vector<Pose> poses;
+  for (int i = 0; i < 16; ++i) poses.push_back({1.0 * i, 0, 0});
+  add_way(map, niched_hall(), poses);
+  return map;
+}
+
+// A robot on a map of a hall that does not change.
+struct OnTheMap {
+  explicit OnTheMap(const Pose& world_from_robot) {
+    robot.declaration.robot = "R9";
+    robot.declaration.laser = laser_of();
+    robot.session = 0;
+    robot.place = Localisation{};
+    robot.place->pose = {PatchId{0}, world_from_robot};
+    robot.place->odom_from_robot = world_from_robot;
+    robot.place->covariance = robot.place->spread = 0.01 * Eigen::Matrix3d::Identity();
+    robot.place->last_patch = PatchId{0};
+  }
+  std::optional<ScanOutcome> scan(const Pose& truth, const Pose& odometry) {
+    utime += 100'000;
+    return frozen.take_scan(map, robot, observe(scan_from(niched_hall(), truth, utime), laser_of(), {}),
+                            odometry, options);
+  }
+  std::optional<ScanOutcome> scan(const Pose& truth) { return scan(truth, truth); }
+  // Time for searches.
+  void wait() {
+    while (frozen.has_work()) frozen.advance(map, options, now += 100'000);
+  }
+
+  EngineOptions options;
+  const Map map = mapped_hall();
+  Frozen frozen{map, options};
+  Robot robot;
+  std::int64_t utime = 0;
+  std::int64_t now = 0;
+};
+
+TEST(Frozen, FollowsARobotOverTheMapWithoutExtendingIt) {
+  OnTheMap on({0, 0, 0});
+  for (double x = 0.1; x < 6; x += 0.1) {
+    const auto outcome = on.scan({x, 0.3, 0});
+    ASSERT_TRUE(outcome) << x;
+    EXPECT_TRUE(outcome->pose.matched) << x;
+    EXPECT_NEAR(outcome->pose.map_from_robot.x, x, 0.05);
+  }
+  EXPECT_GE(on.robot.place->pose.patch, PatchId{4}) << "eq. 14 alone, without eq. 15";
+  EXPECT_EQ(on.robot.patches, 0U);
+}
+
+TEST(Frozen, TellsNoPoseOfARobotThatItDoesNotKnow) {
+  OnTheMap on({});
+  on.robot.place.reset();
+  EXPECT_FALSE(on.scan({5, 0, 0}, {}));
+  EXPECT_EQ(on.robot.unplaced.size(), 1U) << "to be placed once the robot is found";
+}
+
+// It is found on the way, and from then on followed: a new session, for how it came there nobody knows.
+TEST(Frozen, FindsARobotOnItsWay) {
+  OnTheMap on({});
+  on.robot.place.reset();
+  std::optional<ScanOutcome> outcome;
+  double x = 4;
+  for (; x < 14 && !outcome; x += 0.1) {
+    outcome = on.scan({x, 0.3, 0}, {x - 4, 0, 0});
+    on.wait();
+  }
+  ASSERT_TRUE(outcome);
+  EXPECT_TRUE(outcome->new_session);
+  EXPECT_NEAR(outcome->pose.map_from_robot.x, x - 0.1, 0.1);
+  EXPECT_NEAR(outcome->pose.map_from_robot.y, 0.3, 0.1);
+  EXPECT_GE(on.frozen.counts().finds, 2);
+}
+
+TEST(Frozen, LosesARobotThatWasCarriedAway) {
+  OnTheMap on({0, 0, 0});
+  ASSERT_TRUE(on.scan({0.1, 0, 0}));
+  int told = 0;
+  for (int i = 0; i < 8; ++i) told += on.scan({12, 0, 2}, {30, 0, 0}) ? 1 : 0;
+  EXPECT_EQ(told, 0);
+  EXPECT_FALSE(on.robot.place) << "after eight scans in vain it is not there";
+}
+
+// Switched off and on where it stood: its odometry begins at zero.
+TEST(Frozen, TriesFirstWhereARobotWas) {
+  OnTheMap on({5, 0, 0});
+  ASSERT_TRUE(on.scan({5.1, 0, 0}));
+  on.frozen.restart(on.robot);
+  EXPECT_FALSE(on.robot.place);
+  const auto outcome = on.scan({5.1, 0, 0}, {});
+  ASSERT_TRUE(outcome);
+  EXPECT_TRUE(outcome->pose.matched);
+  EXPECT_TRUE(outcome->new_session);
+  EXPECT_NEAR(outcome->pose.map_from_robot.x, 5.1, 0.05);
+}
+
+}  // namespace
+}  // namespace isthmus

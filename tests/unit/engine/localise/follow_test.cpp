@@ -1,0 +1,197 @@
+#include "server/engine/localise/follow.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/support/ways.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+constexpr double quarter_turn = std::numbers::pi / 2;
+
+void expect_near(const Pose& a, const Pose& b) {
+  EXPECT_NEAR(a.x, b.x, 1e-9);
+  EXPECT_NEAR(a.y, b.y, 1e-9);
+  EXPECT_NEAR(wrap_angle(a.yaw - b.yaw), 0, 1e-9);
+}
+
+// A robot on patch 0, and patches whose poses are known to a millimetre, all in one room.
+struct OnPatches {
+  explicit OnPatches(const std::vector<Pose>& world_from_patches) {
+    add_way(map, furnished_room(), world_from_patches);
+    robot.place = Localisation{};
+    robot.place->pose = {PatchId{0}, {}};
+    robot.place->last_patch = PatchId{0};
+    choose({});
+  }
+  void choose(const Pose& local_from_robot) {
+    choose_local_map(map, robot, local_from_robot, map.manifold().patch(PatchId{0}).points, options);
+  }
+  // A scan that was matched there.
+  void follow_to(const Pose& local_from_robot, bool matched = true, bool plausible = true,
+                 const Pose& odometry_step = {}) {
+    Expectation expectation;
+    expectation.step = plausible ? odometry_step : Pose{};
+    expectation.claimed_step = odometry_step;
+    expectation.plausible = plausible;
+    Placement placement;
+    placement.matched = matched;
+    placement.local_from_robot = local_from_robot;
+    placement.covariance = Eigen::Vector3d(1, 4, 9).asDiagonal();
+    placement.spread = Eigen::Vector3d(2, 8, 18).asDiagonal();
+    follow(map, robot, expectation, placement, {7, 8, 0.5}, 5'000'000);
+  }
+  const ManifoldPose& pose() const { return robot.place->pose; }
+
+  EngineOptions options;
+  Map map;
+  Robot robot;
+};
+
+// Eq. 14: the nearest patch, and r = π* ⊖ π in its frame.
+TEST(Follow, PutsTheRobotOnTheNearestPatch) {
+  OnPatches on({{0, 0, 0}, {2, 0.5, quarter_turn}});
+  on.follow_to({1.8, 0.5, 0.3});
+  EXPECT_EQ(on.pose().patch, PatchId{1});
+  expect_near(on.pose().patch_from_object, {0, 0.2, 0.3 - quarter_turn});
+}
+
+TEST(Follow, TurnsTheCovarianceIntoTheFrameOfThePatch) {
+  OnPatches on({{0, 0, 0}, {2, 0.5, quarter_turn}});
+  on.follow_to({1.8, 0.5, 0.3});
+  EXPECT_TRUE(
+      on.robot.place->covariance.isApprox(Eigen::Matrix3d(Eigen::Vector3d(4, 1, 9).asDiagonal()), 1e-9));
+  EXPECT_TRUE(on.robot.place->spread.isApprox(Eigen::Matrix3d(Eigen::Vector3d(8, 2, 18).asDiagonal()), 1e-9));
+}
+
+TEST(Follow, KeepsThePatchUntilAnotherIsClearlyNearer) {
+  OnPatches on({{0, 0, 0}, {2, 0, 0}});
+  on.follow_to({1.05, 0, 0});
+  EXPECT_EQ(on.pose().patch, PatchId{0});
+  expect_near(on.pose().patch_from_object, {1.05, 0, 0});
+  on.follow_to({1.15, 0, 0});
+  EXPECT_EQ(on.pose().patch, PatchId{0}) << "0.3 m nearer, but a patch sees nothing behind itself";
+  on.follow_to({1.65, 0, 0});
+  EXPECT_EQ(on.pose().patch, PatchId{1});
+}
+
+// Eq. 14 asks of those patches only whose polygons the robot lies in.
+TEST(Follow, PutsTheRobotOnNoPatchThatItDoesNotLieIn) {
+  OnPatches facing_away({{0, 0, 0}, {2, 0, 0}});
+  facing_away.follow_to({1.3, 0, 0});
+  EXPECT_EQ(facing_away.pose().patch, PatchId{0});
+  OnPatches facing_it({{0, 0, 0}, {2, 0, 2 * quarter_turn}});
+  facing_it.follow_to({1.3, 0, 0});
+  EXPECT_EQ(facing_it.pose().patch, PatchId{1});
+}
+
+// Only patches of the local map count: of others nobody knows how near they are.
+TEST(Follow, PutsTheRobotOnNoPatchThatIsLooselyDetermined) {
+  OnPatches on({{0, 0, 0}});
+  const PatchId loose = on.map.manifold().next_id();
+  on.map.add(patch_from(furnished_room(), loose, {2, 0, 0}), {2, 0, 0});
+  on.map.relate(odometry_relation(PatchId{0}, loose, {2, 0, 0}, {1, 1, 100}));
+  on.choose({});
+  on.follow_to({2, 0, 0});
+  EXPECT_EQ(on.pose().patch, PatchId{0});
+}
+
+TEST(Follow, RemembersTheScan) {
+  OnPatches on({{0, 0, 0}});
+  on.robot.place->suspect = true;
+  on.robot.place->lost_scans = 3;
+  on.follow_to({0.5, 0, 0.1}, true, true, {0.45, 0, 0.1});
+  const Localisation& place = *on.robot.place;
+  EXPECT_EQ(place.utime, 5'000'000);
+  expect_near(place.odom_from_robot, {7, 8, 0.5});
+  expect_near(place.last_step, {0.5, 0, 0.1});
+  expect_near(place.since_last_patch.start_from_end, {0.45, 0, 0.1});
+  EXPECT_TRUE(place.since_last_patch.covariance.isApprox(on.robot.noise.covariance({0.45, 0, 0.1}), 0.01));
+  EXPECT_FALSE(place.suspect);
+  EXPECT_EQ(place.lost_scans, 0);
+}
+
+TEST(Follow, CountsScansThatWereNotMatched) {
+  OnPatches on({{0, 0, 0}});
+  on.follow_to({0.1, 0, 0}, false, true, {0.1, 0, 0});
+  on.follow_to({0.2, 0, 0}, false, true, {0.1, 0, 0});
+  EXPECT_EQ(on.robot.place->lost_scans, 2);
+  EXPECT_FALSE(on.robot.place->suspect);
+  on.follow_to({0.2, 0, 0}, false, false, {9, 0, 0});
+  EXPECT_TRUE(on.robot.place->suspect) << "odometry did what no robot does";
+  on.follow_to({0.3, 0, 0}, false, true, {0.1, 0, 0});
+  EXPECT_TRUE(on.robot.place->suspect) << "until a scan is matched";
+  EXPECT_NEAR(on.robot.place->since_last_patch.start_from_end.x, 0.3, 1e-9) << "a jump is no way";
+}
+
+// Odometry that says too little, as matching tells again and again, is trusted less.
+TEST(Follow, LearnsHowFarOdometryIsRight) {
+  OnPatches on({{0, 0, 0}});
+  const double before = on.robot.noise.translation_scale();
+  on.follow_to({0.5, 0, 0}, true, false, {0.1, 0, 0});
+  EXPECT_EQ(on.robot.noise.translation_scale(), before) << "of an implausible step nothing is learned";
+  on.robot.place->pose.patch_from_object = {};
+  on.follow_to({0.5, 0, 0}, false, true, {0.1, 0, 0});
+  EXPECT_EQ(on.robot.noise.translation_scale(), before) << "nor of a scan that was not matched";
+  on.robot.place->pose.patch_from_object = {};
+  on.follow_to({0.5, 0, 0}, true, true, {0.1, 0, 0});
+  EXPECT_GT(on.robot.noise.translation_scale(), before);
+}
+
+std::vector<int> patches_in(const LocalMap& local_map) {
+  std::vector<int> ids;
+  for (const LocalPatch& local : local_map.patches) ids.push_back(local.patch->id.value);
+  return ids;
+}
+
+TEST(ChooseLocalMap, TakesThePatchesAroundTheRobot) {
+  const OnPatches on({{0, 0, 0}, {0.5, 0, 0}});
+  EXPECT_EQ(on.robot.local_map.reference, PatchId{0});
+  EXPECT_EQ(patches_in(on.robot.local_map), (std::vector<int>{0, 1}));
+  expect_near(on.robot.local_map.patches.at(1).local_from_patch, {0.5, 0, 0});
+}
+
+TEST(ChooseLocalMap, KeepsItUntilTheRobotHasMovedOrTurned) {
+  OnPatches on({{0, 0, 0}});
+  on.choose({0.39, 0, 0});
+  expect_near(on.robot.local_map_centre, {});
+  on.choose({0, 0.41, 0});
+  expect_near(on.robot.local_map_centre, {0, 0.41, 0});
+  on.choose({0, 0.41, 0.31});
+  expect_near(on.robot.local_map_centre, {0, 0.41, 0.31});
+}
+
+TEST(ChooseLocalMap, ChoosesAnewWhereTheMapHasChanged) {
+  OnPatches on({{0, 0, 0}});
+  const PatchId next = on.map.manifold().next_id();
+  on.map.add(patch_from(furnished_room(), next, {0.5, 0, 0}), {0.5, 0, 0});
+  on.map.relate(odometry_relation(PatchId{0}, next, {0.5, 0, 0}));
+  on.choose({});
+  EXPECT_EQ(patches_in(on.robot.local_map), (std::vector<int>{0, 1}));
+}
+
+TEST(Answer, ProjectsTheRobotOnThePlaneOfItsIsland) {
+  OnPatches on({{1, 2, quarter_turn}, {1, 3, quarter_turn}});
+  on.robot.declaration.robot = "R1";
+  on.robot.place->pose = {PatchId{1}, {0.5, 0, 0}};
+  on.robot.place->odom_from_robot = {7, 8, 0};
+  on.robot.place->utime = 3;
+  on.robot.place->covariance = Eigen::Vector3d(1, 4, 9).asDiagonal();
+  const RobotPose pose = answer(on.map, on.robot, true);
+  EXPECT_EQ(pose.robot, "R1");
+  EXPECT_EQ(pose.utime, 3);
+  EXPECT_EQ(pose.island, PatchId{0});
+  EXPECT_EQ(pose.pose.patch, PatchId{1});
+  EXPECT_EQ(pose.covariance, on.robot.place->covariance);
+  expect_near(pose.map_from_robot, {1, 3.5, quarter_turn});
+  expect_near(pose.map_from_odom * Pose{7, 8, 0}, {1, 3.5, quarter_turn});
+  EXPECT_TRUE(pose.matched);
+  EXPECT_FALSE(answer(on.map, on.robot, false).matched);
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,134 @@
+#include "server/engine/localise/mapper.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/walls.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+// A robot in a room, driven by hand; it scans ten times a second.
+struct Driven {
+  Driven() {
+    robot.declaration.robot = "R1";
+    robot.declaration.laser = laser_of();
+  }
+  // It stands at `truth` and its odometry says `odometry`.
+  ScanOutcome scan(const Pose& truth, const Pose& odometry, const Walls& walls) {
+    utime += 100'000;
+    return take_scan(map, robot, observe(scan_from(walls, truth, utime), laser_of(), options.patch), odometry,
+                     options);
+  }
+  ScanOutcome scan(const Pose& truth) { return scan(truth, truth, furnished_room()); }
+  // Blind: nothing is in its laser's reach.
+  ScanOutcome blind_scan(const Pose& odometry) { return scan({}, odometry, {}); }
+
+  EngineOptions options;
+  Map map;
+  Robot robot;
+  std::int64_t utime = 0;
+};
+
+TEST(TakeScan, BeginsAnIslandWithTheFirst) {
+  Driven driven;
+  const ScanOutcome first = driven.scan({0.5, 0, 0});
+  EXPECT_TRUE(first.new_session);
+  EXPECT_EQ(driven.map.manifold().size(), 1U);
+  EXPECT_EQ(first.pose.pose.patch, PatchId{0});
+  EXPECT_EQ(first.pose.map_from_robot, Pose{});
+  EXPECT_TRUE(first.pose.matched);
+}
+
+TEST(TakeScan, LocalisesOnKnownGroundAndDiscardsTheScan) {
+  Driven driven;
+  driven.scan({});
+  const ScanOutcome second = driven.scan({0.2, 0.1, 0.05}, {0.22, 0.09, 0.06}, furnished_room());
+  EXPECT_FALSE(second.new_session);
+  EXPECT_TRUE(second.predicted_reason.empty()) << second.predicted_reason;
+  EXPECT_NEAR(second.pose.map_from_robot.x, 0.2, 0.01);
+  EXPECT_NEAR(second.pose.map_from_robot.y, 0.1, 0.01);
+  EXPECT_NEAR(second.pose.map_from_robot.yaw, 0.05, 0.005);
+  EXPECT_EQ(second.pose.utime, driven.utime);
+  EXPECT_EQ(driven.map.manifold().size(), 1U);
+}
+
+TEST(TakeScan, ExtendsTheMapByTheWay) {
+  Driven driven;
+  for (int i = 0; i <= 7; ++i) driven.scan({0.15 * i, 0, 0});
+  ASSERT_EQ(driven.map.manifold().size(), 2U);
+  EXPECT_NEAR(driven.map.manifold().pose(PatchId{1}).x, 1.05, 0.02) << "a metre and a bit on";
+  EXPECT_EQ(driven.robot.place->pose.patch, PatchId{1});
+  EXPECT_EQ(driven.map.graph().islands().size(), 1U);
+}
+
+TEST(TakeScan, RefusesAPatchBeyondThoseThatARobotMayHave) {
+  Driven driven;
+  driven.options.patches_per_robot = 1;
+  EXPECT_FALSE(may_not_begin(driven.robot, driven.options));
+  EXPECT_FALSE(driven.scan({}).patch_refused);
+  EXPECT_TRUE(has_all_patches(driven.robot, driven.options));
+  for (int i = 1; i <= 10; ++i) EXPECT_FALSE(driven.scan({0.1 * i - 0.05, 0, 0}).patch_refused);
+  const ScanOutcome far = driven.scan({1.1, 0, 0});
+  EXPECT_TRUE(far.patch_refused);
+  EXPECT_TRUE(far.predicted_reason.empty()) << "it is localised all the same";
+  EXPECT_EQ(driven.map.manifold().size(), 1U);
+  driven.robot.place.reset();
+  EXPECT_TRUE(may_not_begin(driven.robot, driven.options)) << "it would need a patch";
+}
+
+// Where nothing matches, odometry alone carries the map on.
+TEST(TakeScan, ExtendsTheMapByOdometryOnceItsSurroundingsAreLeftBehind) {
+  Driven driven;
+  driven.scan({});
+  Walls hall;
+  add_box(hall, -0.9, -0.9, 1.1, 0.8);
+  const auto elsewhere = [&](double way_m) { return driven.scan({}, {way_m, 0, 0}, hall); };
+  EXPECT_FALSE(elsewhere(0.1).predicted_reason.empty());
+  elsewhere(0.3);
+  EXPECT_EQ(driven.map.manifold().size(), 1U);
+  elsewhere(0.5);
+  ASSERT_EQ(driven.map.manifold().size(), 2U);
+  EXPECT_NEAR(driven.map.manifold().pose(PatchId{1}).x, 0.5, 1e-6);
+  EXPECT_EQ(driven.map.graph().relations().size(), 1U);
+}
+
+TEST(TakeScan, MakesNoPatchOfAScanThatSawNothing) {
+  Driven driven;
+  driven.scan({});
+  for (int i = 1; i < 10; ++i) EXPECT_EQ(driven.blind_scan({0.3 * i, 0, 0}).predicted_reason, "few_returns");
+  EXPECT_EQ(driven.map.manifold().size(), 1U);
+  EXPECT_NEAR(driven.robot.place->pose.patch_from_object.x, 2.7, 1e-9);
+}
+
+// Carried away: odometry jumps, and what the robot sees fits nowhere near.
+TEST(TakeScan, BeginsAnotherIslandWhereOdometryJumpedAndNothingFitsForLong) {
+  Driven driven;
+  driven.scan({});
+  Walls hall;
+  add_box(hall, -0.9, -0.9, 1.1, 0.8);
+  for (int i = 0; i < 7; ++i) {
+    const ScanOutcome lost = driven.scan({}, {30, 0, 0}, hall);
+    EXPECT_TRUE(lost.unplaced);
+    EXPECT_FALSE(lost.new_session);
+  }
+  EXPECT_TRUE(driven.scan({}, {30, 0, 0}, hall).new_session);
+  EXPECT_EQ(driven.map.graph().islands().size(), 2U);
+}
+
+TEST(TakeScan, ForgivesAJumpOnceAScanFits) {
+  Driven driven;
+  driven.scan({});
+  Walls hall;
+  add_box(hall, -0.9, -0.9, 1.1, 0.8);
+  for (int i = 0; i < 5; ++i) driven.scan({}, {30, 0, 0}, hall);
+  const ScanOutcome found = driven.scan({0.5, 0, 0}, {30.5, 0, 0}, furnished_room());
+  EXPECT_TRUE(found.predicted_reason.empty()) << found.predicted_reason;
+  EXPECT_FALSE(found.unplaced);
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(driven.scan({}, {30.5, 0, 0}, hall).new_session);
+  EXPECT_EQ(driven.map.graph().islands().size(), 1U);
+}
+
+}  // namespace
+}  // namespace isthmus

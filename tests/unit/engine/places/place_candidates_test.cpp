@@ -1,0 +1,125 @@
+#include "server/engine/places/place_candidates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/ways.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+// Once round a block of 10 m by 10 m, a metre a patch, by odometry that errs by `sigma_m` and `sigma_rad` a
+// metre: the last of 40 patches lies a metre beside the first, and 39 m from it over the map.
+Map round_a_block(double sigma_m = 0.05, double sigma_rad = 0.016) {
+  const Eigen::Vector3d information(1 / (sigma_m * sigma_m), 1 / (sigma_m * sigma_m),
+                                    1 / (sigma_rad * sigma_rad));
+  Map map;
+  for (int i = 0; i < 40; ++i) {
+    const double along = i % 10;
+    const Pose corners[] = {{along, 0, 0}, {10, along, 1.57}, {10 - along, 10, 3.14}, {0, 10 - along, -1.57}};
+    const PatchId id{i};
+    map.add(patch_from(furnished_room(), id, {}), corners[i / 10]);
+    if (i == 0) continue;
+    const PatchId before{i - 1};
+    map.relate(odometry_relation(before, id, ominus(map.manifold().pose(id), map.manifold().pose(before)),
+                                 information));
+  }
+  return map;
+}
+
+constexpr PatchId newest{39};
+
+TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
+  const Map map = round_a_block();
+  const std::vector<PlaceCandidate> places = places_on_own_island(map, newest);
+  ASSERT_FALSE(places.empty());
+  for (const PlaceCandidate& place : places) {
+    const Pose r = ominus(map.manifold().pose(newest), map.manifold().pose(place.anchor));
+    EXPECT_EQ(place.way_m, newest.value - place.anchor.value) << "a metre a patch";
+    EXPECT_GE(place.way_m, 20);
+    EXPECT_LT(std::hypot(r.x, r.y), 5 + 1 + 0.06 * place.way_m);
+  }
+  EXPECT_EQ(places.front().anchor, PatchId{0}) << "the likeliest first";
+}
+
+// About where the map has the patch, as wide as three standard deviations of what map and sensors err by.
+TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
+  const Map map = round_a_block();
+  const PlaceCandidate place = places_on_own_island(map, newest).front();
+  const Pose truth = ominus(map.manifold().pose(newest), map.manifold().pose(place.anchor));
+  EXPECT_LE(std::abs(place.window.centre.x - truth.x), place.window.half_x_m);
+  EXPECT_LE(std::abs(place.window.centre.y - truth.y), place.window.half_y_m);
+  const double yaw_sigma = std::sqrt(39 * 0.016 * 0.016 + systematic_variance(39).z());
+  EXPECT_NEAR(place.window.half_yaw_rad, 3 * yaw_sigma + 0.1, 0.01);
+  EXPECT_LT(place.window.half_x_m, places_on_own_island(round_a_block(0.2), newest).front().window.half_x_m)
+      << "worse odometry, wider windows";
+  for (const PlaceCandidate& wide : places_on_own_island(round_a_block(1, 0.2), newest)) {
+    EXPECT_LE(wide.window.half_x_m, 5) << "the next anchor has the rest";
+    EXPECT_LE(wide.window.half_yaw_rad, std::numbers::pi);
+  }
+}
+
+TEST(PlacesOnOwnIsland, LeaveOutWhatTheMapIsSureOf) {
+  EXPECT_TRUE(places_on_own_island(round_a_block(0.001, 0.0001), newest).empty());
+}
+
+TEST(PlacesOnOwnIsland, LeaveOutWhatSawNoWalls) {
+  Map map;
+  for (int i = 0; i < 40; ++i) {
+    auto blind = std::make_shared<Patch>();
+    blind->id = PatchId{i};
+    map.add(blind, round_a_block().manifold().pose(PatchId{i}));
+    if (i > 0) map.relate(odometry_relation(PatchId{i - 1}, PatchId{i}, {1, 0, 0}, {400, 400, 4000}));
+  }
+  EXPECT_TRUE(places_on_own_island(map, newest).empty());
+}
+
+// Of `count` patches, a metre apart.
+std::vector<PatchId> add_row(Map& map, int count) {
+  std::vector<Pose> poses;
+  for (int i = 0; i < count; ++i) poses.push_back({1.0 * i, 0, 0});
+  return add_way(map, niched_hall(), poses, {100, 0, 1});
+}
+
+TEST(PlacesOnOtherIslands, CoverThemInEveryDirection) {
+  Map map;
+  const PatchId own = add_row(map, 10).back();
+  const std::vector<PatchId> other = add_row(map, 10);
+  const std::vector<PlaceCandidate> places = places_on_other_islands(map, own);
+  EXPECT_EQ(places.size(), 3U) << "at 0 m, 4 m and 8 m";
+  for (const PatchId id : other) {
+    const bool near = std::ranges::any_of(
+        places, [&](const PlaceCandidate& place) { return std::abs(place.anchor.value - id.value) < 4; });
+    EXPECT_TRUE(near) << id.value;
+  }
+  for (const PlaceCandidate& place : places) {
+    EXPECT_GE(place.anchor, other.front());
+    EXPECT_EQ(place.window.half_yaw_rad, std::numbers::pi);
+    EXPECT_GE(place.window.half_x_m, 4);
+    EXPECT_TRUE(std::isinf(place.sigma_m)) << "nothing says where on it the patch lies";
+  }
+}
+
+TEST(PlacesOnOtherIslands, LeaveOutIslandsOfLessThanSixPatches) {
+  Map map;
+  const PatchId own = add_row(map, 10).back();
+  add_row(map, 5);
+  EXPECT_TRUE(places_on_other_islands(map, own).empty());
+  add_row(map, 6);
+  EXPECT_FALSE(places_on_other_islands(map, own).empty());
+}
+
+// What errs the same way all along adds up: standard deviations grow with the way, and not with its root.
+TEST(SystematicVariance, GrowsWithTheSquareOfTheWay) {
+  const auto sigma = [](double way_m) { return Eigen::Vector3d(systematic_variance(way_m).cwiseSqrt()); };
+  EXPECT_TRUE((sigma(200) - sigma(100)).isApprox(sigma(100) - sigma(0), 1e-9));
+  EXPECT_GT(sigma(100).x(), sigma(0).x() + 1) << "more than a per cent";
+  EXPECT_EQ(sigma(100).x(), sigma(100).y());
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,97 @@
+#include "server/engine/propagation/weaving.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/ways.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+// There and back through a room by odometry alone, and good odometry: 0 and 5 lie side by side, five
+// relations from one another, and nothing says so.
+//
+//     0 --- 1 --- 2
+//                 |
+//     5 --- 4 --- 3
+struct ThereAndBack {
+  ThereAndBack() {
+    add_way(map, furnished_room(),
+            {{-2, -1, 0}, {-1, -1, 0}, {0, -1, 0}, {0, -0.8, 0}, {-1, -0.8, 0}, {-2, -0.8, 0}});
+  }
+  void advance(std::int64_t now_utime) { weaving.advance(map, options, now_utime); }
+  std::size_t relations(int a, int b) const { return map.graph().between(PatchId{a}, PatchId{b}).size(); }
+
+  EngineOptions options;
+  Map map;
+  Weaving weaving;
+};
+
+TEST(Weaving, RelatesWhereARobotStandsToWhatLiesThere) {
+  ThereAndBack room;
+  EXPECT_FALSE(room.weaving.busy());
+  room.weaving.stands_on("R1", PatchId{5});
+  EXPECT_TRUE(room.weaving.busy());
+  room.advance(1'000'000);
+  EXPECT_EQ(room.relations(0, 5), 1U);
+  for (const RelationId id : room.map.graph().between(PatchId{0}, PatchId{5}))
+    EXPECT_EQ(room.map.graph().find(id)->origin, (Origin{OriginKind::match, {}}));
+}
+
+// One step of 5 ms for every 10 ms that pass, and none saved up.
+TEST(Weaving, WorksOnHalfOfTheTimeThatPasses) {
+  ThereAndBack room;
+  room.weaving.weave_all(room.map);
+  const auto all = [&] { return room.map.graph().relations().size(); };
+  const std::size_t before = all();
+  room.advance(9'999);
+  EXPECT_EQ(all(), before);
+  room.advance(10'001);
+  const std::size_t after_one = all();
+  EXPECT_GT(after_one, before);
+  room.advance(19'990);
+  EXPECT_EQ(all(), after_one);
+}
+
+TEST(Weaving, TakesAPatchOnceWhileTheRobotStandsThere) {
+  ThereAndBack room;
+  room.weaving.stands_on("R1", PatchId{1});
+  while (room.weaving.finish_step(room.map, room.options)) {
+  }
+  room.weaving.stands_on("R1", PatchId{1});
+  EXPECT_FALSE(room.weaving.busy());
+  room.weaving.stands_on("R2", PatchId{1});
+  EXPECT_TRUE(room.weaving.busy()) << "another robot has come";
+}
+
+TEST(Weaving, OfAllTakesEveryPatch) {
+  ThereAndBack room;
+  room.weaving.weave_all(room.map);
+  while (room.weaving.finish_step(room.map, room.options)) {
+  }
+  EXPECT_FALSE(room.weaving.busy());
+  EXPECT_EQ(room.relations(0, 5), 1U);
+  EXPECT_EQ(room.relations(1, 2), 1U) << "so near in the graph, the odometry is all there was and is";
+}
+
+// Where the map is not sure, what lies together in it need not in truth: there a trial decides.
+TEST(Weaving, LeavesAloneWhatIsNotWellDetermined) {
+  ThereAndBack room;
+  Map loose;
+  for (int i = 0; i < 6; ++i) {
+    const PatchId id{i};
+    loose.add(room.map.manifold().shared_patch(id), room.map.manifold().pose(id));
+    if (i > 0)
+      loose.relate(odometry_relation(
+          PatchId{i - 1}, id, ominus(room.map.manifold().pose(id), room.map.manifold().pose(PatchId{i - 1})),
+          {100, 100, 1e4}));
+  }
+  room.weaving.stands_on("R1", PatchId{5});
+  while (room.weaving.finish_step(loose, room.options)) {
+  }
+  EXPECT_EQ(loose.graph().relations().size(), 5U);
+}
+
+}  // namespace
+}  // namespace isthmus
