@@ -168,11 +168,23 @@ TEST(Tables, RelationsHaveKindCountOriginClosureAndWhatTheyDependOn) {
                 "3,0,1," + std::string(name(RelationKind::point_to_line)) + ",7,hypothesis,5,5"}));
 }
 
+SightingRecord record_of(const SightingEvent& sighting, const char* verdict, const char* reason,
+                         ClosureId id) {
+  SightingRecord record;
+  record.sighting = sighting;
+  record.verdict = verdict;
+  record.reason = reason;
+  record.closure = id;
+  return record;
+}
+
 TEST(Tables, SightingsRepeatTheInputAndSayWhatBecameOfIt) {
   MapCopy map;
   const double inf = std::numeric_limits<double>::infinity();
-  map.sightings.append({{"R1", 5'000'001, 12, 2.5, 0.02, -0.125, 0.07}, "set_aside", "", ClosureId{}});
-  map.sightings.append({{"R2", 6, 13, 0, inf, 0.1, 0.07}, "refused", "gate, 95 %", ClosureId{4}});
+  const std::vector<SightingRecord> records = {
+      record_of({"R1", 5'000'001, 12, 2.5, 0.02, -0.125, 0.07}, "set_aside", "", ClosureId{}),
+      record_of({"R2", 6, 13, 0, inf, 0.1, 0.07}, "refused", "gate, 95 %", ClosureId{4})};
+  for (const SightingRecord& record : records) map.sightings.append(record);
   const TemporaryDirectory directory;
   write_sightings(map, directory.file("sightings.csv"));
   EXPECT_EQ(lines(directory.file("sightings.csv")),
