@@ -133,6 +133,21 @@ std::int64_t first_utime(const std::string& log) {
   return first ? first->utime : 0;
 }
 
+LiveOptions live_options(const Arguments& arguments, const std::string& toml, const Log& log) {
+  LiveOptions options;
+  options.toml = toml;
+  options.journal_directory = arguments.journal_directory;
+  options.frozen = arguments.frozen;
+  options.output_directory = arguments.output_directory;
+  options.journal.segment_bytes = arguments.segment_mb * 1'000'000;
+  options.snapshots = !arguments.no_snapshots;
+  if (arguments.keep_segments >= 0) options.keep_segments = arguments.keep_segments;
+  options.journal.waiting_bytes = arguments.journal_waiting_mb * 1024 * 1024;
+  options.journal.report = [log](const std::string& text) { log(LogLevel::warning, text, {}); };
+  options.log = log;
+  return options;
+}
+
 void serve(const Arguments& arguments, const std::string& toml) {
   const Log log = log_to_stderr(*parse_log_level(arguments.log_level));
   const sigset_t signals = block_stop_signals();
@@ -141,22 +156,12 @@ void serve(const Arguments& arguments, const std::string& toml) {
     log(LogLevel::warning, warning, {});
   LcmLink link(url, log);
   const std::string log_file = log_file_of(url);
-  LiveOptions options;
+  LiveOptions options = live_options(arguments, toml, log);
   if (log_file.empty()) options.clock = std::make_shared<EventClock>();
   ClockReading receive_utime;
   if (options.clock) receive_utime = [clock = options.clock] { return clock->now(); };
   Inbox inbox({}, log_file.empty() ? InboxOrder::fair : InboxOrder::arrival, receive_utime);
-  options.toml = toml;
-  options.journal_directory = arguments.journal_directory;
-  options.frozen = arguments.frozen;
-  options.output_directory = arguments.output_directory;
   if (!options.clock) options.start_utime = first_utime(log_file);
-  options.journal.segment_bytes = arguments.segment_mb * 1'000'000;
-  options.snapshots = !arguments.no_snapshots;
-  if (arguments.keep_segments >= 0) options.keep_segments = arguments.keep_segments;
-  options.journal.waiting_bytes = arguments.journal_waiting_mb * 1024 * 1024;
-  options.journal.report = [&](const std::string& text) { log(LogLevel::warning, text, {}); };
-  options.log = log;
   options.publish_failures = [&] { return link.publish_failures(); };
   std::optional<HttpPage> metrics;
   if (arguments.metrics_port > 0) {

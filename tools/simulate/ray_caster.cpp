@@ -47,6 +47,43 @@ std::array<double, 2> clip(const Vector2d& from, const Vector2d& direction, cons
   return {enter, leave};
 }
 
+struct CellGrid {
+  Vector2d low;
+  double cell_m;
+  std::array<int, 2> count;
+};
+
+// Along a ray from cell to cell; distances are along the ray from its beginning.
+struct CellWalk {
+  CellWalk(const Vector2d& from, const Vector2d& direction, double enter, const CellGrid& grid) {
+    const Vector2d start = from + enter * direction;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const auto i = static_cast<Eigen::Index>(axis);
+      cell[axis] =
+          std::clamp(static_cast<int>((start[i] - grid.low[i]) / grid.cell_m), 0, grid.count[axis] - 1);
+      step[axis] = direction[i] > 0 ? 1 : -1;
+      const bool still = std::abs(direction[i]) < 1e-15;
+      const double at = grid.low[i] + grid.cell_m * (cell[axis] + (step[axis] > 0 ? 1 : 0));
+      next[axis] = still ? infinity : (at - from[i]) / direction[i];
+      stride[axis] = still ? infinity : grid.cell_m / std::abs(direction[i]);
+    }
+  }
+
+  std::size_t axis() const { return next[0] < next[1] ? 0 : 1; }
+  double border() const { return next[axis()]; }
+  // False: that was the grid's last.
+  bool step_on(const std::array<int, 2>& count) {
+    const std::size_t along = axis();
+    cell[along] += step[along];
+    if (cell[along] < 0 || cell[along] >= count[along]) return false;
+    next[along] += stride[along];
+    return true;
+  }
+
+  std::array<int, 2> cell{}, step{};
+  std::array<double, 2> next{}, stride{};
+};
+
 }  // namespace
 
 RayCaster::RayCaster(const FloorPlan& plan, double cell_m) : segments_(plan.segments) {
@@ -89,25 +126,13 @@ std::optional<RayHit> RayCaster::cast(const Vector2d& from, const Vector2d& dire
   const auto [enter, leave] = clip(from, direction, low_, high, reach_m);
   if (enter > leave) return std::nullopt;
 
-  const Vector2d start = from + enter * direction;
-  std::array<int, 2> cell{}, step{};
-  std::array<double, 2> next{}, stride{};
   const std::array<int, 2> count = {columns_, rows_};
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    const auto i = static_cast<Eigen::Index>(axis);
-    cell[axis] = std::clamp(static_cast<int>((start[i] - low_[i]) / cell_m_), 0, count[axis] - 1);
-    step[axis] = direction[i] > 0 ? 1 : -1;
-    const bool still = std::abs(direction[i]) < 1e-15;
-    const double border = low_[i] + cell_m_ * (cell[axis] + (step[axis] > 0 ? 1 : 0));
-    next[axis] = still ? infinity : (border - from[i]) / direction[i];
-    stride[axis] = still ? infinity : cell_m_ / std::abs(direction[i]);
-  }
-
+  CellWalk walk(from, direction, enter, {low_, cell_m_, count});
   double best = infinity;
   const Segment* surface = nullptr;
   while (true) {
-    const std::size_t index = static_cast<std::size_t>(cell[1]) * static_cast<std::size_t>(columns_) +
-                              static_cast<std::size_t>(cell[0]);
+    const std::size_t index = static_cast<std::size_t>(walk.cell[1]) * static_cast<std::size_t>(columns_) +
+                              static_cast<std::size_t>(walk.cell[0]);
     for (std::uint32_t k = cell_start_[index]; k < cell_start_[index + 1]; ++k) {
       const Segment& segment = segments_[cell_segments_[k]];
       const double t = ray_meets(from, direction, segment);
@@ -116,11 +141,8 @@ std::optional<RayHit> RayCaster::cast(const Vector2d& from, const Vector2d& dire
         surface = &segment;
       }
     }
-    const std::size_t axis = next[0] < next[1] ? 0 : 1;
-    if (best <= next[axis] || next[axis] > leave) break;
-    cell[axis] += step[axis];
-    if (cell[axis] < 0 || cell[axis] >= count[axis]) break;
-    next[axis] += stride[axis];
+    const double border = walk.border();
+    if (best <= border || border > leave || !walk.step_on(count)) break;
   }
   if (surface == nullptr || best > reach_m) return std::nullopt;
   return RayHit{best, incidence(direction, *surface), surface->return_limit_rad};

@@ -18,6 +18,23 @@ struct Residual {
   Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
 };
 
+// How what an observer sees moves with the pose of the second chart in the first.
+Eigen::Matrix<double, 2, 3> by_charts(const ChartSighting& s, const Pose& first_from_second,
+                                      double observer_from_chart_rad) {
+  Eigen::Matrix<double, 2, 3> by_pose;
+  if (s.observer_in_first) {
+    const Eigen::Vector2d turned = rotate(first_from_second.yaw, s.target);
+    by_pose << 1, 0, -turned.y(), 0, 1, turned.x();
+  } else {
+    const Eigen::Vector2d from_origin = s.target - Eigen::Vector2d(first_from_second.x, first_from_second.y);
+    const Eigen::Vector2d back = rotate(-first_from_second.yaw, from_origin);
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(-first_from_second.yaw).toRotationMatrix();
+    by_pose.leftCols<2>() = -turn;
+    by_pose.col(2) = Eigen::Vector2d(back.y(), -back.x());
+  }
+  return Eigen::Rotation2Dd(observer_from_chart_rad).toRotationMatrix() * by_pose;
+}
+
 Residual residual_of(const ChartSighting& s, const Pose& first_from_second) {
   const Pose chart_from_chart = s.observer_in_first ? first_from_second : inverse(first_from_second);
   const Pose observer_from_chart = inverse(s.chart_from_observer);
@@ -26,22 +43,8 @@ Residual residual_of(const ChartSighting& s, const Pose& first_from_second) {
   const Eigen::Vector2d radial = seen / range;
   const Eigen::Vector2d across(-radial.y(), radial.x());
 
-  // How `seen` moves with the pose of the second chart in the first.
-  Eigen::Matrix<double, 2, 3> by_pose;
-  if (s.observer_in_first) {
-    const Eigen::Vector2d turned = rotate(first_from_second.yaw, s.target);
-    by_pose << 1, 0, -turned.y(), 0, 1, turned.x();
-    by_pose = Eigen::Rotation2Dd(observer_from_chart.yaw).toRotationMatrix() * by_pose;
-  } else {
-    const Eigen::Vector2d from_origin = s.target - Eigen::Vector2d(first_from_second.x, first_from_second.y);
-    const Eigen::Vector2d back = rotate(-first_from_second.yaw, from_origin);
-    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(-first_from_second.yaw).toRotationMatrix();
-    by_pose.leftCols<2>() = -turn;
-    by_pose.col(2) = Eigen::Vector2d(back.y(), -back.x());
-    by_pose = Eigen::Rotation2Dd(observer_from_chart.yaw).toRotationMatrix() * by_pose;
-  }
-
-  // And with the observer's own pose, in its own axes.
+  const Eigen::Matrix<double, 2, 3> by_pose = by_charts(s, first_from_second, observer_from_chart.yaw);
+  // And how it moves with the observer's own pose, in its own axes.
   Eigen::Matrix<double, 2, 3> by_observer;
   by_observer << -1, 0, seen.y(), 0, -1, -seen.x();
   Eigen::Matrix2d covariance = by_observer * s.observer_covariance * by_observer.transpose();
