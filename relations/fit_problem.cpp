@@ -3,31 +3,27 @@
 #include <algorithm>
 #include <numeric>
 
+#include "relations/disjoint_sets.hpp"
+
 namespace isthmus {
 namespace {
 
 std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
 std::size_t at(int place) { return static_cast<std::size_t>(place); }
 
-int root(std::vector<int>& parent, int place) {
-  while (parent[at(place)] != place) place = parent[at(place)] = parent[at(parent[at(place)])];
-  return place;
-}
-
 /// Places of the first patch of each connected part that no held patch touches: the gauges.
 std::vector<bool> find_gauges(const FitProblem& problem) {
   std::vector<int> parent(problem.patches.size());
   std::iota(parent.begin(), parent.end(), 0);
+  DisjointSets<int> parts(parent);
   std::vector<bool> has_border(parent.size(), false);
   for (const FitProblem::Link& link : problem.links) {
     if (!problem.is_free(link.a) || !problem.is_free(link.b)) continue;
-    const int a = root(parent, link.a);
-    const int b = root(parent, link.b);
-    parent[at(std::max(a, b))] = std::min(a, b);
+    parts.join(link.a, link.b);
   }
   for (const FitProblem::Link& link : problem.links)
     for (const auto& [end, other] : {std::pair(link.a, link.b), std::pair(link.b, link.a)})
-      if (!problem.is_free(other)) has_border[at(root(parent, end))] = true;
+      if (!problem.is_free(other)) has_border[at(parts.lowest(end))] = true;
   std::vector<bool> gauge(parent.size(), false);
   for (int place = 0; place < problem.free_count; ++place)
     gauge[at(place)] = parent[at(place)] == place && !has_border[at(place)];

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "relations/disjoint_sets.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -18,20 +20,33 @@ PatchId other_end(const Relation& relation, PatchId end) {
 
 std::string text(PatchId id) { return std::to_string(id.value); }
 
-/// The set's lowest id; the way there is shortened.
-PatchId root(std::vector<PatchId>& parent, PatchId id) {
-  while (parent[index(id)] != id) {
-    parent[index(id)] = parent[index(parent[index(id)])];
-    id = parent[index(id)];
+/// Breadth first from one patch, over the relations that `along` says yes to: the patches that were found, in
+/// the order of finding. Each level is given to `go_on`, which may reorder it, before its neighbours are
+/// looked at; false ends the search. (boost::breadth_first_search would want the graph in its own form.)
+template <class Along, class GoOn>
+std::vector<PatchId> breadth_first(const RelationGraph& graph, PatchId from, const Along& along,
+                                   const GoOn& go_on) {
+  std::vector<PatchId> found{from};
+  std::vector<char> seen(graph.patch_count(), 0);
+  seen[index(from)] = 1;
+  for (std::size_t level = 0, end = 1; level < end && go_on(std::span(found).subspan(level));
+       level = end, end = found.size()) {
+    for (std::size_t i = level; i < end; ++i) {
+      const PatchId patch = found[i];
+      for (const RelationId id : graph.of(patch)) {
+        const Relation* relation = graph.find(id);
+        if (!relation) continue;
+        const PatchId next = other_end(*relation, patch);
+        if (seen[index(next)] || !along(*relation)) continue;
+        seen[index(next)] = 1;
+        found.push_back(next);
+      }
+    }
   }
-  return id;
+  return found;
 }
 
-void join(std::vector<PatchId>& parent, PatchId a, PatchId b) {
-  const PatchId root_a = root(parent, a);
-  const PatchId root_b = root(parent, b);
-  parent[index(std::max(root_a, root_b))] = std::min(root_a, root_b);
-}
+bool any_relation(const Relation&) { return true; }
 
 void set_least(Relation& relation) {
   auto* correspondences = std::get_if<Correspondences>(&relation.measurement);
@@ -85,7 +100,7 @@ RelationId RelationGraph::add(Relation relation) {
   set_least(relation);
   of_[index(relation.a)].push_back(relation.id);
   of_[index(relation.b)].push_back(relation.id);
-  join(island_parent_, relation.a, relation.b);
+  DisjointSets(island_parent_).join(relation.a, relation.b);
   ++relation_count_;
   ++version_;
   const RelationId id = relation.id;
@@ -177,66 +192,34 @@ std::vector<PatchId> RelationGraph::patches_of(IslandId wanted) const {
 }
 
 std::vector<PatchId> RelationGraph::nearest_in_graph(PatchId from, std::size_t most) const {
-  std::vector<PatchId> found;
-  if (most == 0) return found;
-  std::vector<char> seen(of_.size(), 0);
-  found.push_back(from);
-  seen[index(from)] = 1;
-  for (std::size_t level = 0, end = 1; level < end && found.size() < most; level = end, end = found.size()) {
-    for (std::size_t i = level; i < end; ++i) {
-      const PatchId patch = found[i];
-      for (const RelationId id : of(patch)) {
-        const PatchId next = other_end(stored(id), patch);
-        if (seen[index(next)]) continue;
-        seen[index(next)] = 1;
-        found.push_back(next);
-      }
-    }
-    std::sort(found.begin() + static_cast<std::ptrdiff_t>(end), found.end());
-  }
+  if (most == 0) return {};
+  std::size_t count = 0;
+  std::vector<PatchId> found = breadth_first(*this, from, any_relation, [&](std::span<PatchId> level) {
+    std::sort(level.begin(), level.end());
+    count += level.size();
+    return count < most;
+  });
   if (found.size() > most) found.resize(most);
   return found;
 }
 
 std::vector<PatchId> RelationGraph::within_hops(PatchId from, int limit,
                                                 const std::function<bool(const Relation&)>& along) const {
-  std::vector<PatchId> found{from};
-  std::vector<char> seen(of_.size(), 0);
-  seen[index(from)] = 1;
-  for (std::size_t level = 0, end = 1; limit > 0 && level < end; level = end, end = found.size(), --limit) {
-    for (std::size_t i = level; i < end; ++i) {
-      for (const RelationId id : of(found[i])) {
-        const PatchId next = other_end(stored(id), found[i]);
-        if (seen[index(next)] || !along(stored(id))) continue;
-        seen[index(next)] = 1;
-        found.push_back(next);
-      }
-    }
-  }
+  int distance = 0;
+  std::vector<PatchId> found =
+      breadth_first(*this, from, along, [&](std::span<PatchId>) { return distance++ < limit; });
   std::sort(found.begin(), found.end());
   return found;
 }
 
 std::optional<int> RelationGraph::hops(PatchId a, PatchId b, int limit) const {
-  std::vector<char> seen(of_.size(), 0);
-  std::vector<PatchId> level{a};
-  std::vector<PatchId> next;
-  seen[index(a)] = 1;
-  for (int distance = 0; distance <= limit && !level.empty(); ++distance) {
-    next.clear();
-    for (const PatchId patch : level) {
-      if (patch == b) return distance;
-      if (distance == limit) continue;
-      for (const RelationId id : of(patch)) {
-        const PatchId other = other_end(stored(id), patch);
-        if (seen[index(other)]) continue;
-        seen[index(other)] = 1;
-        next.push_back(other);
-      }
-    }
-    std::swap(level, next);
-  }
-  return std::nullopt;
+  std::optional<int> found;
+  int distance = 0;
+  breadth_first(*this, a, any_relation, [&](std::span<PatchId> level) {
+    if (distance <= limit && std::find(level.begin(), level.end(), b) != level.end()) found = distance;
+    return !found && distance++ < limit;
+  });
+  return found;
 }
 
 void RelationGraph::find_islands() {
