@@ -47,6 +47,7 @@ struct InARoom {
     return place(robot, expectation, robot.local_map, seen.points, options);
   }
   bool extended_by(const Pose& world_from_robot, const Placement& placement) {
+    robot.place->pose.patch_from_object = placement.local_from_robot;  // it has been followed to there
     return extend(map, robot, seen_from(world_from_robot), placement, options);
   }
   bool is_worth_it(const Pose& world_from_robot) {
@@ -176,8 +177,15 @@ TEST(WorthAPatch, IsAScanFarFromEveryPatch) {
   EXPECT_TRUE(in.is_worth_it({1.1, 0, 0}));
 }
 
-// A half turn sees what the first scan did not.
-TEST(WorthAPatch, IsAScanOfWhatNobodyHasSeen) {
+// Turned by half a radian, about a sixth of what half a turn sees is new.
+TEST(WorthAPatch, IsAScanThatShowsMuchThatNobodyHasSeen) {
+  InARoom in;
+  EXPECT_FALSE(in.is_worth_it({0, 0, 0.5}));
+  in.options.uncovered_share = 0.08;
+  EXPECT_TRUE(in.is_worth_it({0, 0, 0.5}));
+}
+
+TEST(WorthAPatch, IsAScanTurnedAwayFromThoseTakenThere) {
   InARoom in;
   EXPECT_FALSE(in.is_worth_it({0, 0, 0.1}));
   EXPECT_TRUE(in.is_worth_it({0, 0, 1.2}));
