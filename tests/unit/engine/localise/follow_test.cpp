@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "server/engine/robot/robot_pose.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {

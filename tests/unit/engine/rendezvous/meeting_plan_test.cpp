@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/engine/hypotheses/undecided.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "server/engine/snapshot/snapshot_archive.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
