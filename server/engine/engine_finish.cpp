@@ -5,48 +5,43 @@ namespace isthmus {
 // In pieces, so that whoever waits for the end can look at the clock between them; the map is the same
 // however many others' work lies between.
 bool Engine::State::finish_step(Outcome& outcome) {
+  const auto go_on_with = [&](FinishStage stage) {
+    finish_stage = stage;
+    return true;
+  };
   switch (finish_stage) {
     case FinishStage::scans:
       for (auto& [name, robot] : robots) answer_pending(robot, outcome, true);
-      if (frozen) return false;
+      if (frozen) break;
       for (auto& [name, robot] : robots)
         if (robot.place) record(robot, robot.place->pose, robot.place->odom_from_robot);
-      finish_stage = FinishStage::trial;
-      return true;
+      return go_on_with(FinishStage::trial);
     case FinishStage::trial:
       if (closures.step_trial(world())) return true;
       hypotheses.begin_finish(world(), closures);
-      finish_stage = FinishStage::searches;
-      return true;
+      return go_on_with(FinishStage::searches);
     case FinishStage::searches:
       if (hypotheses.finish_search(world())) return true;
       hypotheses.try_all_again();
-      finish_stage = FinishStage::finds;
-      return true;
+      return go_on_with(FinishStage::finds);
     case FinishStage::finds:
-      if (closures.step_trial(world())) return true;
-      if (hypotheses.propose_last(world(), closures)) return true;
+      if (closures.step_trial(world()) || hypotheses.propose_last(world(), closures)) return true;
       closures.begin_finish(world());
-      finish_stage = FinishStage::sightings;
-      return true;
+      return go_on_with(FinishStage::sightings);
     case FinishStage::sightings:
       if (closures.finish_step(world())) return true;
-      finish_stage = FinishStage::weaving;
-      return true;
+      return go_on_with(FinishStage::weaving);
     case FinishStage::weaving:
       if (weaving.finish_step(map, configuration.engine)) return true;
       islands_to_fit = map.graph().islands();
-      finish_stage = FinishStage::fit;
-      return true;
+      return go_on_with(FinishStage::fit);
     case FinishStage::fit:
-      if (islands_to_fit.empty()) {
-        finish_stage = FinishStage::scans;  // whoever goes on may finish again
-        return false;
-      }
+      if (islands_to_fit.empty()) break;
       map.refit_island(islands_to_fit.front().front());
       islands_to_fit.erase(islands_to_fit.begin());
       return true;
   }
+  finish_stage = FinishStage::scans;  // whoever goes on may finish again
   return false;
 }
 
