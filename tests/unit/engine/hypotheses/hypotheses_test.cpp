@@ -1,0 +1,70 @@
+// Hypotheses from the events on: what is asked, found and proposed by scans alone.
+
+#include "server/engine/hypotheses/hypotheses.hpp"
+
+#include <gtest/gtest.h>
+
+#include "server/engine/engine.hpp"
+#include "tests/support/walls.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+// Robots that drive along a hall of which no two views are alike, 1 m/s, and see nobody.
+class InAHall {
+ public:
+  // Returns the map after so many metres.
+  MapCopy drive(const std::string& name, double way_m) {
+    RobotEvent robot;
+    robot.robot = name;
+    robot.utime = utime_;
+    robot.laser = laser_of();
+    engine.handle({utime_, robot});
+    for (double x = 0; x <= way_m; x += 0.2) {
+      utime_ += 200'000;
+      const Pose world_from_robot{x, 0.1, 0};
+      engine.handle({utime_, OdometryEvent{name, utime_, world_from_robot}});
+      engine.handle({utime_, ScanEvent{name, scan_from(niched_hall(), world_from_robot, utime_)}});
+    }
+    return engine.copy();
+  }
+
+  Engine engine;
+
+ private:
+  std::int64_t utime_ = 1'000'000'000;
+};
+
+// Every two metres, once five metres of way say enough to be looked for.
+TEST(Hypotheses, AskEveryTwoMetresOfARobotsWay) {
+  EXPECT_EQ(InAHall().drive("R1", 4).hypotheses.queries, 0);
+  EXPECT_EQ(InAHall().drive("R1", 6.5).hypotheses.queries, 1);
+  const std::int64_t asked = InAHall().drive("R1", 16).hypotheses.queries;
+  EXPECT_GE(asked, 4);
+  EXPECT_LE(asked, 6);
+}
+
+TEST(Hypotheses, SearchNothingWhereThereIsNoOtherPlace) {
+  InAHall hall;
+  hall.drive("R1", 16);
+  hall.engine.finish();
+  EXPECT_EQ(hall.engine.copy().hypotheses.places_searched, 0) << "what lies behind is known for sure";
+}
+
+// The second robot's way is found on the first's island, again and again; but one hall proves nothing: what
+// they share is one corridor, and neither goes on beyond it.
+TEST(Hypotheses, OfTwoMapsThatShareOneHallWait) {
+  InAHall hall;
+  hall.drive("R1", 16);
+  hall.drive("R2", 16);
+  hall.engine.finish();
+  const MapCopy map = hall.engine.copy();
+  EXPECT_GE(map.hypotheses.places_searched, 3);
+  EXPECT_GE(map.hypotheses.finds, 3);
+  EXPECT_EQ(map.graph.islands().size(), 2U);
+}
+
+}  // namespace
+}  // namespace isthmus
