@@ -11,8 +11,7 @@ constexpr std::int64_t meeting_us = 60'000'000;  // sightings of a loop so far a
 constexpr std::size_t most_waiting = 400;        // sightings of one group
 constexpr std::size_t most_compared = 24;        // of them, spread evenly, each with each
 constexpr std::int64_t step_price_us = 5'000;    // nominal, of one step of a trial
-constexpr double work_share = 0.5;               // of the time that passes
-constexpr std::int64_t most_credit_us = 10'000;
+constexpr CreditRate trial_rate = {0.5, 10'000};
 
 std::string pair_key(const Evidence& evidence) {
   const auto [first, second] = std::minmax(evidence.sighting.robot, evidence.target);
@@ -282,18 +281,16 @@ void Closures::propose_start(World world, const Relation& relation, const std::s
 
 // Credit for steps grows with the time that passes, so that no event waits long for a closure.
 void Closures::work(World world) {
-  const std::int64_t passed = std::clamp<std::int64_t>(world.now_utime - last_utime_, 0, 1'000'000);
-  credit_us_ = std::min(most_credit_us,
-                        credit_us_ + static_cast<std::int64_t>(work_share * static_cast<double>(passed)));
+  credit_.earn(world.now_utime, trial_rate);
   // A new patch is the dearest thing a scan can bring: the trial's turn is at the next event.
   const bool grown = std::exchange(patches_, world.map.manifold().size()) != world.map.manifold().size();
   if (!trial_ || grown) return;
   // Judged at one event, taken over at the next: each may take some milliseconds.
   if (trial_->done()) return end_trial(world);
   trial_->advance(world.now_utime);
-  while (!trial_->done() && credit_us_ >= step_price_us) {
+  while (!trial_->done() && credit_.left_us() >= step_price_us) {
     if (!trial_->step(world.now_utime)) break;
-    credit_us_ -= step_price_us;
+    credit_.spend(step_price_us);
   }
 }
 

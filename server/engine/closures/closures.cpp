@@ -257,7 +257,6 @@ void Closures::advance(World world) {
     world.map.refit_around(to_refit_.front(), world.options.window_patches);
     to_refit_.pop_front();
   }
-  last_utime_ = world.now_utime;
 }
 
 void Closures::begin_finish(World world) {

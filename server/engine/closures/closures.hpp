@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/engine/closures/joining.hpp"
+#include "server/engine/map/credit.hpp"
 #include "server/engine/propagation/trial.hpp"
 #include "server/engine/record/map_copy.hpp"
 #include "server/engine/sightings/evidence.hpp"
@@ -104,8 +105,8 @@ class Closures {
 
   auto members() {
     return std::tie(records_, unplaced_, pool_, pool_changed_, judging_again_, tried_, patches_, looked_at_,
-                    to_refit_, tag_patches_, closures_, forbidden_, trial_, weighed_utime_, next_id_,
-                    credit_us_, last_utime_, changed_, rulings_);
+                    to_refit_, tag_patches_, closures_, forbidden_, trial_, weighed_utime_, next_id_, credit_,
+                    changed_, rulings_);
   }
 
  private:
@@ -178,8 +179,7 @@ class Closures {
   /// When a sighting of that target by that observer was last weighed against the map's own confidence.
   std::map<std::pair<std::string, std::string>, std::int64_t> weighed_utime_;
   std::int32_t next_id_ = 0;
-  std::int64_t credit_us_ = 0;
-  std::int64_t last_utime_ = 0;
+  Credit credit_;
   std::vector<PatchId> changed_;
   std::vector<Ruling> rulings_;
 };

@@ -17,8 +17,7 @@ constexpr double given_up_m = 10;
 /// Scans matched in vain where the robot was thought to be, after which it is not there.
 constexpr int most_tries = 8;
 constexpr std::size_t most_unplaced = 10'000;
-constexpr double work_share = 0.3;  // of the time that passes: nothing else is to be done
-constexpr std::int64_t most_credit_us = 20'000;
+constexpr CreditRate search_rate = {0.3, 20'000};  // nothing else is to be done
 
 double way_since_match_m(const Localisation& place) {
   const Pose& path = place.since_last_patch.start_from_end;
@@ -116,10 +115,7 @@ void Frozen::restart(Robot& robot) {
 }
 
 void Frozen::advance(const Map& map, const EngineOptions& options, std::int64_t now_utime) {
-  const std::int64_t passed = std::clamp<std::int64_t>(now_utime - last_utime_, 0, 1'000'000);
-  last_utime_ = now_utime;
-  credit_us_ = std::min(most_credit_us,
-                        credit_us_ + static_cast<std::int64_t>(work_share * static_cast<double>(passed)));
+  credit_.earn(now_utime, search_rate);
   // In turn, so that no robot waits for another to be found.
   const auto next = [&] {
     const auto works = [](const auto& entry) { return entry.second.finder.has_work(); };
@@ -127,9 +123,9 @@ void Frozen::advance(const Map& map, const EngineOptions& options, std::int64_t 
     const auto found = std::find_if(after, lookouts_.end(), works);
     return found != lookouts_.end() ? found : std::find_if(lookouts_.begin(), lookouts_.end(), works);
   };
-  for (auto lookout = next(); credit_us_ > 0 && lookout != lookouts_.end(); lookout = next()) {
+  for (auto lookout = next(); credit_.left_us() > 0 && lookout != lookouts_.end(); lookout = next()) {
     searched_last_ = lookout->first;
-    credit_us_ -= lookout->second.finder.step(map, places_, options, counts_);
+    credit_.spend(lookout->second.finder.step(map, places_, options, counts_));
   }
 }
 

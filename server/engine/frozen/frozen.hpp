@@ -8,6 +8,7 @@
 
 #include "server/engine/frozen/finder.hpp"
 #include "server/engine/localise/mapper.hpp"
+#include "server/engine/map/credit.hpp"
 
 namespace isthmus {
 
@@ -52,8 +53,7 @@ class Frozen {
   std::map<std::string, Lookout> lookouts_;  ///< by robot
   std::string searched_last_;
   FinderCounts counts_;
-  std::int64_t credit_us_ = 0;
-  std::int64_t last_utime_ = 0;
+  Credit credit_;
 };
 
 }  // namespace isthmus

@@ -14,8 +14,7 @@ constexpr double least_piece_way_m = 5;
 constexpr std::size_t most_queries = 8;
 constexpr double least_score = 0.5;
 constexpr double least_score_anywhere = 0.6;  // on islands where nothing says where to look
-constexpr double work_share = 0.02;           // of the time that passes
-constexpr std::int64_t most_credit_us = 10'000;
+constexpr CreditRate search_rate = {0.02, 10'000};
 constexpr std::int64_t least_price_us = 1'000;  // nominal, of one step
 constexpr double price_per_evaluation_us = 0.1;
 
@@ -127,13 +126,10 @@ void Hypotheses::end_look_up() {
 }
 
 void Hypotheses::work(World world) {
-  const std::int64_t passed = std::clamp<std::int64_t>(world.now_utime - last_utime_, 0, 1'000'000);
-  last_utime_ = world.now_utime;
-  credit_us_ = std::min(most_credit_us,
-                        credit_us_ + static_cast<std::int64_t>(work_share * static_cast<double>(passed)));
+  credit_.earn(world.now_utime, search_rate);
   // A new patch is the dearest thing a scan can bring: the search's turn is at the next event.
   const bool grown = std::exchange(patches_, world.map.manifold().size()) != world.map.manifold().size();
-  if (credit_us_ > 0 && !grown && can_step()) credit_us_ -= step(world);
+  if (credit_.left_us() > 0 && !grown && can_step()) credit_.spend(step(world));
 }
 
 std::int64_t Hypotheses::step(World world) {

@@ -9,6 +9,7 @@
 
 #include "server/engine/closures/closures.hpp"
 #include "server/engine/hypotheses/undecided.hpp"
+#include "server/engine/map/credit.hpp"
 #include "server/engine/places/consistency.hpp"
 #include "server/engine/places/place_candidates.hpp"
 #include "server/engine/places/places_job.hpp"
@@ -61,8 +62,7 @@ class Hypotheses {
 
   auto members() {
     return std::tie(ways_, newest_, queue_, asked_, looking_up_, ready_, query_, pool_, agreements_,
-                    pool_changed_, hypotheses_, parked_, refuted_, counts_, credit_us_, last_utime_,
-                    patches_);
+                    pool_changed_, hypotheses_, parked_, refuted_, counts_, credit_, patches_);
   }
 
  private:
@@ -122,9 +122,8 @@ class Hypotheses {
   std::map<ClosureId, std::vector<Waiting>> parked_;  ///< finds of closures that may be withdrawn or allowed
   std::vector<std::pair<ClosureId, std::string>> refuted_;
   HypothesisCounts counts_;
+  Credit credit_;
   std::size_t patches_ = 0;  ///< when last worked
-  std::int64_t credit_us_ = 0;
-  std::int64_t last_utime_ = 0;
 };
 
 }  // namespace isthmus

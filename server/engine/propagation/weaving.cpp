@@ -1,12 +1,10 @@
 #include "server/engine/propagation/weaving.hpp"
 
-#include <algorithm>
-
 namespace isthmus {
 namespace {
 
 constexpr std::int64_t step_price_us = 5'000;  // nominal
-constexpr std::int64_t most_credit_us = 5'000;
+constexpr CreditRate half_the_time = {0.5, 5'000};
 
 }  // namespace
 
@@ -23,11 +21,9 @@ void Weaving::weave_all(const Map& map) {
 }
 
 void Weaving::advance(Map& map, const EngineOptions& options, std::int64_t now_utime) {
-  const std::int64_t passed = std::clamp<std::int64_t>(now_utime - last_utime_, 0, 1'000'000);
-  last_utime_ = now_utime;
-  credit_us_ = std::min(most_credit_us, credit_us_ + passed / 2);
-  if (propagation_.done() || credit_us_ < step_price_us) return;
-  credit_us_ -= step_price_us;
+  credit_.earn(now_utime, half_the_time);
+  if (propagation_.done() || credit_.left_us() < step_price_us) return;
+  credit_.spend(step_price_us);
   propagation_.step(map, options);
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <tuple>
 
+#include "server/engine/map/credit.hpp"
 #include "server/engine/propagation/propagation.hpp"
 
 namespace isthmus {
@@ -24,13 +25,12 @@ class Weaving {
   bool finish_step(Map& map, const EngineOptions& options);
   bool busy() const { return !propagation_.done(); }
 
-  auto members() { return std::tie(propagation_, stands_on_, credit_us_, last_utime_); }
+  auto members() { return std::tie(propagation_, stands_on_, credit_); }
 
  private:
   Propagation propagation_{std::nullopt, {OriginKind::match, {}}};
   std::map<std::string, PatchId> stands_on_;
-  std::int64_t credit_us_ = 0;
-  std::int64_t last_utime_ = 0;
+  Credit credit_;
 };
 
 }  // namespace isthmus
