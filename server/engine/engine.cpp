@@ -27,6 +27,10 @@ bool same_laser(const Laser& a, const Laser& b) {
          a.range_max_m == b.range_max_m;
 }
 
+bool is_closure_id(std::int64_t number) {
+  return number >= 0 && number <= std::numeric_limits<std::int32_t>::max();
+}
+
 }  // namespace
 
 void Engine::State::configure(Configuration given) {
@@ -141,17 +145,17 @@ Outcome Engine::State::take(const ScanEvent& event) {
 Outcome Engine::State::take(const SightingEvent& event) {
   ++counters.sightings;
   const Robot* observer = declared(event.robot);
-  const auto refuse = [&](const std::string& reason) {
+  const auto refuse = [&](Reason reason) {
     if (!frozen) closures.refuse(event, reason);
-    return Outcome{drop(event.robot, reason), {}};
+    return Outcome{drop(event.robot, std::string(word(reason))), {}};
   };
-  if (!observer) return refuse("unknown_robot");
-  if (observer->declaration.barcode == event.barcode) return refuse("sees_itself");
+  if (!observer) return refuse(Reason::unknown_robot);
+  if (observer->declaration.barcode == event.barcode) return refuse(Reason::sees_itself);
   const auto worn = std::ranges::find_if(robots, [&](const auto& entry) {
     return entry.second.declared && entry.second.declaration.barcode == event.barcode;
   });
   const bool is_tag = tags.contains(event.barcode) || configuration.any_tag;
-  if (worn == robots.end() && !is_tag) return refuse("unknown_barcode");
+  if (worn == robots.end() && !is_tag) return refuse(Reason::unknown_barcode);
   const std::string target = worn != robots.end() ? worn->first : tag_name(event.barcode);
   if (worn != robots.end()) {
     Robot& seer = robots.at(event.robot);
@@ -169,30 +173,35 @@ Outcome Engine::State::take(const SightingEvent& event) {
 }
 
 Outcome Engine::State::take(const CommandEvent& event) {
-  if (frozen && event.verb != "send_map") return {drop("", "frozen"), {}};
-  if (event.verb == "refine") {
-    weaving.weave_all(map);
-    refine_asked = true;
-    return {};
-  }
-  if (event.verb == "send_map") return {};
-  std::string reason = "unknown_verb";
-  const bool on_closure =
-      event.verb == "withdraw" || event.verb == "forbid" || (event.verb == "allow" && event.robot.empty());
-  if (on_closure && (event.closure < 0 || event.closure > std::numeric_limits<std::int32_t>::max()))
-    return {drop("", "no_such_closure"), {}};
-  if (event.verb == "withdraw" || event.verb == "forbid") {
-    reason = closures.forbid(world(), ClosureId{static_cast<std::int32_t>(event.closure)},
-                             event.verb == "withdraw");
-  } else if (event.verb == "drop") {
-    reason = drop_data(event.robot);
-  } else if (event.verb == "allow" && !event.robot.empty()) {
-    reason = take_back_drop(event.robot);
-  } else if (event.verb == "allow") {
-    reason = closures.allow(ClosureId{static_cast<std::int32_t>(event.closure)});
-  }
+  if (event.verb == Verb::send_map) return {};  // for whoever publishes it
+  if (frozen) return {drop("", "frozen"), {}};
+  const std::string reason = obey(event);
   if (!reason.empty()) return {drop("", reason), {}};
   return {};
+}
+
+// Returns why not, or nothing.
+std::string Engine::State::obey(const CommandEvent& order) {
+  switch (order.verb) {
+    case Verb::withdraw:
+    case Verb::forbid:
+      if (!is_closure_id(order.closure)) return "no_such_closure";
+      return closures.forbid(world(), ClosureId{static_cast<std::int32_t>(order.closure)},
+                             order.verb == Verb::withdraw);
+    case Verb::allow:
+      if (!order.robot.empty()) return take_back_drop(order.robot);
+      if (!is_closure_id(order.closure)) return "no_such_closure";
+      return closures.allow(ClosureId{static_cast<std::int32_t>(order.closure)});
+    case Verb::drop:
+      return drop_data(order.robot);
+    case Verb::refine:
+      weaving.weave_all(map);
+      refine_asked = true;
+      return "";
+    case Verb::send_map:
+      return "";
+  }
+  return "";
 }
 
 void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting) {
@@ -235,7 +244,7 @@ void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_fr
   settle(robot, std::move(done), odom_from_robot, outcome);
   const auto met_nobody =
       rendezvous.take_scan(map, robots, robot.declaration.robot, scan, counters.last_receive_utime);
-  if (met_nobody) hypotheses.refute(*met_nobody, "met_nobody");
+  if (met_nobody) hypotheses.refute(*met_nobody, Reason::met_nobody);
 }
 
 // Keeps the record of where a robot is now.

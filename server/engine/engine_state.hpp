@@ -95,6 +95,7 @@ struct Engine::State {
   void relate_measured_starts();
   void map_changed(const std::vector<std::vector<PatchId>>& islands);
   void arrange_meeting();
+  std::string obey(const CommandEvent& order);
   std::string drop_data(const std::string& name);
   std::string take_back_drop(const std::string& name);
 

@@ -20,11 +20,11 @@ Json closures(const MapCopy& map) {
   Json list = Json::array();
   for (const ClosureRecord& closure : map.closures) {
     list.push_back({{"id", closure.id.value},
-                    {"kind", closure.kind},
-                    {"state", closure.state},
+                    {"kind", word(closure.kind)},
+                    {"state", word(closure.state)},
                     {"utime", closure.utime},
                     {"robots", closure.robots},
-                    {"reason", closure.reason},
+                    {"reason", word(closure.reason)},
                     {"patches_touched", closure.patches_touched},
                     {"work_steps", closure.work_steps},
                     {"event_time_s", seconds_between(closure.start_utime, closure.end_utime)},

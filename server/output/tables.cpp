@@ -76,7 +76,7 @@ void write_sightings(const MapCopy& map, const std::string& path) {
               "closure");
   for (const auto& [sighting, verdict, reason, closure] : map.sightings) {
     csv.row(sighting.utime, sighting.robot, sighting.barcode, sighting.range_m, sighting.bearing_rad,
-            sighting.range_sigma_m, sighting.bearing_sigma_rad, verdict, reason, closure);
+            sighting.range_sigma_m, sighting.bearing_sigma_rad, word(verdict), word(reason), closure);
   }
   csv.commit();
 }

@@ -22,8 +22,8 @@ Judged judged(const std::string& scenario, std::uint64_t seed) {
   Judged result{map_scenario(scenario, {}, seed), {}, 0, 0, 0};
   const MapCopy& map = result.simulated.map;
   result.score = judge_closures(map, result.simulated.run.truth);
-  result.accepted =
-      static_cast<std::size_t>(std::ranges::count(map.closures, "accepted", &ClosureRecord::state));
+  result.accepted = static_cast<std::size_t>(
+      std::ranges::count(map.closures, ClosureState::accepted, &ClosureRecord::state));
   for (const auto& [id, relation] : map.graph.relations()) {
     const auto utime = [&](PatchId patch) {
       return map.patches[static_cast<std::size_t>(patch.value)]->utime;

@@ -25,7 +25,7 @@ inline void insert(Events& events, Event event) {
   events.insert(at, std::move(event));
 }
 
-inline Event command(std::int64_t utime, const std::string& verb, std::int64_t closure = -1) {
+inline Event command(std::int64_t utime, Verb verb, std::int64_t closure = -1) {
   return {utime, CommandEvent{utime, verb, closure, ""}};
 }
 
@@ -62,16 +62,17 @@ inline Played play(const Events& events, std::int64_t until_utime = 0,
   return played;
 }
 
-/// The record of a closure; one of state "none" where there is none.
+/// The record of a closure; one without an id where there is none.
 inline ClosureRecord closure_of(const MapCopy& map, int id) {
   const auto found = std::ranges::find(map.closures, ClosureId{id}, &ClosureRecord::id);
-  if (found != map.closures.end()) return *found;
-  ClosureRecord none;
-  none.state = "none";
-  return none;
+  return found != map.closures.end() ? *found : ClosureRecord{};
 }
 
-inline std::string state_of(const MapCopy& map, int id) { return closure_of(map, id).state; }
+/// In a word; "none" where there is none.
+inline std::string state_of(const MapCopy& map, int id) {
+  const ClosureRecord closure = closure_of(map, id);
+  return closure.id.valid() ? std::string(word(closure.state)) : "none";
+}
 
 inline std::size_t relations_of(const MapCopy& map, ClosureId closure) {
   std::size_t count = 0;

@@ -185,7 +185,7 @@ TEST(FrozenMap, StaysAsItIsWhileOthersDriveThroughIt) {
     event.receive_utime += later_us;
     office.engine.handle(event);
   }
-  for (const char* verb : {"refine", "withdraw", "forbid", "allow", "drop"}) {
+  for (const Verb verb : {Verb::refine, Verb::withdraw, Verb::forbid, Verb::allow, Verb::drop}) {
     const Event order = command(office.events.back().receive_utime + later_us, verb, 0);
     EXPECT_EQ(office.engine.handle(order).drop_reason, "frozen") << verb;
   }

@@ -132,7 +132,8 @@ TEST(Health, AClockAnHourOffIsToldAndMappedOnItsOwnTime) {
     EXPECT_EQ(map.counters.scans, 2 * 298);
     EXPECT_GT(map.counters.scans_matched, 2 * 290);
     EXPECT_TRUE(map.counters.dropped.empty());
-    for (const SightingRecord& record : map.sightings) EXPECT_EQ(record.verdict, "refused") << record.reason;
+    for (const SightingRecord& record : map.sightings)
+      EXPECT_EQ(record.verdict, Verdict::refused) << word(record.reason);
   }
 }
 

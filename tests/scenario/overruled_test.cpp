@@ -15,7 +15,7 @@ const SimulatedRun& meeting() {
 /// A time of the run, and what the operator says then.
 struct Said {
   double at_s;
-  std::string verb;
+  Verb verb;
   std::int64_t closure;
 };
 
@@ -30,7 +30,7 @@ constexpr double merged_s = 11.6;  // a moment after closure 0 was accepted
 
 MapCopy forbidden_from_the_beginning() {
   Events events = meeting().events;
-  events.insert(events.begin(), command(events.front().receive_utime, "forbid", 0));
+  events.insert(events.begin(), command(events.front().receive_utime, Verb::forbid, 0));
   return map_events(events);
 }
 
@@ -41,7 +41,7 @@ void expect_every_patch_on_its_robots_island(const MapCopy& map) {
 TEST(Withdraw, RightAfterAcceptancePartsTheIslands) {
   const std::int64_t then = after_s(meeting().events, merged_s);
   ASSERT_EQ(state_of(play(meeting().events, then).engine.copy(), 0), "accepted");
-  Played played = play(overruled({{merged_s, "withdraw", 0}}), then);
+  Played played = play(overruled({{merged_s, Verb::withdraw, 0}}), then);
   const MapCopy map = played.engine.copy();
   EXPECT_TRUE(played.drop_reasons.empty());
   EXPECT_EQ(state_of(map, 0), "withdrawn");
@@ -50,7 +50,7 @@ TEST(Withdraw, RightAfterAcceptancePartsTheIslands) {
   expect_every_patch_on_its_robots_island(map);
   int forbidden = 0;
   for (const SightingRecord& record : map.sightings)
-    forbidden += record.verdict == "refused" && record.reason == "forbidden" ? 1 : 0;
+    forbidden += record.verdict == Verdict::refused && record.reason == Reason::forbidden ? 1 : 0;
   EXPECT_EQ(forbidden, 5);
 }
 
@@ -61,7 +61,7 @@ TEST(Withdraw, LeavesWhatForbiddingFromTheBeginningLeaves) {
   const MapCopy reference = forbidden_from_the_beginning();
   ASSERT_EQ(islands(reference), 2U);
   for (const double at_s : {merged_s, 12.5, 16.7, 18.0}) {  // the last two while closure 1 is tried out
-    const MapCopy map = map_events(overruled({{at_s, "withdraw", 0}}));
+    const MapCopy map = map_events(overruled({{at_s, Verb::withdraw, 0}}));
     EXPECT_EQ(islands(map), 2U) << at_s;
     EXPECT_EQ(relations_of(map, ClosureId{0}), 0U) << at_s;
     expect_every_patch_on_its_robots_island(map);
@@ -80,7 +80,8 @@ TEST(Withdraw, LeavesWhatForbiddingFromTheBeginningLeaves) {
 
 // Two closures say the same; the islands part when neither holds them.
 TEST(Withdraw, OfBothClosuresPartsTheIslandsLongAfterwards) {
-  Played played = play(overruled({{40, "withdraw", 0}, {40, "withdraw", 1}}), after_s(meeting().events, 40));
+  Played played =
+      play(overruled({{40, Verb::withdraw, 0}, {40, Verb::withdraw, 1}}), after_s(meeting().events, 40));
   const MapCopy map = played.engine.copy();
   EXPECT_EQ(islands(map), 2U);
   EXPECT_EQ(relations_of(map, ClosureId{0}) + relations_of(map, ClosureId{1}), 0U);
@@ -92,11 +93,11 @@ TEST(Withdraw, OfBothClosuresPartsTheIslandsLongAfterwards) {
 
 TEST(Withdraw, IsRefusedForWhatIsNotAccepted) {
   const std::string plain = map_sha256(map_events(meeting().events));
-  const Events events = overruled({{1, "withdraw", 0},     // not proposed yet
-                                   {10.9, "withdraw", 0},  // on trial
-                                   {30, "withdraw", 17},
-                                   {30, "allow", 17},
-                                   {30, "allow", 0}});  // not forbidden
+  const Events events = overruled({{1, Verb::withdraw, 0},     // not proposed yet
+                                   {10.9, Verb::withdraw, 0},  // on trial
+                                   {30, Verb::withdraw, 17},
+                                   {30, Verb::allow, 17},
+                                   {30, Verb::allow, 0}});  // not forbidden
   Played played = play(events);
   played.engine.finish();
   EXPECT_EQ(played.drop_reasons,
@@ -107,17 +108,17 @@ TEST(Withdraw, IsRefusedForWhatIsNotAccepted) {
 }
 
 TEST(Withdraw, TwiceIsRefusedTheSecondTime) {
-  Played played = play(overruled({{merged_s, "withdraw", 0}, {12, "withdraw", 0}}));
+  Played played = play(overruled({{merged_s, Verb::withdraw, 0}, {12, Verb::withdraw, 0}}));
   EXPECT_EQ(played.drop_reasons, (std::vector<std::string>{"not_accepted"}));
 }
 
 TEST(Drop, TakesARobotsDataOutAndAllowBringsItBack) {
-  const auto said = [](double at_s, const std::string& verb, const std::string& robot) {
+  const auto said = [](double at_s, Verb verb, const std::string& robot) {
     const std::int64_t utime = after_s(meeting().events, at_s);
     return Event{utime, CommandEvent{utime, verb, -1, robot}};
   };
   Events events = meeting().events;
-  insert(events, said(40, "drop", "R2"));
+  insert(events, said(40, Verb::drop, "R2"));
   Played dropped = play(events, after_s(meeting().events, 40.05));
   EXPECT_TRUE(dropped.drop_reasons.empty());
   const MapCopy without = dropped.engine.copy();
@@ -128,9 +129,9 @@ TEST(Drop, TakesARobotsDataOutAndAllowBringsItBack) {
   }
   EXPECT_EQ(islands_of(without, "R1").size(), 1U);
 
-  insert(events, said(40.1, "allow", "R2"));
-  insert(events, said(40.2, "allow", "R2"));
-  insert(events, said(40.3, "drop", "R9"));
+  insert(events, said(40.1, Verb::allow, "R2"));
+  insert(events, said(40.2, Verb::allow, "R2"));
+  insert(events, said(40.3, Verb::drop, "R9"));
   Played back = play(events, after_s(meeting().events, 40.35));
   EXPECT_EQ(back.drop_reasons, (std::vector<std::string>{"not_dropped", "unknown_robot"}));
   const MapCopy with = back.engine.copy();
@@ -154,31 +155,31 @@ TEST(Forbid, BeforehandKeepsTheIslandsApartHoweverOftenTheRobotsMeet) {
   EXPECT_EQ(islands(map), 2U);
   ASSERT_FALSE(map.closures.empty());
   for (const ClosureRecord& closure : map.closures) {
-    EXPECT_EQ(closure.state, "refused");
-    EXPECT_EQ(closure.reason, "forbidden");
+    EXPECT_EQ(closure.state, ClosureState::refused);
+    EXPECT_EQ(closure.reason, Reason::forbidden);
     EXPECT_EQ(relations_of(map, closure.id), 0U);
   }
-  for (const SightingRecord& record : map.sightings) EXPECT_EQ(record.verdict, "refused");
+  for (const SightingRecord& record : map.sightings) EXPECT_EQ(record.verdict, Verdict::refused);
   EXPECT_EQ(map_sha256(map), map_sha256(forbidden_from_the_beginning()));
 }
 
 TEST(Forbid, OfWhatIsOnTrialEndsTheTrial) {
-  const MapCopy map = map_events(overruled({{10.9, "forbid", 0}}));
+  const MapCopy map = map_events(overruled({{10.9, Verb::forbid, 0}}));
   EXPECT_EQ(state_of(map, 0), "refused");
-  EXPECT_EQ(closure_of(map, 0).reason, "forbidden");
+  EXPECT_EQ(closure_of(map, 0).reason, Reason::forbidden);
   EXPECT_EQ(islands(map), 2U);
 }
 
 TEST(Forbid, OfAnAcceptedClosureWithdrawsIt) {
-  const MapCopy withdrawn = map_events(overruled({{merged_s, "withdraw", 0}}));
-  const MapCopy forbidden = map_events(overruled({{merged_s, "forbid", 0}}));
+  const MapCopy withdrawn = map_events(overruled({{merged_s, Verb::withdraw, 0}}));
+  const MapCopy forbidden = map_events(overruled({{merged_s, Verb::forbid, 0}}));
   EXPECT_EQ(state_of(forbidden, 0), "withdrawn");
   EXPECT_EQ(map_sha256(forbidden), map_sha256(withdrawn));
 }
 
 TEST(Allow, AfterAWithdrawalMergesAgain) {
   for (const double again_s : {14.0, 59.0}) {
-    const MapCopy map = map_events(overruled({{12, "withdraw", 0}, {again_s, "allow", 0}}));
+    const MapCopy map = map_events(overruled({{12, Verb::withdraw, 0}, {again_s, Verb::allow, 0}}));
     EXPECT_EQ(islands(map), 1U) << again_s;
     std::vector<TrueRelation> inter = sample_relations(meeting().truth, 1);
     std::erase_if(inter, [](const TrueRelation& r) { return r.robot1 == r.robot2; });
@@ -189,9 +190,9 @@ TEST(Allow, AfterAWithdrawalMergesAgain) {
 }
 
 TEST(Allow, AfterForbiddingBeforehandMerges) {
-  EXPECT_EQ(islands(map_events(overruled({{0, "forbid", 0}, {30, "allow", 0}}))), 1U);
+  EXPECT_EQ(islands(map_events(overruled({{0, Verb::forbid, 0}, {30, Verb::allow, 0}}))), 1U);
   // And so early that nothing was forbidden yet, it is as if nothing had been said.
-  EXPECT_EQ(map_sha256(map_events(overruled({{0, "forbid", 0}, {5, "allow", 0}}))),
+  EXPECT_EQ(map_sha256(map_events(overruled({{0, Verb::forbid, 0}, {5, Verb::allow, 0}}))),
             map_sha256(map_events(meeting().events)));
 }
 
@@ -206,9 +207,9 @@ TEST(MeasuredStart, MergesTwoRobotsThatNeverSeeOneAnother) {
   const MapCopy map = map_events(deaf, configuration);
   EXPECT_EQ(islands(map), 1U);
   ASSERT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map.closures[0].kind, "merge");
-  EXPECT_EQ(map.closures[0].state, "accepted");
-  EXPECT_EQ(map.closures[0].reason, "measured_start");
+  EXPECT_EQ(map.closures[0].kind, ClosureKind::merge);
+  EXPECT_EQ(map.closures[0].state, ClosureState::accepted);
+  EXPECT_EQ(map.closures[0].reason, Reason::measured_start);
   int starts = 0;
   for (const auto& [id, relation] : map.graph.relations())
     starts += relation.origin.kind == OriginKind::start ? 1 : 0;
@@ -226,12 +227,12 @@ TEST(FromScans, AMergeIsWithdrawnAndForbiddenAsOneFromSightingsIs) {
   const MapCopy merged = map_events(run.events);
   ASSERT_FALSE(merged.closures.empty());
   const ClosureRecord& merge = merged.closures.front();
-  ASSERT_EQ(merge.state, "accepted");
-  ASSERT_EQ(merge.reason, "from_scans");
+  ASSERT_EQ(merge.state, ClosureState::accepted);
+  ASSERT_EQ(merge.reason, Reason::from_scans);
   EXPECT_GT(relations_of(merged, merge.id), 0U);
 
   Events withdrawn_events = run.events;
-  insert(withdrawn_events, command(merge.end_utime + 1'000'000, "withdraw", merge.id.value));
+  insert(withdrawn_events, command(merge.end_utime + 1'000'000, Verb::withdraw, merge.id.value));
   const MapCopy withdrawn = map_events(withdrawn_events);
   EXPECT_EQ(state_of(withdrawn, merge.id.value), "withdrawn");
   EXPECT_EQ(relations_of(withdrawn, merge.id), 0U);
@@ -239,7 +240,7 @@ TEST(FromScans, AMergeIsWithdrawnAndForbiddenAsOneFromSightingsIs) {
 
   Events forbidden_events = run.events;
   forbidden_events.insert(forbidden_events.begin(),
-                          command(run.events.front().receive_utime, "forbid", merge.id.value));
+                          command(run.events.front().receive_utime, Verb::forbid, merge.id.value));
   const MapCopy forbidden = map_events(forbidden_events);
   EXPECT_EQ(state_of(forbidden, merge.id.value), "refused");
   EXPECT_EQ(islands(forbidden), 2U);

@@ -81,11 +81,12 @@ TEST_P(RealTeam, MergesByTrueSightingsAloneIntoOneAccurateIsland) {
   ASSERT_FALSE(outliers.empty());
   std::size_t false_ones = 0, true_ones = 0, true_accepted = 0;
   for (const auto& [sighting, verdict, reason, closure] : map.sightings) {
-    const bool accepted = verdict == "accepted";
+    const bool accepted = verdict == Verdict::accepted;
     if (outliers.contains({sighting.utime, sighting.robot, sighting.barcode})) {
       ++false_ones;
-      EXPECT_EQ(verdict, "refused") << sighting.robot << " at " << sighting.utime << ": " << reason;
-      EXPECT_NE(reason, "");
+      EXPECT_EQ(verdict, Verdict::refused)
+          << sighting.robot << " at " << sighting.utime << ": " << word(reason);
+      EXPECT_NE(reason, Reason::none);
     } else {
       ++true_ones;
       true_accepted += accepted ? 1 : 0;

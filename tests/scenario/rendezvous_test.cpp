@@ -189,7 +189,7 @@ TEST(RendezvousScenario, TheEnginesOwnHypothesisIsRefutedWhereItAskedToMeet) {
   const auto of_meeting = [&](const MapCopy& map) {
     return *std::ranges::find(map.closures, copy.meeting->closure, &ClosureRecord::id);
   };
-  EXPECT_EQ(of_meeting(copy).state, "waiting");
+  EXPECT_EQ(of_meeting(copy).state, ClosureState::waiting);
   const auto truth = true_patches(copy, run.truth);
   Scenario with_meeting = scenario;
   for (const MeetingPlace& place : {copy.meeting->a, copy.meeting->b}) {
@@ -201,8 +201,8 @@ TEST(RendezvousScenario, TheEnginesOwnHypothesisIsRefutedWhereItAskedToMeet) {
   for (const Event& event : simulate(with_meeting, 1).events) driven.handle(event);
   driven.finish();
   const MapCopy after = driven.copy();
-  EXPECT_EQ(of_meeting(after).state, "refused");
-  EXPECT_EQ(of_meeting(after).reason, "met_nobody");
+  EXPECT_EQ(of_meeting(after).state, ClosureState::refused);
+  EXPECT_EQ(of_meeting(after).reason, Reason::met_nobody);
   EXPECT_EQ(after.graph.islands().size(), 2U);
 }
 

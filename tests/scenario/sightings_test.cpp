@@ -27,7 +27,7 @@ std::map<std::string, int> verdicts(const MapCopy& map, const std::string& obser
   std::map<std::string, int> counts;
   for (const SightingRecord& record : map.sightings)
     if (observer.empty() || record.sighting.robot == observer)
-      ++counts[record.verdict == "refused" ? record.reason : record.verdict];
+      ++counts[std::string(record.verdict == Verdict::refused ? word(record.reason) : word(record.verdict))];
   return counts;
 }
 
@@ -40,8 +40,8 @@ TEST(Sightings, TwoRobotsThatMeetAreOnOneIsland) {
   const MapCopy map = map_events(meeting().events);
   EXPECT_EQ(islands(map), 1U);
   const ClosureRecord merge = closure_of(map, 0);
-  EXPECT_EQ(merge.kind, "merge");
-  EXPECT_EQ(merge.state, "accepted");
+  EXPECT_EQ(merge.kind, ClosureKind::merge);
+  EXPECT_EQ(merge.state, ClosureState::accepted);
   EXPECT_EQ(merge.robots, (std::vector<std::string>{"R1", "R2"}));
   EXPECT_LT(merge.end_utime - merge.start_utime, 5'000'000);
   const auto count = verdicts(map);
@@ -168,12 +168,12 @@ TEST(RefusedTrials, LeaveTheMapByteIdentical) {
   const MapCopy map = map_events(with_a_false_meeting(clean));
   ASSERT_GE(map.closures.size(), 1U);
   for (const ClosureRecord& closure : map.closures) {
-    EXPECT_EQ(closure.state, "refused");
-    EXPECT_NE(closure.reason, "");
+    EXPECT_EQ(closure.state, ClosureState::refused);
+    EXPECT_NE(closure.reason, Reason::none);
     EXPECT_GT(closure.work_steps, 10) << "it was really tried";
     EXPECT_EQ(relations_of(map, closure.id), 0U);
   }
-  for (const SightingRecord& record : map.sightings) EXPECT_EQ(record.verdict, "refused");
+  for (const SightingRecord& record : map.sightings) EXPECT_EQ(record.verdict, Verdict::refused);
   EXPECT_EQ(islands(map), 2U);
   EXPECT_EQ(map_sha256(map), finished_sha256(clean));
 }
@@ -199,7 +199,7 @@ TEST(RefusedTrials, DoNotKeepTheRobotsFromMergingWhenTheyTrulyMeet) {
   int of_false_meeting = 0;
   for (const SightingRecord& record : map.sightings) {
     if (record.sighting.bearing_sigma_rad != 0.03) continue;  // the simulator's own
-    EXPECT_EQ(record.verdict, "refused");
+    EXPECT_EQ(record.verdict, Verdict::refused);
     ++of_false_meeting;
   }
   EXPECT_EQ(of_false_meeting, 6);
@@ -229,8 +229,9 @@ TEST(LateData, OfTenMinutesIsMappedAndEverySightingHasAVerdict) {
   EXPECT_EQ(map.trajectory_rows, 2U * 298U);
   EXPECT_GE(verdicts(map, "R2").at("accepted"), 10);
   for (const SightingRecord& record : map.sightings) {
-    EXPECT_TRUE(record.verdict == "accepted" || record.verdict == "refused") << record.verdict;
-    EXPECT_NE(record.reason, "");
+    EXPECT_TRUE(record.verdict == Verdict::accepted || record.verdict == Verdict::refused)
+        << word(record.verdict);
+    EXPECT_NE(record.reason, Reason::none);
   }
   EXPECT_EQ(map_sha256(map), finished_sha256(late));
 }

@@ -8,7 +8,7 @@ namespace {
 TEST(SimulatedLongLoop, ScansCloseItWhereItIsAndNowhereElse) {
   const SimulatedMap loop = map_scenario("long_loop");
   const auto accepted = std::ranges::count_if(loop.map.closures, [](const ClosureRecord& closure) {
-    return closure.state == "accepted" && closure.reason == "from_scans";
+    return closure.state == ClosureState::accepted && closure.reason == Reason::from_scans;
   });
   const TrajectoryError error = judge_trajectories(loop);
   std::printf("long_loop: %td closures, mean error %.4f m, %.5f rad, at most %.3f m\n", accepted,

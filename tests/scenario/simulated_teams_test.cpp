@@ -21,7 +21,7 @@ TEST(SimulatedTeams, OneCameraIsEnoughToMergeTwoRobots) {
   for (const SightingRecord& record : one_way.map.sightings) EXPECT_EQ(record.sighting.robot, "R1");
   EXPECT_EQ(islands(one_way.map), 1U);
   EXPECT_EQ(state_of(one_way.map, 0), "accepted");
-  EXPECT_EQ(closure_of(one_way.map, 0).kind, "merge");
+  EXPECT_EQ(closure_of(one_way.map, 0).kind, ClosureKind::merge);
   EXPECT_GE(judge_sightings(one_way.run, one_way.map.sightings).true_share(), 0.95);
   EXPECT_LT(inter_error_m(one_way), 0.05);
   EXPECT_LT(judge_trajectories(one_way).mean_m, 0.03);
@@ -62,15 +62,15 @@ TEST(SimulatedTeams, OneMeetingCollapsesADoubleSpiral) {
   EXPECT_EQ(islands(alone.engine.copy()), 2U) << "nothing but the meeting joins them";
 
   EXPECT_EQ(islands(spiral.map), 1U);
-  const auto merge = std::ranges::find(spiral.map.closures, "accepted", &ClosureRecord::state);
+  const auto merge = std::ranges::find(spiral.map.closures, ClosureState::accepted, &ClosureRecord::state);
   ASSERT_NE(merge, spiral.map.closures.end());
-  EXPECT_EQ(merge->kind, "merge");
-  EXPECT_NE(merge->reason, "from_scans");
+  EXPECT_EQ(merge->kind, ClosureKind::merge);
+  EXPECT_NE(merge->reason, Reason::from_scans);
   EXPECT_GE(merge->start_utime, met_utime);
   EXPECT_GT(merge->patches_touched, 100) << "all along the laps there are by then";
   int by_sightings = 0;
   for (const SightingRecord& record : spiral.map.sightings)
-    by_sightings += record.reason == "merged_islands" && record.closure == merge->id ? 1 : 0;
+    by_sightings += record.reason == Reason::merged_islands && record.closure == merge->id ? 1 : 0;
   EXPECT_GE(by_sightings, 3);
   EXPECT_GE(judge_sightings(spiral.run, spiral.map.sightings).true_share(), 0.95);
   const TrajectoryError error = judge_trajectories(spiral);
@@ -113,8 +113,8 @@ TEST_P(FalseSightings, ThreeInTenAreAllRefusedAndTheTrueOnesUsed) {
   EXPECT_GE(score.true_share(), 0.95);
   EXPECT_EQ(islands(spoilt.map), 1U);
   for (const SightingRecord& record : spoilt.map.sightings)
-    if (record.verdict == "refused") {
-      EXPECT_NE(record.reason, "");
+    if (record.verdict == Verdict::refused) {
+      EXPECT_NE(record.reason, Reason::none);
     }
   std::printf("seed %lu: %zu of %zu true accepted, %zu of %zu false; intra %.4f m, inter %.4f m\n",
               GetParam(), score.true_accepted, score.true_ones, score.false_accepted, score.false_ones,

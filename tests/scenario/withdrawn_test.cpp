@@ -47,19 +47,19 @@ double seconds_of(const Events& events, std::int64_t utime) {
   return static_cast<double>(utime - events.front().receive_utime) * 1e-6;
 }
 
-ClosureId first_accepted(const MapCopy& map, const std::string& kind) {
+ClosureId first_accepted(const MapCopy& map, ClosureKind kind) {
   for (const ClosureRecord& closure : map.closures)
-    if (closure.kind == kind && closure.state == "accepted") return closure.id;
+    if (closure.kind == kind && closure.state == ClosureState::accepted) return closure.id;
   return {};
 }
 
-Events with_command(Events events, double at_s, const std::string& verb, ClosureId closure) {
+Events with_command(Events events, double at_s, Verb verb, ClosureId closure) {
   insert(events, command(after_s(events, at_s), verb, closure.value));
   return events;
 }
 
 MapCopy forbidden_from_the_beginning(Events events, ClosureId closure) {
-  events.insert(events.begin(), command(events.front().receive_utime, "forbid", closure.value));
+  events.insert(events.begin(), command(events.front().receive_utime, Verb::forbid, closure.value));
   return map_events(events);
 }
 
@@ -75,7 +75,7 @@ struct Team {
 Team run_of(const std::string& scenario, std::uint64_t seed = 1) {
   Team its{simulate(load_scenario(scenario), seed), {}, {}, {}};
   its.plain = map_events(its.run.events);
-  its.merge = first_accepted(its.plain, "merge");
+  its.merge = first_accepted(its.plain, ClosureKind::merge);
   its.reference = forbidden_from_the_beginning(its.run.events, its.merge);
   its.merged_s = seconds_of(its.run.events, closure_of(its.plain, its.merge.value).end_utime);
   its.end_s = seconds_of(its.run.events, its.run.events.back().receive_utime);
@@ -115,16 +115,16 @@ TEST(Withdrawn, MergeOfRobotsWithTagsPartsThemWheneverItComes) {
   ASSERT_TRUE(robots_together(tags().reference).empty());
   ASSERT_GT(depending_on(tags().plain, tags().merge), 100U);
   for (const double at_s : {tags().merged_s + 0.5, tags().merged_s + 20, tags().end_s - 0.2})
-    expect_like_the_reference(tags(),
-                              map_events(with_command(tags().run.events, at_s, "withdraw", tags().merge)));
+    expect_like_the_reference(
+        tags(), map_events(with_command(tags().run.events, at_s, Verb::withdraw, tags().merge)));
 }
 
 // What says the same once more goes with it: that is what was forbidden.
 TEST(Withdrawn, BothJoinsOfRobotsWithTagsLeaveNoRelationBetweenThem) {
   Events events = tags().run.events;
   for (const ClosureRecord& closure : tags().plain.closures)
-    if (closure.robots.size() > 1 && closure.robots[1][0] == 'R' && closure.state == "accepted")
-      events = with_command(events, tags().end_s - 0.2, "withdraw", closure.id);
+    if (closure.robots.size() > 1 && closure.robots[1][0] == 'R' && closure.state == ClosureState::accepted)
+      events = with_command(events, tags().end_s - 0.2, Verb::withdraw, closure.id);
   const MapCopy map = map_events(events);
   EXPECT_EQ(relations_between_robots(map), 0U);
   EXPECT_TRUE(robots_together(map).empty());
@@ -133,7 +133,7 @@ TEST(Withdrawn, BothJoinsOfRobotsWithTagsLeaveNoRelationBetweenThem) {
 TEST(Withdrawn, MergeOfRobotsWithoutALaserPartsThemToTheEnd) {
   ASSERT_TRUE(robots_together(blind().reference).empty());
   for (const double at_s : {blind().merged_s + 0.5, blind().merged_s + 20, blind().end_s - 0.2}) {
-    const Events events = with_command(blind().run.events, at_s, "withdraw", blind().merge);
+    const Events events = with_command(blind().run.events, at_s, Verb::withdraw, blind().merge);
     Engine engine;
     std::int64_t look_utime = after_s(events, at_s);
     for (const Event& event : events) {
@@ -148,9 +148,9 @@ TEST(Withdrawn, MergeOfRobotsWithoutALaserPartsThemToTheEnd) {
 }
 
 TEST(Withdrawn, LoopTakesWhatRestedOnItAlong) {
-  const ClosureId loop = first_accepted(blind().plain, "closure");
+  const ClosureId loop = first_accepted(blind().plain, ClosureKind::closure);
   ASSERT_TRUE(loop.valid());
-  const Events events = with_command(blind().run.events, 30, "withdraw", loop);
+  const Events events = with_command(blind().run.events, 30, Verb::withdraw, loop);
   Played played = play(events, after_s(events, 30));
   EXPECT_EQ(depending_on(played.engine.copy(), loop), 0U);
   EXPECT_EQ(state_of(played.engine.copy(), loop.value), "withdrawn");
@@ -158,7 +158,7 @@ TEST(Withdrawn, LoopTakesWhatRestedOnItAlong) {
 
 TEST(Withdrawn, StaysSoAfterARestartFromASnapshot) {
   const double at_s = blind().merged_s + 20;
-  const Events events = with_command(blind().run.events, at_s, "withdraw", blind().merge);
+  const Events events = with_command(blind().run.events, at_s, Verb::withdraw, blind().merge);
   Engine uninterrupted;
   Engine restarted;
   for (const Event& event : events) {
@@ -180,8 +180,8 @@ TEST(Withdrawn, StaysSoAfterARestartFromASnapshot) {
 TEST(Withdrawn, AndAllowedAgainComesBack) {
   for (const Team* run : {&tags(), &blind()}) {
     const double at_s = run->merged_s + 5;
-    Events events = with_command(run->run.events, at_s, "withdraw", run->merge);
-    events = with_command(events, at_s + 5, "allow", run->merge);
+    Events events = with_command(run->run.events, at_s, Verb::withdraw, run->merge);
+    events = with_command(events, at_s + 5, Verb::allow, run->merge);
     const MapCopy map = map_events(events);
     EXPECT_EQ(robots_together(map), robots_together(run->plain));
     const double error = judge_trajectories({run->run, map}).mean_m;
@@ -194,7 +194,7 @@ TEST(Withdrawn, AndAllowedAgainComesBack) {
 TEST(Withdrawn, MergeAmongFourRobotsLeavesTheIslandsOfTheReference) {
   for (const double at_s : {office().merged_s + 20, office().end_s - 0.2})
     expect_like_the_reference(
-        office(), map_events(with_command(office().run.events, at_s, "withdraw", office().merge)));
+        office(), map_events(with_command(office().run.events, at_s, Verb::withdraw, office().merge)));
 }
 
 // By other sightings, by tags, after their ways have drifted apart, and by whatever number it comes again.
@@ -205,7 +205,8 @@ TEST(Forbidden, MergeOfRobotsWithoutALaserStaysSoHoweverItIsFoundAgain) {
     EXPECT_TRUE(robots_together(run.reference).empty()) << seed;
     EXPECT_EQ(relations_between_robots(run.reference), 0U) << seed;
     for (const ClosureRecord& closure : run.reference.closures)
-      EXPECT_FALSE(closure.kind == "merge" && closure.state == "accepted") << seed << " " << closure.id.value;
+      EXPECT_FALSE(closure.kind == ClosureKind::merge && closure.state == ClosureState::accepted)
+          << seed << " " << closure.id.value;
   }
 }
 
@@ -227,7 +228,7 @@ TEST(Withdrawn, MergeOfARecordedTeamLeavesTheIslandsOfTheReference) {
   const Events events = events_of_set("intel-2", 2);
   if (events.empty()) GTEST_SKIP() << "no recorded data (ISTHMUS_DATA)";
   const MapCopy plain = map_events(events);
-  const ClosureId merge = first_accepted(plain, "merge");
+  const ClosureId merge = first_accepted(plain, ClosureKind::merge);
   ASSERT_TRUE(merge.valid());
   const MapCopy reference = forbidden_from_the_beginning(events, merge);
   ASSERT_TRUE(robots_together(reference).empty());
@@ -235,7 +236,7 @@ TEST(Withdrawn, MergeOfARecordedTeamLeavesTheIslandsOfTheReference) {
   const double merged_s = seconds_of(events, closure_of(plain, merge.value).end_utime);
   // In the end much of what R2 drove on is mapped by R1 alone, and its own patches have less to hold them.
   for (const auto& [at_s, most_m] : {std::pair(merged_s + 60, 0.1), std::pair(end_s - 1, 1.0)}) {
-    const MapCopy map = map_events(with_command(events, at_s, "withdraw", merge));
+    const MapCopy map = map_events(with_command(events, at_s, Verb::withdraw, merge));
     EXPECT_EQ(robots_together(map), robots_together(reference)) << at_s;
     EXPECT_EQ(relations_between_robots(map), 0U) << at_s;
     const MapDifference difference = compare_patches(map, reference);

@@ -13,7 +13,7 @@ namespace isthmus {
 inline Message drop_command(const std::string& robot, std::int64_t utime) {
   CommandEvent command;
   command.utime = utime;
-  command.verb = "drop";
+  command.verb = Verb::drop;
   command.robot = robot;
   return encode({utime, command});
 }

@@ -19,30 +19,30 @@ struct Arguments {
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string key_file;
   double wait_s = 2;
-  std::string verb;
+  Verb verb = Verb::send_map;
   std::string what;  ///< a closure's id, or a robot
 };
 
 void add_verbs(CLI::App& app, Arguments& arguments) {
-  const auto add = [&](const char* verb, const char* operand, const char* help) {
-    CLI::App* command = app.add_subcommand(verb, help);
+  const auto add = [&](Verb verb, const char* operand, const char* help) {
+    CLI::App* command = app.add_subcommand(std::string(word(verb)), help);
     if (operand != nullptr) command->add_option(operand, arguments.what)->required();
     command->callback([&arguments, verb] { arguments.verb = verb; });
   };
-  add("withdraw", "ID", "ID: undo an accepted closure");
-  add("forbid", "ID", "ID: never accept this closure");
-  add("allow", "ID_or_ROBOT", "ID or ROBOT: take back withdraw, forbid or drop");
-  add("drop", "ROBOT", "ROBOT: leave a robot's data out of the map");
-  add("refine", nullptr, "fit the whole map once more");
-  add("send_map", nullptr, "publish the whole map");
+  add(Verb::withdraw, "ID", "ID: undo an accepted closure");
+  add(Verb::forbid, "ID", "ID: never accept this closure");
+  add(Verb::allow, "ID_or_ROBOT", "ID or ROBOT: take back withdraw, forbid or drop");
+  add(Verb::drop, "ROBOT", "ROBOT: leave a robot's data out of the map");
+  add(Verb::refine, nullptr, "fit the whole map once more");
+  add(Verb::send_map, nullptr, "publish the whole map");
 }
 
 CommandEvent order_of(const Arguments& arguments) {
-  if (arguments.verb == "allow") return allow_order(arguments.what);
+  if (arguments.verb == Verb::allow) return allow_order(arguments.what);
   CommandEvent order;
   order.verb = arguments.verb;
-  if (order.verb == "withdraw" || order.verb == "forbid") order.closure = parse_closure_id(arguments.what);
-  if (order.verb == "drop") order.robot = parse_robot_name(arguments.what);
+  if (is_about_a_closure(order.verb)) order.closure = parse_closure_id(arguments.what);
+  if (order.verb == Verb::drop) order.robot = parse_robot_name(arguments.what);
   return order;
 }
 

@@ -28,7 +28,7 @@ std::string parse_robot_name(const std::string& text) {
 
 CommandEvent allow_order(const std::string& text) {
   CommandEvent order;
-  order.verb = "allow";
+  order.verb = Verb::allow;
   if (parse_integer(text)) {
     order.closure = parse_closure_id(text);
   } else {
@@ -38,9 +38,10 @@ CommandEvent allow_order(const std::string& text) {
 }
 
 std::string to_text(const CommandEvent& order) {
-  if (order.closure >= 0) return order.verb + " closure " + std::to_string(order.closure);
-  if (!order.robot.empty()) return order.verb + " robot " + order.robot;
-  return order.verb;
+  const std::string verb(word(order.verb));
+  if (order.closure >= 0) return verb + " closure " + std::to_string(order.closure);
+  if (!order.robot.empty()) return verb + " robot " + order.robot;
+  return verb;
 }
 
 }  // namespace isthmus

@@ -36,7 +36,8 @@ std::vector<std::int64_t> ids_of(const std::string& text) {
 MeetingCounts count_meetings(const MapCopy& map) {
   MeetingCounts counts;
   for (const SightingRecord& record : map.sightings) {
-    add_sighting(record.verdict, record.reason, record.closure.value, counts);
+    add_sighting(std::string(word(record.verdict)), std::string(word(record.reason)), record.closure.value,
+                 counts);
   }
   const Dependencies dependencies(map.graph);
   for (const auto& [id, relation] : map.graph.relations()) {

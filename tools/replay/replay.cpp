@@ -70,7 +70,7 @@ class Replay {
     read();
     begin(0);
     const Clock::time_point finish = Clock::now();
-    if (options_.refine) command("refine");
+    if (options_.refine) command(Verb::refine);
     finish_map(result_.engine, options_);
     if (options_.refine) refine();
     result_.cost.finish_s = seconds_since(finish);
@@ -136,10 +136,10 @@ class Replay {
     if (begun_) return;
     begun_ = true;
     last_receive_utime_ = receive_utime;
-    for (const ClosureId closure : options_.forbid) command("forbid", closure.value);
+    for (const ClosureId closure : options_.forbid) command(Verb::forbid, closure.value);
   }
 
-  void command(const std::string& verb, std::int64_t closure = -1) {
+  void command(Verb verb, std::int64_t closure = -1) {
     CommandEvent command;
     command.verb = verb;
     command.closure = closure;

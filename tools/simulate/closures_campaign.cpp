@@ -146,7 +146,7 @@ ClosureTrial try_closures(const Scenario& scenario, std::uint64_t seed, const Co
   trial.seed = seed;
   trial.score = judge_closures(map, run.truth);
   for (const ClosureRecord& closure : map.closures)
-    if (closure.state == "accepted") ++trial.closures_accepted;
+    if (closure.state == ClosureState::accepted) ++trial.closures_accepted;
   const RelationComparison errors = compare(sample_relations(run.truth, seed), map, map);
   trial.compared = errors.compared;
   trial.missing = errors.missing;

@@ -121,7 +121,7 @@ SightingScore judge_sightings(const SimulatedRun& run, const SightingLog& record
   for (const FalseSighting& one : run.false_sightings) is_false[one.row - 1] = truth.is_false(one.reported);
   SightingScore score;
   for (std::size_t i = 0; i < sightings; ++i) {
-    const bool accepted = records.verdict(i) == "accepted";
+    const bool accepted = records.verdict(i) == Verdict::accepted;
     ++(is_false[i] ? score.false_ones : score.true_ones);
     if (accepted) ++(is_false[i] ? score.false_accepted : score.true_accepted);
   }

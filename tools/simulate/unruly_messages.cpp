@@ -88,12 +88,12 @@ CommandEvent command(const Unruly& unruly, std::int64_t utime, Random& random) {
   const std::string& robot = unruly.robots[random.index(unruly.robots.size())];
   const std::size_t kind = random.index(unruly.closures > 0 ? 8 : 4);
   if (kind == 0 || kind == 1) {
-    event.verb = kind == 0 ? "drop" : "allow";
+    event.verb = kind == 0 ? Verb::drop : Verb::allow;
     event.robot = robot;
   } else if (kind == 2) {
-    event.verb = random.chance(0.05) ? "refine" : "send_map";
+    event.verb = random.chance(0.05) ? Verb::refine : Verb::send_map;
   } else {
-    static constexpr std::array verbs = {"withdraw", "forbid", "allow"};
+    static constexpr std::array verbs = {Verb::withdraw, Verb::forbid, Verb::allow};
     event.verb = one_of(verbs, random);
     event.closure = kind == 3
                         ? std::int64_t{1'000'000'000}

@@ -18,23 +18,24 @@ std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
     return "";
   }
   Closure& closure = found->second;
-  if (must_be_accepted && closure.record.state != "accepted") return "not_accepted";
+  if (must_be_accepted && closure.record.state != ClosureState::accepted) return "not_accepted";
   closure.forbidden = true;
   if (trial_ && trial_->proposal().id == id) {
     closure.joining = as_mapped(trial_->map(), closure.joining);
     trial_.reset();
   }
-  if (closure.record.state == "accepted") {
+  if (closure.record.state == ClosureState::accepted) {
     put_off_trial();  // it was begun on a map that will no longer be
     take_back(world, closure);
-    closure.record.state = "withdrawn";
+    closure.record.state = ClosureState::withdrawn;
   } else {
-    closure.record.state = "refused";
+    closure.record.state = ClosureState::refused;
   }
-  closure.record.reason = "forbidden";
+  closure.record.reason = Reason::forbidden;
   if (closure.from_scans) rule(closure);
-  for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", "forbidden", id);
-  std::erase_if(pool_, [&](const Evidence& e) { return records_.verdict(e.record) == "refused"; });
+  for (const Evidence& evidence : closure.evidence)
+    verdict(evidence, Verdict::refused, Reason::forbidden, id);
+  std::erase_if(pool_, [&](const Evidence& e) { return records_.verdict(e.record) == Verdict::refused; });
   tried_.clear();
   looked_at_.clear();
   consider_pool_again();
@@ -48,11 +49,11 @@ std::string Closures::allow(ClosureId id) {
   if (!closure.forbidden) return "not_forbidden";
   closure.forbidden = false;
   forbidden_.erase(id);
-  closure.record.reason = "allowed_again";
+  closure.record.reason = Reason::allowed_again;
   for (auto& [other, its] : closures_) {
     if (!its.from_scans || (other != id && its.forbidden_as != id)) continue;
     its.forbidden_as = {};
-    rulings_.push_back({other, "waiting", closure.record.reason, 0});
+    rulings_.push_back({other, ClosureState::waiting, closure.record.reason, 0});
   }
   return_to_pool(closure.evidence, closure.record.reason);
   tried_.clear();
@@ -67,9 +68,10 @@ bool Closures::refuse_if_forbidden(World world, ClosureId id, const Map& tried) 
   Closure& closure = closures_.at(id);
   closure.forbidden = true;
   closure.joining = as_mapped(tried, closure.joining);
-  closure.record.state = "refused";
-  closure.record.reason = "forbidden";
-  for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", "forbidden", id);
+  closure.record.state = ClosureState::refused;
+  closure.record.reason = Reason::forbidden;
+  for (const Evidence& evidence : closure.evidence)
+    verdict(evidence, Verdict::refused, Reason::forbidden, id);
   if (closure.from_scans) rule(closure);
   return true;
 }
@@ -82,14 +84,14 @@ bool Closures::refuse_as_forbidden(World world, ClosureId id, const Map& tried) 
   if (forbidden == closures_.end()) return false;
   Closure& closure = closures_.at(id);
   if (closure.from_scans) {
-    closure.record.state = "refused";
-    closure.record.reason = "forbidden";
+    closure.record.state = ClosureState::refused;
+    closure.record.reason = Reason::forbidden;
     closure.forbidden_as = forbidden->first;
     rule(closure);
     return true;
   }
   for (const Evidence& evidence : closure.evidence)
-    verdict(evidence, "refused", "forbidden", forbidden->first);
+    verdict(evidence, Verdict::refused, Reason::forbidden, forbidden->first);
   std::vector<Evidence>& kept = forbidden->second.evidence;
   std::ranges::move(closure.evidence, std::back_inserter(kept));
   if (kept.size() > most_kept) kept.erase(kept.begin(), kept.end() - most_kept);
@@ -106,7 +108,7 @@ void Closures::forget_robot(const std::string& robot) {
   }
   const auto is_its = [&](const Evidence& evidence) {
     if (evidence.sighting.robot != robot && evidence.target != robot) return false;
-    verdict(evidence, "refused", "robot_dropped");
+    verdict(evidence, Verdict::refused, Reason::robot_dropped);
     return true;
   };
   std::erase_if(pool_, is_its);

@@ -8,7 +8,7 @@ namespace isthmus {
 ClosureId Closures::propose_from_scans(World world, const ScanProposal& says) {
   const Manifold& manifold = world.map.manifold();
   const RelationGraph& graph = world.map.graph();
-  const ClosureId id = note_from_scans(world, says, "on_trial");
+  const ClosureId id = note_from_scans(world, says, Reason::on_trial);
   Proposal proposal;
   proposal.id = id;
   proposal.older = graph.island(says.first);
@@ -26,7 +26,7 @@ ClosureId Closures::propose_from_scans(World world, const ScanProposal& says) {
   return id;
 }
 
-ClosureId Closures::note_from_scans(World world, const ScanProposal& says, const std::string& reason) {
+ClosureId Closures::note_from_scans(World world, const ScanProposal& says, Reason reason) {
   const ClosureId id = says.id.valid() ? says.id : ClosureId{next_id_++};
   Closure& closure = closures_[id];
   closure.from_scans = true;
@@ -35,8 +35,9 @@ ClosureId Closures::note_from_scans(World world, const ScanProposal& says, const
   ClosureRecord& record = closure.record;
   if (!record.id.valid()) record.start_utime = world.now_utime;
   record.id = id;
-  record.kind = graph.island(says.first) != graph.island(says.second) ? "merge" : "closure";
-  record.state = "waiting";
+  record.kind =
+      graph.island(says.first) != graph.island(says.second) ? ClosureKind::merge : ClosureKind::closure;
+  record.state = ClosureState::waiting;
   record.reason = reason;
   record.utime = world.map.manifold().patch(says.second).utime;
   record.robots = says.robots;
@@ -44,11 +45,11 @@ ClosureId Closures::note_from_scans(World world, const ScanProposal& says, const
   return id;
 }
 
-void Closures::refuse_from_scans(ClosureId id, const std::string& reason) {
+void Closures::refuse_from_scans(ClosureId id, Reason reason) {
   const auto found = closures_.find(id);
-  if (found == closures_.end() || found->second.record.state != "waiting") return;
+  if (found == closures_.end() || found->second.record.state != ClosureState::waiting) return;
   if (trial_ && trial_->proposal().id == id) trial_.reset();
-  found->second.record.state = "refused";
+  found->second.record.state = ClosureState::refused;
   found->second.record.reason = reason;
 }
 

@@ -130,7 +130,7 @@ void Closures::thin(const std::vector<Group>& groups, World world) {
   std::vector<Evidence> kept;
   for (std::size_t i = 0; i < pool_.size(); ++i) {
     if (gone.contains(i)) {
-      verdict(pool_[i], "refused", pool_[i].doubt);
+      verdict(pool_[i], Verdict::refused, pool_[i].doubt);
     } else {
       kept.push_back(std::move(pool_[i]));
     }
@@ -211,8 +211,8 @@ void Closures::begin_trial(World world, const Group& group, const Alignment& ali
   closure.joining = joining;
   ClosureRecord& record = closure.record;
   record.id = id;
-  record.kind = group.merge ? "merge" : "closure";
-  record.state = "waiting";
+  record.kind = group.merge ? ClosureKind::merge : ClosureKind::closure;
+  record.state = ClosureState::waiting;
   record.utime = closure.evidence.front().sighting.utime;
   record.robots = robots_of(closure.evidence);
   record.start_utime = record.end_utime = world.now_utime;
@@ -228,12 +228,12 @@ void Closures::begin_trial(World world, const Group& group, const Alignment& ali
     if (auto relation = sighting_relation(world.map, evidence, id)) proposal.relations.push_back(*relation);
   tried_[group.key] = static_cast<int>(closure.evidence.size());
   if (proposal.relations.empty()) {
-    record.state = "refused";
-    record.reason = "no_relation";
-    for (const Evidence& evidence : closure.evidence) verdict(evidence, "refused", record.reason, id);
+    record.state = ClosureState::refused;
+    record.reason = Reason::no_relation;
+    for (const Evidence& evidence : closure.evidence) verdict(evidence, Verdict::refused, record.reason, id);
     return;
   }
-  for (const Evidence& evidence : closure.evidence) verdict(evidence, "waiting", "on_trial", id);
+  for (const Evidence& evidence : closure.evidence) verdict(evidence, Verdict::waiting, Reason::on_trial, id);
   begin_trial(world, std::move(proposal));
 }
 
@@ -268,9 +268,9 @@ void Closures::propose_start(World world, const Relation& relation, const std::s
   proposal.measured = true;
   Closure closure;
   closure.record.id = proposal.id;
-  closure.record.kind = proposal.merge ? "merge" : "closure";
-  closure.record.state = "waiting";
-  closure.record.reason = "measured_start";
+  closure.record.kind = proposal.merge ? ClosureKind::merge : ClosureKind::closure;
+  closure.record.state = ClosureState::waiting;
+  closure.record.reason = Reason::measured_start;
   closure.record.robots = {robot, with};
   closure.record.utime = closure.record.start_utime = world.now_utime;
   const Eigen::Matrix3d& information = std::get<RelativePose>(relation.measurement).information;
@@ -312,18 +312,18 @@ void Closures::end_trial(World world) {
   if (trial->accepted()) {
     trial->commit(world.map);
     changed_.push_back(trial->proposal().older);
-    record.state = "accepted";
-    const std::string reason = trial->proposal().merge ? "merged_islands" : "closed_loop";
-    for (const Evidence& evidence : closure.evidence) verdict(evidence, "accepted", reason, record.id);
-    if (closure.from_scans) record.reason = "from_scans";
+    record.state = ClosureState::accepted;
+    const Reason reason = trial->proposal().merge ? Reason::merged_islands : Reason::closed_loop;
+    for (const Evidence& evidence : closure.evidence) verdict(evidence, Verdict::accepted, reason, record.id);
+    if (closure.from_scans) record.reason = Reason::from_scans;
     tried_.clear();
     looked_at_.clear();
   } else {
-    record.state = "refused";
+    record.state = ClosureState::refused;
     record.reason = trial->refusal();
     for (Evidence evidence : closure.evidence) {
       evidence.doubt = trial->refusal();
-      verdict(evidence, "waiting", evidence.doubt, record.id);
+      verdict(evidence, Verdict::waiting, evidence.doubt, record.id);
       pool_.push_back(std::move(evidence));
     }
     std::ranges::stable_sort(pool_, {}, &Evidence::record);
@@ -336,10 +336,10 @@ void Closures::end_trial(World world) {
 void Closures::put_off(ClosureId id) {
   const auto found = closures_.find(id);
   if (found->second.from_scans) {
-    found->second.record.reason = "map_changed";
+    found->second.record.reason = Reason::map_changed;
     return rule(found->second);
   }
-  return_to_pool(found->second.evidence, "too_little_support");
+  return_to_pool(found->second.evidence, Reason::too_little_support);
   closures_.erase(found);
   if (id.value + 1 == next_id_) --next_id_;
   consider_pool_again();

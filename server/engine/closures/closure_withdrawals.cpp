@@ -85,13 +85,13 @@ void Closures::put_on_own_ground(World world, const Map& together) {
 void Closures::fall(ClosureId id) {
   Closure& closure = closures_.at(id);
   if (closure.from_scans) {
-    closure.record.state = "waiting";
-    closure.record.reason = "map_changed";
+    closure.record.state = ClosureState::waiting;
+    closure.record.reason = Reason::map_changed;
     return rule(closure);
   }
-  closure.record.state = "withdrawn";
-  closure.record.reason = "rested_on_another";
-  return_to_pool(closure.evidence, "unsupported");
+  closure.record.state = ClosureState::withdrawn;
+  closure.record.reason = Reason::rested_on_another;
+  return_to_pool(closure.evidence, Reason::unsupported);
 }
 
 // A sighting that the map had taken in waits again, where it is still known from where it was made.
@@ -105,15 +105,16 @@ void Closures::reopen(World world, std::size_t record) {
   });
   evidence.is_tag = worn == world.robots.end();
   evidence.target = evidence.is_tag ? tag_name(evidence.sighting.barcode) : worn->first;
-  const std::string reason = place(world, evidence, true);
-  verdict(evidence, reason.empty() ? "waiting" : "refused", reason.empty() ? evidence.doubt : reason);
-  if (reason.empty()) pool_.push_back(std::move(evidence));
+  const Placing placing = place_on_manifold(world.robots, tag_patches_, true, evidence);
+  if (placing.state != Placing::State::placed) return verdict(evidence, Verdict::refused, placing.reason);
+  verdict(evidence, Verdict::waiting, evidence.doubt);
+  pool_.push_back(std::move(evidence));
 }
 
-void Closures::return_to_pool(std::vector<Evidence>& evidence, const std::string& doubt) {
+void Closures::return_to_pool(std::vector<Evidence>& evidence, Reason doubt) {
   for (Evidence& one : evidence) {
     one.doubt = doubt;
-    verdict(one, "waiting", doubt);
+    verdict(one, Verdict::waiting, doubt);
     pool_.push_back(std::move(one));
   }
   evidence.clear();
@@ -126,9 +127,9 @@ void Closures::put_off_trial() {
   Closure& closure = closures_.at(trial_->proposal().id);
   trial_.reset();
   if (closure.from_scans) return put_off(closure.record.id);
-  closure.record.state = "refused";
-  closure.record.reason = "map_changed";
-  return_to_pool(closure.evidence, "unsupported");
+  closure.record.state = ClosureState::refused;
+  closure.record.reason = Reason::map_changed;
+  return_to_pool(closure.evidence, Reason::unsupported);
 }
 
 }  // namespace isthmus

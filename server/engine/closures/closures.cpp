@@ -22,10 +22,6 @@ constexpr double apart_beside_another_m = 1;
 constexpr std::size_t most_for_tag = 30;  // newest sightings of a tag that is nowhere yet
 constexpr int most_judged_again = 4;      // in one event: each may ask for a covariance
 
-PastPlace tag_place(PatchId patch, std::int64_t utime) {
-  return {utime, 0, {patch, Pose{}}, Eigen::Matrix3d::Zero(), Pose{}};
-}
-
 double largest_variance(const Eigen::Matrix2d& covariance) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(1);
 }
@@ -59,43 +55,16 @@ void Closures::take(const SightingEvent& sighting, const std::string& target, bo
   evidence.target = target;
   evidence.is_tag = tag;
   evidence.receive_utime = now_utime;
-  records_.append({sighting, "waiting", "not_placed_yet", {}});
+  records_.append({sighting, Verdict::waiting, Reason::not_placed_yet, {}});
   unplaced_.push_back(std::move(evidence));
 }
 
-void Closures::refuse(const SightingEvent& sighting, const std::string& reason) {
-  records_.append({sighting, "refused", reason, {}});
+void Closures::refuse(const SightingEvent& sighting, Reason reason) {
+  records_.append({sighting, Verdict::refused, reason, {}});
 }
 
-void Closures::verdict(const Evidence& evidence, const std::string& verdict, const std::string& reason,
-                       ClosureId closure) {
+void Closures::verdict(const Evidence& evidence, Verdict verdict, Reason reason, ClosureId closure) {
   records_.set_verdict(evidence.record, verdict, reason, closure);
-}
-
-// Returns why the sighting cannot be placed; "wait" while it still may. Empty: it is placed.
-std::string Closures::place(World world, Evidence& evidence, bool waited) const {
-  const auto place_of = [&](const std::string& name, std::optional<PastPlace>& place) -> std::string {
-    const auto found = world.robots.find(name);
-    if (found == world.robots.end()) return "unknown_robot";
-    const Robot& robot = found->second;
-    const std::int64_t utime = evidence.sighting.utime;
-    if (!robot.history.empty() && robot.history.oldest_utime() > utime) return "before_first_scan";
-    place = robot.history.at(utime, robot.odometry, robot.noise);
-    if (place) return "";
-    if (!waited) return "wait";
-    if (robot.history.empty()) return "before_first_scan";
-    return robot.odometry.empty() || robot.odometry.newest_utime() < utime ? "stamp_in_future"
-                                                                           : "no_pose_at_stamp";
-  };
-  std::optional<PastPlace> observer;
-  if (const std::string reason = place_of(evidence.sighting.robot, observer); !reason.empty()) return reason;
-  evidence.observer = *observer;
-  if (evidence.is_tag) {
-    const auto tag = tag_patches_.find(evidence.sighting.barcode);
-    if (tag != tag_patches_.end()) evidence.target_place = tag_place(tag->second, evidence.sighting.utime);
-    return "";
-  }
-  return place_of(evidence.target, evidence.target_place);
 }
 
 void Closures::place_sightings(World world) {
@@ -103,13 +72,17 @@ void Closures::place_sightings(World world) {
   std::vector<Evidence> placed;
   for (Evidence& unplaced : unplaced_) {
     const bool waited = world.no_more_waiting || world.now_utime > unplaced.receive_utime + placing_wait_us;
-    const std::string reason = place(world, unplaced, waited);
-    if (reason == "wait") {
-      still.push_back(std::move(unplaced));
-    } else if (!reason.empty()) {
-      verdict(unplaced, "refused", reason);
-    } else {
-      placed.push_back(std::move(unplaced));
+    const Placing placing = place_on_manifold(world.robots, tag_patches_, waited, unplaced);
+    switch (placing.state) {
+      case Placing::State::waits:
+        still.push_back(std::move(unplaced));
+        break;
+      case Placing::State::impossible:
+        verdict(unplaced, Verdict::refused, placing.reason);
+        break;
+      case Placing::State::placed:
+        placed.push_back(std::move(unplaced));
+        break;
     }
   }
   unplaced_ = std::move(still);
@@ -118,7 +91,7 @@ void Closures::place_sightings(World world) {
 
 void Closures::consider(World world, Evidence evidence) {
   if (evidence.target_place && judge_by_map(world, evidence)) return;
-  verdict(evidence, "waiting", evidence.doubt);
+  verdict(evidence, Verdict::waiting, evidence.doubt);
   pool_.push_back(std::move(evidence));
   pool_changed_ = true;
 }
@@ -133,13 +106,13 @@ bool Closures::judge_by_map(World world, Evidence& evidence) {
   const bool scans =
       sees_walls(world.map, evidence.observer) && sees_walls(world.map, *evidence.target_place);
   if (scans && agrees(chart, Pose{}) && graph.hops(a, b, near_hops)) {
-    verdict(evidence, "accepted", "agrees_with_map");
+    verdict(evidence, Verdict::accepted, Reason::agrees_with_map);
     return true;
   }
   // Sightings close in time err alike: one of them tells what they all tell.
   std::int64_t& weighed_utime = weighed_utime_[{evidence.sighting.robot, evidence.target}];
   if (std::abs(evidence.sighting.utime - weighed_utime) < weighing_us && agrees(chart, Pose{})) {
-    verdict(evidence, "accepted", "agrees_with_map");
+    verdict(evidence, Verdict::accepted, Reason::agrees_with_map);
     return true;
   }
   const std::optional<double> variance =
@@ -148,11 +121,11 @@ bool Closures::judge_by_map(World world, Evidence& evidence) {
   chart.target_variance += *variance;
   // One that contradicts the map is most likely false; but several that agree may know better.
   if (!agrees(chart, Pose{})) {
-    evidence.doubt = "contradicts_map";
+    evidence.doubt = Reason::contradicts_map;
     return false;
   }
   if (std::sqrt(*variance) > (scans ? sure_m : sure_without_scans_m)) return false;
-  verdict(evidence, "accepted", "agrees_with_map");
+  verdict(evidence, Verdict::accepted, Reason::agrees_with_map);
   weighed_utime = evidence.sighting.utime;
   const double own = std::isfinite(chart.range_sigma_m)
                          ? chart.range_sigma_m
@@ -185,7 +158,7 @@ void Closures::place_tags(World world) {
     if (tag_patches_.contains(key.first)) placed.insert(key.first);
   }
   if (placed.empty()) return;
-  std::erase_if(pool_, [&](const Evidence& e) { return records_.verdict(e.record) == "accepted"; });
+  std::erase_if(pool_, [&](const Evidence& e) { return records_.verdict(e.record) == Verdict::accepted; });
   consider_pool_again();
 }
 
@@ -201,7 +174,7 @@ void Closures::place_tag(World world, std::int32_t barcode, const std::vector<st
     if (world.map.graph().island(patch) == island &&
         std::hypot(pose.x - mean.x(), pose.y - mean.y()) < another_tag_m &&
         (best.size() < enough_beside_another || consensus.apart_m < apart_beside_another_m)) {
-      for (const std::size_t i : best) pool_[i].doubt = "another_tag_is_there";
+      for (const std::size_t i : best) pool_[i].doubt = Reason::another_tag_is_there;
       return;
     }
   }
@@ -209,9 +182,9 @@ void Closures::place_tag(World world, std::int32_t barcode, const std::vector<st
   world.map.add(make_tag_patch(id, barcode, pool_[best.front()].sighting.utime), {mean.x(), mean.y(), 0});
   tag_patches_[barcode] = id;
   for (const std::size_t i : best) {
-    pool_[i].target_place = tag_place(id, pool_[i].sighting.utime);
+    pool_[i].target_place = place_of_tag(id, pool_[i].sighting.utime);
     world.map.relate(*sighting_relation(world.map, pool_[i], {}));
-    verdict(pool_[i], "accepted", "placed_tag");
+    verdict(pool_[i], Verdict::accepted, Reason::placed_tag);
   }
   world.map.refit_around(id, world.options.window_patches);
 }
@@ -221,7 +194,7 @@ void Closures::consider_pool_again() {
     const auto tag = tag_patches_.find(evidence.sighting.barcode);
     if (evidence.is_tag) evidence.target_place.reset();
     if (evidence.is_tag && tag != tag_patches_.end())
-      evidence.target_place = tag_place(tag->second, evidence.sighting.utime);
+      evidence.target_place = place_of_tag(tag->second, evidence.sighting.utime);
     evidence.judge_again = true;
   }
   judging_again_ = !pool_.empty();
@@ -235,9 +208,9 @@ void Closures::judge_again(World world) {
     if (judged++ >= most_judged_again) break;
     evidence.judge_again = false;
     if (!evidence.target_place || !judge_by_map(world, evidence))
-      verdict(evidence, "waiting", evidence.doubt);
+      verdict(evidence, Verdict::waiting, evidence.doubt);
   }
-  std::erase_if(pool_, [&](const Evidence& e) { return records_.verdict(e.record) == "accepted"; });
+  std::erase_if(pool_, [&](const Evidence& e) { return records_.verdict(e.record) == Verdict::accepted; });
   judging_again_ = std::ranges::any_of(pool_, &Evidence::judge_again);
   pool_changed_ = true;
 }
@@ -275,7 +248,7 @@ bool Closures::finish_step(World world) {
   pool_changed_ = false;
   propose(world);
   if (trial_ || pool_changed_ || judging_again_) return true;
-  for (const Evidence& evidence : pool_) verdict(evidence, "refused", evidence.doubt);
+  for (const Evidence& evidence : pool_) verdict(evidence, Verdict::refused, evidence.doubt);
   pool_.clear();
   return false;
 }

@@ -9,11 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "server/engine/closures/closure_record.hpp"
 #include "server/engine/closures/joining.hpp"
 #include "server/engine/map/credit.hpp"
 #include "server/engine/propagation/trial.hpp"
-#include "server/engine/record/map_copy.hpp"
 #include "server/engine/sightings/evidence.hpp"
+#include "server/engine/sightings/placing.hpp"
+#include "server/engine/sightings/sighting_log.hpp"
 
 namespace isthmus {
 
@@ -49,7 +51,7 @@ class Closures {
   /// A sighting that makes sense on its own. `tag`: the barcode is a fixed tag's.
   void take(const SightingEvent& sighting, const std::string& target, bool tag, std::int64_t now_utime);
   /// One that does not; kept for the record.
-  void refuse(const SightingEvent& sighting, const std::string& reason);
+  void refuse(const SightingEvent& sighting, Reason reason);
   /// A robot starts at a measured place relative to another (configuration, `start`).
   void propose_start(World world, const Relation& relation, const std::string& robot,
                      const std::string& with);
@@ -69,13 +71,13 @@ class Closures {
   /// What scans say goes the same way, through the same trial and record. There must be none on trial.
   ClosureId propose_from_scans(World world, const ScanProposal& proposal);
   /// Keeps record of what is not worth a trial yet.
-  ClosureId note_from_scans(World world, const ScanProposal& proposal, const std::string& reason);
-  void refuse_from_scans(ClosureId id, const std::string& reason);
-  /// What became of a closure that scans proposed: "accepted", "refused", or "waiting" for more support.
+  ClosureId note_from_scans(World world, const ScanProposal& proposal, Reason reason);
+  void refuse_from_scans(ClosureId id, Reason reason);
+  /// What became of a closure that scans proposed: accepted, refused, or waiting for more support.
   struct Ruling {
     ClosureId id;
-    std::string state;
-    std::string reason;
+    ClosureState state = ClosureState::waiting;
+    Reason reason = Reason::none;
     double value = 0;  ///< of one that waits: patches that would come to be joined
 
     auto members() { return std::tie(id, state, reason, value); }
@@ -129,10 +131,8 @@ class Closures {
     std::vector<std::size_t> members;  ///< in the pool, by time
   };
 
-  void verdict(const Evidence& evidence, const std::string& verdict, const std::string& reason,
-               ClosureId closure = {});
+  void verdict(const Evidence& evidence, Verdict verdict, Reason reason, ClosureId closure = {});
   void place_sightings(World world);
-  std::string place(World world, Evidence& evidence, bool waited) const;
   void consider(World world, Evidence evidence);
   bool judge_by_map(World world, Evidence& evidence);
   void add_to_map(World world, const Evidence& evidence);
@@ -160,7 +160,7 @@ class Closures {
   void put_on_own_ground(World world, const Map& together);
   void unplace_tags(World world, std::vector<Relation>& gone);
   void reopen(World world, std::size_t record);
-  void return_to_pool(std::vector<Evidence>& evidence, const std::string& doubt);
+  void return_to_pool(std::vector<Evidence>& evidence, Reason doubt);
   void rule(const Closure& closure, double value = 0);
 
   SightingLog records_;

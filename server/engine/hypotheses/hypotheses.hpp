@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/engine/closures/closures.hpp"
+#include "server/engine/hypotheses/hypothesis_counts.hpp"
 #include "server/engine/hypotheses/undecided.hpp"
 #include "server/engine/map/credit.hpp"
 #include "server/engine/places/consistency.hpp"
@@ -56,7 +57,7 @@ class Hypotheses {
 
   std::vector<UndecidedHypothesis> undecided() const;
   /// Something else has shown it to be false.
-  void refute(ClosureId id, const std::string& reason);
+  void refute(ClosureId id, Reason reason);
 
   const HypothesisCounts& counts() const { return counts_; }
 
@@ -120,7 +121,7 @@ class Hypotheses {
   bool pool_changed_ = false;
   std::map<ClosureId, Hypothesis> hypotheses_;
   std::map<ClosureId, std::vector<Waiting>> parked_;  ///< finds of closures that may be withdrawn or allowed
-  std::vector<std::pair<ClosureId, std::string>> refuted_;
+  std::vector<std::pair<ClosureId, Reason>> refuted_;
   HypothesisCounts counts_;
   Credit credit_;
   std::size_t patches_ = 0;  ///< when last worked

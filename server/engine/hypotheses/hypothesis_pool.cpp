@@ -139,17 +139,17 @@ std::size_t Hypotheses::rivals(const Map& map, const std::vector<std::size_t>& s
 void Hypotheses::hear(World world, Closures& closures) {
   for (const auto& [id, reason] : std::exchange(refuted_, {})) closures.refuse_from_scans(id, reason);
   for (const Closures::Ruling& ruling : closures.take_rulings()) {
-    if (ruling.state == "waiting" && parked_.contains(ruling.id)) {
+    if (ruling.state == ClosureState::waiting && parked_.contains(ruling.id)) {
       for (Waiting& waiting : parked_[ruling.id]) take(world, waiting.robot, std::move(waiting.find));
       parked_.erase(ruling.id);
       continue;
     }
     const auto found = hypotheses_.find(ruling.id);
     if (found == hypotheses_.end()) continue;
-    if (ruling.state == "waiting") {
+    if (ruling.state == ClosureState::waiting) {
       found->second.undecided = true;
       found->second.says.value = ruling.value;
-      if (ruling.reason == "map_changed") found->second.tried = 0;
+      if (ruling.reason == Reason::map_changed) found->second.tried = 0;
       pool_changed_ = true;
       continue;
     }
@@ -157,9 +157,10 @@ void Hypotheses::hear(World world, Closures& closures) {
     for (std::size_t i = 0; i < pool_.size(); ++i) {
       if (pool_[i].hypothesis != ruling.id) continue;
       gone[i] = true;
-      if (ruling.state == "accepted" || ruling.reason == "forbidden") parked_[ruling.id].push_back(pool_[i]);
+      if (ruling.state == ClosureState::accepted || ruling.reason == Reason::forbidden)
+        parked_[ruling.id].push_back(pool_[i]);
     }
-    if (ruling.state == "accepted") {
+    if (ruling.state == ClosureState::accepted) {
       for (std::size_t i = 0; i < pool_.size(); ++i)
         gone[i] = gone[i] || agrees_with_map(world.map, pool_[i].find);
     }
@@ -194,7 +195,7 @@ std::vector<UndecidedHypothesis> Hypotheses::undecided() const {
   return undecided;
 }
 
-void Hypotheses::refute(ClosureId id, const std::string& reason) {
+void Hypotheses::refute(ClosureId id, Reason reason) {
   const auto found = hypotheses_.find(id);
   if (found == hypotheses_.end()) return;
   std::vector<bool> gone;

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "patches/scan.hpp"
+#include "server/engine/input/verb.hpp"
 
 namespace isthmus {
 
@@ -61,7 +62,7 @@ struct SightingEvent {
 
 struct CommandEvent {
   std::int64_t utime = 0;
-  std::string verb;  ///< withdraw, forbid, allow, drop, refine, send_map
+  Verb verb = Verb::send_map;
   std::int64_t closure = -1;
   std::string robot;
 };

@@ -78,7 +78,7 @@ void Trial::end_fit() {
   const FitJob::Result result = job_->take();
   job_.reset();
   if (!result.ok) {
-    refusal_ = "fit_failed";
+    refusal_ = Reason::fit_failed;
     stage_ = Stage::done;
     return;
   }
@@ -93,7 +93,7 @@ void Trial::end_fit() {
     Eigen::Matrix3d covariance = *result.covariance;
     covariance.diagonal() += proposal_.beyond_covariance;
     if (jump.dot(covariance.inverse() * jump) > most_gate) {
-      refusal_ = "implausible_jump";
+      refusal_ = Reason::implausible_jump;
       stage_ = Stage::done;
       return;
     }
@@ -223,11 +223,11 @@ void Trial::judge() {
   const int compared = matched + static_cast<int>(propagation_.unmatched().size());
   const int enough = proposal_.two_way ? enough_support_two_way : enough_support_one_way;
   if (sighting_cost() > most_sighting_cost) {
-    refusal_ = "sightings_disagree";
+    refusal_ = Reason::sightings_disagree;
   } else if (mean_contradiction() > most_contradiction) {
-    refusal_ = "walls_in_free_space";
+    refusal_ = Reason::walls_in_free_space;
   } else if (compared >= few_compared && matched < least_matched_share * compared) {
-    refusal_ = "scans_disagree";
+    refusal_ = Reason::scans_disagree;
   } else if (matched < few_compared && proposal_.supporters < enough) {
     undecided_ = true;
   }
@@ -238,30 +238,30 @@ void Trial::judge_scans() {
   const std::vector<PatchId>& matched = propagation_.matched();
   const auto count = static_cast<int>(matched.size());
   const int compared = count + static_cast<int>(propagation_.unmatched().size());
-  const auto undecided = [&](const std::string& why) {
+  const auto undecided = [&](Reason why) {
     undecided_ = true;
     refusal_ = why;
   };
   if (find_cost() > most_find_cost) {
-    refusal_ = "finds_disagree";
+    refusal_ = Reason::finds_disagree;
   } else if (mean_contradiction() > most_contradiction + own_contradiction()) {
-    refusal_ = "walls_in_free_space";
+    refusal_ = Reason::walls_in_free_space;
   } else if (compared >= few_compared && count < least_matched_share * compared) {
-    refusal_ = "scans_disagree";
+    refusal_ = Reason::scans_disagree;
   } else if (count < few_matched_scans) {
-    undecided("too_little_support");
+    undecided(Reason::too_little_support);
   } else if (proposal_.merge || proposal_.cautious) {
     const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
     const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
     const Seam its = seam(map_, island, is_younger, matched);
     if (proposal_.merge && its.border_contradiction > most_contradiction + own_contradiction()) {
-      refusal_ = "walls_in_free_space";
+      refusal_ = Reason::walls_in_free_space;
     } else if (count < enough_matched || its.way_m < (proposal_.merge ? enough_way_m : enough_loop_way_m)) {
-      undecided("too_little_support");
+      undecided(Reason::too_little_support);
     } else if (its.width_m < enough_width_m && its.way_m < enough_corridor_m) {
-      undecided("one_corridor");
+      undecided(Reason::one_corridor);
     } else if (proposal_.merge && std::min(its.own_first_m, its.own_second_m) < enough_own_m) {
-      undecided("nothing_beyond_the_seam");
+      undecided(Reason::nothing_beyond_the_seam);
     }
   }
 }

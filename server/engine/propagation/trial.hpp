@@ -2,11 +2,11 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 #include <tuple>
 #include <vector>
 
 #include "server/engine/map/fit_job.hpp"
+#include "server/engine/map/reason.hpp"
 #include "server/engine/propagation/propagation.hpp"
 
 namespace isthmus {
@@ -51,11 +51,11 @@ class Trial {
   void finish(std::int64_t now_utime);
 
   bool done() const { return stage_ == Stage::done; }
-  bool accepted() const { return done() && !undecided_ && refusal_.empty(); }
+  bool accepted() const { return done() && !undecided_ && refusal_ == Reason::none; }
   /// Nothing spoke against it, but too little for it: more sightings may come.
   bool undecided() const { return done() && undecided_; }
-  /// Why it was refused or is undecided; empty where it was accepted.
-  const std::string& refusal() const { return refusal_; }
+  /// Why it was refused or is undecided; none where it was accepted, and where sightings are too few.
+  Reason refusal() const { return refusal_; }
   const Proposal& proposal() const { return proposal_; }
   /// The map as the trial has it now.
   const Map& map() const { return map_; }
@@ -99,7 +99,7 @@ class Trial {
   Stage stage_ = Stage::start;
   int fits_ = 0;
   std::size_t matched_at_fit_ = 0;
-  std::string refusal_;
+  Reason refusal_ = Reason::none;
   bool undecided_ = false;
 };
 

@@ -141,9 +141,9 @@ std::string map_sha256(const MapCopy& map) {
 
   // A refused or withdrawn closure has left nothing in the map, so it leaves nothing here.
   for (const ClosureRecord& closure : map.closures) {
-    if (closure.state != "accepted") continue;
+    if (closure.state != ClosureState::accepted) continue;
     digest.add(closure.id);
-    digest.add(std::string_view(closure.kind));
+    digest.add(word(closure.kind));
     digest.add(closure.utime);
   }
 

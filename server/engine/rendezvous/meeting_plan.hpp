@@ -7,7 +7,7 @@
 
 #include "server/engine/hypotheses/undecided.hpp"
 #include "server/engine/map/map.hpp"
-#include "server/engine/record/map_copy.hpp"
+#include "server/engine/rendezvous/meeting_record.hpp"
 #include "server/engine/robot/robot.hpp"
 
 namespace isthmus {

@@ -15,6 +15,13 @@ struct HealthWarning {
   std::string text;  ///< a sentence for people, with the robot's name
 };
 
+/// A robot's own data, and what looks wrong with it.
+struct HealthRecord {
+  std::string robot;
+  HealthFigures figures;
+  std::vector<HealthWarning> warnings;
+};
+
 /// What looks wrong with a robot's data; nothing while too little is known. Of warnings with the same cause,
 /// the plainest. `dropped`: its messages, by reason.
 std::vector<HealthWarning> health_warnings(const std::string& robot, const Laser& laser,

@@ -9,6 +9,7 @@
 
 #include "server/engine/input/event.hpp"
 #include "server/engine/map/map.hpp"
+#include "server/engine/map/reason.hpp"
 #include "server/engine/robot/robot.hpp"
 #include "server/engine/sightings/alignment.hpp"
 
@@ -30,8 +31,8 @@ struct Evidence {
   bool is_tag = false;
   /// Of a tag: where its patch is, once it has one.
   std::optional<PastPlace> target_place;
-  std::string doubt = "unsupported";  ///< why it would be refused if nothing more came
-  bool judge_again = false;           ///< the map has changed since it was judged
+  Reason doubt = Reason::unsupported;  ///< why it would be refused if nothing more came
+  bool judge_again = false;            ///< the map has changed since it was judged
 
   auto members() {
     return std::tie(record, receive_utime, sighting, observer, target, is_tag, target_place, doubt,

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
-#include <stdexcept>
 #include <utility>
 
 namespace isthmus {
@@ -24,13 +22,6 @@ SightingLog::SightingLog(std::initializer_list<SightingRecord> records) {
   for (const SightingRecord& record : records) append(record);
 }
 
-/// Verdicts and reasons are the engine's own few, never a message's.
-std::uint8_t SightingLog::word(const std::string& text) {
-  const std::size_t place = place_of(words_, text);
-  if (place > std::numeric_limits<std::uint8_t>::max()) throw std::length_error("too many kinds of verdicts");
-  return static_cast<std::uint8_t>(place);
-}
-
 void SightingLog::append(const SightingRecord& record) {
   const SightingEvent& sighting = record.sighting;
   Row row;
@@ -43,19 +34,18 @@ void SightingLog::append(const SightingRecord& record) {
   row.sigmas = static_cast<std::uint16_t>(
       place_of(newest_.sigmas, {std::bit_cast<std::uint64_t>(sighting.range_sigma_m),
                                 std::bit_cast<std::uint64_t>(sighting.bearing_sigma_rad)}));
-  row.verdict = word(record.verdict);
-  row.reason = word(record.reason);
+  row.verdict = record.verdict;
+  row.reason = record.reason;
   newest_.rows.push_back(row);
   if (newest_.rows.size() < chunk_rows) return;
   newest_.sigmas.shrink_to_fit();
   full_.push_back(std::make_shared<const Chunk>(std::exchange(newest_, {})));
 }
 
-void SightingLog::set_verdict(std::size_t i, const std::string& verdict, const std::string& reason,
-                              ClosureId closure) {
+void SightingLog::set_verdict(std::size_t i, Verdict verdict, Reason reason, ClosureId closure) {
   Row changed = row(i);
-  changed.verdict = word(verdict);
-  changed.reason = word(reason);
+  changed.verdict = verdict;
+  changed.reason = reason;
   changed.closure = closure;
   const Row& old = row(i);
   if (changed.verdict == old.verdict && changed.reason == old.reason && changed.closure == old.closure)
@@ -74,15 +64,14 @@ SightingRecord SightingLog::operator[](std::size_t i) const {
   const Sigmas& sigmas = chunk(i).sigmas[row.sigmas];
   return {{robots_[row.robot], row.utime, row.barcode, row.range_m, std::bit_cast<double>(sigmas.range),
            row.bearing_rad, std::bit_cast<double>(sigmas.bearing)},
-          words_[row.verdict],
-          words_[row.reason],
+          row.verdict,
+          row.reason,
           row.closure};
 }
 
-std::int64_t SightingLog::count(std::string_view verdict) const {
-  const auto place = std::ranges::find(words_, verdict) - words_.begin();
+std::int64_t SightingLog::count(Verdict verdict) const {
   const auto count_in = [&](const Chunk& chunk) {
-    return std::ranges::count_if(chunk.rows, [&](const Row& row) { return row.verdict == place; });
+    return std::ranges::count_if(chunk.rows, [&](const Row& row) { return row.verdict == verdict; });
   };
   std::int64_t count = count_in(newest_);
   for (const auto& chunk : full_) count += count_in(*chunk);
@@ -91,8 +80,7 @@ std::int64_t SightingLog::count(std::string_view verdict) const {
 
 bool SightingLog::is_sound(const Chunk& chunk) const {
   return std::ranges::all_of(chunk.rows, [&](const Row& row) {
-    return row.robot < robots_.size() && row.sigmas < chunk.sigmas.size() && row.verdict < words_.size() &&
-           row.reason < words_.size();
+    return row.robot < robots_.size() && row.sigmas < chunk.sigmas.size();
   });
 }
 

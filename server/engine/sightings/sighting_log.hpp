@@ -6,25 +6,26 @@
 #include <iterator>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <tuple>
 #include <vector>
 
 #include "patches/ids.hpp"
 #include "server/engine/input/event.hpp"
+#include "server/engine/map/reason.hpp"
+#include "server/engine/sightings/verdict.hpp"
 
 namespace isthmus {
 
 /// A sighting and what became of it.
 struct SightingRecord {
   SightingEvent sighting;
-  std::string verdict;  ///< "accepted", "refused", "waiting"
-  std::string reason;
+  Verdict verdict = Verdict::waiting;
+  Reason reason = Reason::none;
   ClosureId closure;
 };
 
 /// All sightings, in the order they came. They are the one thing of a map that grows with time and not with
-/// area: a row takes 40 bytes (names and words are kept once, and what a camera says of its noise once for
+/// area: a row takes 40 bytes (names are kept once, and what a camera says of its noise once for
 /// many rows), and gives back the very numbers that came.
 ///
 /// A value: full chunks are immutable and shared between copies, so a copy costs a pointer a chunk. Reading
@@ -62,21 +63,21 @@ class SightingLog {
   SightingLog(std::initializer_list<SightingRecord> records);
 
   void append(const SightingRecord& record);
-  void set_verdict(std::size_t i, const std::string& verdict, const std::string& reason, ClosureId closure);
+  void set_verdict(std::size_t i, Verdict verdict, Reason reason, ClosureId closure);
 
   std::size_t size() const { return full_.size() * chunk_rows + newest_.rows.size(); }
   bool empty() const { return size() == 0; }
   SightingRecord operator[](std::size_t i) const;
-  const std::string& verdict(std::size_t i) const { return words_[row(i).verdict]; }
+  Verdict verdict(std::size_t i) const { return row(i).verdict; }
   /// How many have this verdict.
-  std::int64_t count(std::string_view verdict) const;
+  std::int64_t count(Verdict verdict) const;
   Iterator begin() const { return {*this, 0}; }
   Iterator end() const { return {*this, size()}; }
 
   /// Whether it is one that the functions above could have made: of what comes from elsewhere.
   bool is_sound() const;
 
-  auto members() { return std::tie(robots_, words_, full_, newest_); }
+  auto members() { return std::tie(robots_, full_, newest_); }
 
  private:
   /// What a sighting says of its own noise, in metres and radians. As bits: equal ones are the very same.
@@ -95,8 +96,8 @@ class SightingLog {
     ClosureId closure;
     std::uint32_t robot = 0;   ///< among the robots
     std::uint16_t sigmas = 0;  ///< among those of the chunk
-    std::uint8_t verdict = 0;  ///< among the words
-    std::uint8_t reason = 0;   ///< among the words
+    Verdict verdict = Verdict::waiting;
+    Reason reason = Reason::none;
 
     auto members() {
       return std::tie(utime, range_m, bearing_rad, barcode, closure, robot, sigmas, verdict, reason);
@@ -118,13 +119,11 @@ class SightingLog {
     return i / chunk_rows < full_.size() ? *full_[i / chunk_rows] : newest_;
   }
   const Row& row(std::size_t i) const { return chunk(i).rows[i % chunk_rows]; }
-  std::uint8_t word(const std::string& text);
   bool is_sound(const Chunk& chunk) const;
 
   std::vector<std::string> robots_;
-  std::vector<std::string> words_;  ///< verdicts and reasons
-  Full full_;                       ///< chunks of `chunk_rows`
-  Chunk newest_;                    ///< of fewer
+  Full full_;     ///< chunks of `chunk_rows`
+  Chunk newest_;  ///< of fewer
 };
 
 }  // namespace isthmus

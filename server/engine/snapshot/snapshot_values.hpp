@@ -16,6 +16,7 @@
 #include <tuple>
 
 #include "relations/relation.hpp"
+#include "server/engine/input/words.hpp"
 #include "server/engine/map/fit_job.hpp"
 #include "server/engine/snapshot/snapshot_archive.hpp"
 
@@ -37,12 +38,21 @@ constexpr std::size_t size_with(std::type_identity<std::tuple<Members&...>>) {
   return up(end, alignment);
 }
 
+/// An enumeration's values are those that have words.
+template <class Value>
+void check_value(const Value& value) {
+  if constexpr (HasWords<Value>)
+    if (!has_word(value)) throw std::runtime_error("it holds a value that there is not");
+}
+
 template <class Archive, ListsMembers Value>
 void serialize(Archive& archive, Value& value) {
   using Members = decltype(value.members());
   static_assert(size_with(std::type_identity<Members>{}) == sizeof(Value),
                 "members() must list all members, in their order");
   std::apply([&](auto&... members) { archive(members...); }, value.members());
+  if constexpr (std::is_same_v<Archive, SnapshotReader>)
+    std::apply([](const auto&... members) { (check_value(members), ...); }, value.members());
   if constexpr (std::is_same_v<Archive, SnapshotReader> && requires { value.is_sound(); })
     if (!value.is_sound()) throw std::runtime_error("its map is not one");
 }

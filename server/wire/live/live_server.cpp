@@ -49,7 +49,7 @@ void raise_counters(const SignatureCounters& known, SignatureCounters& counters)
 
 bool asks_for_map(const Event& event) {
   const auto* command = std::get_if<CommandEvent>(&event.body);
-  return command && command->verb == "send_map";
+  return command && command->verb == Verb::send_map;
 }
 
 }  // namespace

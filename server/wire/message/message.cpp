@@ -132,7 +132,7 @@ struct Encoder {
   Message operator()(const CommandEvent& event) const {
     command_t message{};
     message.utime = event.utime;
-    message.verb = event.verb;
+    message.verb = word(event.verb);
     message.closure = event.closure;
     message.robot = event.robot;
     return pack(Input::command, "", receive_utime, message);

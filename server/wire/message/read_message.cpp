@@ -1,7 +1,6 @@
 #include "server/wire/message/read_message.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -23,9 +22,6 @@ constexpr double smallest_step_rad = 1e-6;
 constexpr double single_beam_step_rad = 0.01;
 /// A full turn, and room for the rounding of a float step times thousands of beams.
 constexpr double largest_field_of_view_rad = 2 * std::numbers::pi + 0.1;
-
-constexpr std::array<std::string_view, 6> verbs = {"withdraw", "forbid", "allow",
-                                                   "drop",     "refine", "send_map"};
 
 Reading refuse(std::string_view reason) { return {std::nullopt, reason}; }
 
@@ -60,11 +56,11 @@ std::string_view check_measured(double value, double sigma, double least, double
 }
 
 /// What an order is about: a closure, a robot, or neither.
-std::string_view check_operand(const std::string& verb, std::int64_t closure, const std::string& robot) {
+std::string_view check_operand(Verb verb, std::int64_t closure, const std::string& robot) {
   const bool names_closure = closure >= 0 && closure <= std::numeric_limits<std::int32_t>::max();
-  if (verb == "withdraw" || verb == "forbid") return names_closure ? "" : "absurd_value";
-  if (verb == "allow") return names_closure || !robot.empty() ? "" : "absurd_value";
-  if (verb == "drop") return robot.empty() ? "bad_name" : "";
+  if (is_about_a_closure(verb)) return names_closure ? "" : "absurd_value";
+  if (verb == Verb::allow) return names_closure || !robot.empty() ? "" : "absurd_value";
+  if (verb == Verb::drop) return robot.empty() ? "bad_name" : "";
   return "";
 }
 
@@ -157,13 +153,14 @@ Reading read_message(const tag_t& message, const std::string&) {
 }
 
 Reading read_message(const command_t& message, const std::string&) {
-  if (std::find(verbs.begin(), verbs.end(), message.verb) == verbs.end()) return refuse("unknown_command");
+  const std::optional<Verb> verb = value_of<Verb>(message.verb);
+  if (!verb) return refuse("unknown_command");
   const std::string robot = upper_case(message.robot);
   if (!robot.empty() && !is_robot_name(robot)) return refuse("bad_name");
   if (!is_plausible_utime(message.utime)) return refuse("absurd_value");
-  const std::string_view reason = check_operand(message.verb, message.closure, robot);
+  const std::string_view reason = check_operand(*verb, message.closure, robot);
   if (!reason.empty()) return refuse(reason);
-  return {CommandEvent{message.utime, message.verb, message.closure, robot}, ""};
+  return {CommandEvent{message.utime, *verb, message.closure, robot}, ""};
 }
 
 Reading read_message(const configuration_t& message, const std::string&) {

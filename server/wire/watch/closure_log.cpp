@@ -13,13 +13,13 @@ std::string joined(const std::vector<std::string>& robots) {
 
 void ClosureLog::tell(const std::vector<ClosureRecord>& closures, const Log& log) {
   for (const ClosureRecord& closure : closures) {
-    std::string& state = states_[closure.id];
+    ClosureState& state = states_[closure.id];
     if (state == closure.state) continue;
     state = closure.state;
-    if (state == "waiting" || !log) continue;
-    log(LogLevel::info, closure.kind + " " + state,
+    if (state == ClosureState::waiting || !log) continue;
+    log(LogLevel::info, std::string(word(closure.kind)) + " " + std::string(word(state)),
         {{"closure", std::to_string(closure.id.value)},
-         {"reason", closure.reason},
+         {"reason", std::string(word(closure.reason))},
          {"robots", joined(closure.robots)},
          {"patches", std::to_string(closure.patches_touched)}});
   }

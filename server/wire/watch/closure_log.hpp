@@ -16,7 +16,7 @@ class ClosureLog {
   void tell(const std::vector<ClosureRecord>& closures, const Log& log);
 
  private:
-  std::map<ClosureId, std::string> states_;
+  std::map<ClosureId, ClosureState> states_;
 };
 
 }  // namespace isthmus

@@ -24,20 +24,20 @@ std::vector<count_t> to_counts(const std::map<std::string, std::int64_t>& by_rea
   return counts;
 }
 
-std::int32_t count_closures(const MapCopy& map, std::string_view state) {
+std::int32_t count_closures(const MapCopy& map, ClosureState state) {
   return static_cast<std::int32_t>(
       std::count_if(map.closures.begin(), map.closures.end(),
                     [&](const ClosureRecord& closure) { return closure.state == state; }));
 }
 
 void count_meetings(const MapCopy& map, status_t& status) {
-  status.closures = count_closures(map, "accepted");
-  status.closures_refused = count_closures(map, "refused");
-  status.closures_waiting = count_closures(map, "waiting");
-  status.closures_withdrawn = count_closures(map, "withdrawn");
-  status.sightings_accepted = map.sightings.count("accepted");
-  status.sightings_refused = map.sightings.count("refused");
-  status.sightings_waiting = map.sightings.count("waiting");
+  status.closures = count_closures(map, ClosureState::accepted);
+  status.closures_refused = count_closures(map, ClosureState::refused);
+  status.closures_waiting = count_closures(map, ClosureState::waiting);
+  status.closures_withdrawn = count_closures(map, ClosureState::withdrawn);
+  status.sightings_accepted = map.sightings.count(Verdict::accepted);
+  status.sightings_refused = map.sightings.count(Verdict::refused);
+  status.sightings_waiting = map.sightings.count(Verdict::waiting);
 }
 
 void set_pose(double (&components)[3], const Pose& pose) {

@@ -41,9 +41,9 @@ TEST(Order, AllowTakesAClosureOrARobotBack) {
 }
 
 TEST(Order, SaysWhatItIs) {
-  EXPECT_EQ(to_text({0, "forbid", 3, ""}), "forbid closure 3");
-  EXPECT_EQ(to_text({0, "drop", -1, "R1"}), "drop robot R1");
-  EXPECT_EQ(to_text({0, "send_map", -1, ""}), "send_map");
+  EXPECT_EQ(to_text({0, Verb::forbid, 3, ""}), "forbid closure 3");
+  EXPECT_EQ(to_text({0, Verb::drop, -1, "R1"}), "drop robot R1");
+  EXPECT_EQ(to_text({0, Verb::send_map, -1, ""}), "send_map");
 }
 
 /// Decodes what is published on ISTHMUS_COMMAND as the server does, and answers with a status.
@@ -69,19 +69,19 @@ TEST(SendOrder, ReachesTheServerAndHearsItsStatus) {
   lcm::LCM lcm("memq://");
   Server server{lcm, {}};
   lcm_subscribe(lcm.getUnderlyingLCM(), "ISTHMUS_COMMAND", &Server::handle, &server);
-  EXPECT_TRUE(send_order(lcm, {7, "forbid", 3, ""}, std::nullopt, milliseconds(2000)));
+  EXPECT_TRUE(send_order(lcm, {7, Verb::forbid, 3, ""}, std::nullopt, milliseconds(2000)));
   ASSERT_EQ(server.orders.size(), 1U);
   EXPECT_EQ(server.orders[0].utime, 7);
-  EXPECT_EQ(server.orders[0].verb, "forbid");
+  EXPECT_EQ(server.orders[0].verb, Verb::forbid);
   EXPECT_EQ(server.orders[0].closure, 3);
 }
 
 TEST(SendOrder, SaysWhereNoServerIsHeard) {
   lcm::LCM lcm("memq://");
-  EXPECT_FALSE(send_order(lcm, {7, "refine", -1, ""}, std::nullopt, milliseconds(20)));
+  EXPECT_FALSE(send_order(lcm, {7, Verb::refine, -1, ""}, std::nullopt, milliseconds(20)));
   const std::vector<std::uint8_t> other(30, 0);  // not a status_t
   lcm.publish("ISTHMUS_STATUS", other.data(), 30);
-  EXPECT_FALSE(send_order(lcm, {7, "refine", -1, ""}, std::nullopt, milliseconds(20)));
+  EXPECT_FALSE(send_order(lcm, {7, Verb::refine, -1, ""}, std::nullopt, milliseconds(20)));
 }
 
 TEST(OperatorKey, IsReadFromAFileOfOneLine) {

@@ -185,9 +185,9 @@ TEST(Engine, SightingsAreValidated) {
   EXPECT_EQ(see("R7", 1), "unknown_robot");
   const MapCopy map = engine.copy();
   ASSERT_EQ(map.sightings.size(), 5U);
-  EXPECT_EQ(map.sightings[0].verdict, "waiting");
-  EXPECT_EQ(map.sightings[2].verdict, "refused");
-  EXPECT_EQ(map.sightings[2].reason, "sees_itself");
+  EXPECT_EQ(map.sightings[0].verdict, Verdict::waiting);
+  EXPECT_EQ(map.sightings[2].verdict, Verdict::refused);
+  EXPECT_EQ(map.sightings[2].reason, Reason::sees_itself);
 }
 
 // One stamp from the past is dropped and counted; a clock that was set back begins a new session.

@@ -90,8 +90,8 @@ TEST(Merging, RobotsThatSeeOneAnotherComeToBeOnOneIsland) {
   EXPECT_EQ(after.sessions.size(), 2U) << "nobody began anew";
   for (const auto& [id, relation] : before.graph.relations()) EXPECT_NE(after.graph.find(id), nullptr);
   ASSERT_EQ(after.closures.size(), 1U);
-  EXPECT_EQ(after.closures.front().kind, "merge");
-  EXPECT_EQ(after.closures.front().state, "accepted");
+  EXPECT_EQ(after.closures.front().kind, ClosureKind::merge);
+  EXPECT_EQ(after.closures.front().state, ClosureState::accepted);
   bool seen = false;
   for (const auto& [id, relation] : after.graph.relations()) {
     seen = seen || (relation.origin.kind == OriginKind::sighting &&

@@ -158,17 +158,18 @@ TEST(MeetingCounts, AreTheSameFromAMapAndFromItsTables) {
   Relation seen = *map.graph.find(RelationId{2});
   seen.origin = {OriginKind::sighting, {}};  // the map had its ends near one another by closure 3
   map.graph.add(seen);
-  map.sightings = {{{}, "accepted", "", ClosureId{3}},
-                   {{}, "refused", "gate", ClosureId{4}},
-                   {{}, "refused", "unknown_barcode", {}},
-                   {{}, "waiting", "no_partner", {}}};
+  map.sightings = {{{}, Verdict::accepted, Reason::none, ClosureId{3}},
+                   {{}, Verdict::refused, Reason::forbidden, ClosureId{4}},
+                   {{}, Verdict::refused, Reason::unknown_barcode, {}},
+                   {{}, Verdict::waiting, Reason::unsupported, {}}};
   const TemporaryDirectory directory;
   write_sightings(map, directory / "sightings.csv");
   write_relations(map, directory / "relations.csv");
   for (const MeetingCounts& counts : {count_meetings(map), read_meeting_counts(directory / "")}) {
     EXPECT_EQ(counts.sightings_by_verdict,
               (std::map<std::string, int>{{"accepted", 1}, {"refused", 2}, {"waiting", 1}}));
-    EXPECT_EQ(counts.refused_by_reason, (std::map<std::string, int>{{"gate", 1}, {"unknown_barcode", 1}}));
+    EXPECT_EQ(counts.refused_by_reason,
+              (std::map<std::string, int>{{"forbidden", 1}, {"unknown_barcode", 1}}));
     ASSERT_EQ(counts.by_closure.size(), 2U);
     EXPECT_EQ(counts.by_closure.at(3).sightings, 1);
     EXPECT_EQ(counts.by_closure.at(3).relations, 2);

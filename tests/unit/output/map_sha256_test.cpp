@@ -11,10 +11,10 @@ MapCopy small_map() {
   return testing::map_of(testing::rectangle(0, 0, 4, 4), {{1, 1, 0}, {2, 2, 0.5}, {3, 2, 0}});
 }
 
-ClosureRecord closure(std::int32_t id, const char* state) {
+ClosureRecord closure(std::int32_t id, ClosureState state) {
   ClosureRecord record;
   record.id = ClosureId{id};
-  record.kind = "closure";
+  record.kind = ClosureKind::closure;
   record.state = state;
   return record;
 }
@@ -64,10 +64,11 @@ TEST(MapSha256, WhatARelationMeasuredAndWhereItCameFromCount) {
 TEST(MapSha256, AcceptedClosuresCountAndRefusedOnesLeaveNoTrace) {
   const MapCopy map = small_map();
   MapCopy refused = map;
-  refused.closures = {closure(0, "refused"), closure(1, "withdrawn"), closure(2, "waiting")};
+  refused.closures = {closure(0, ClosureState::refused), closure(1, ClosureState::withdrawn),
+                      closure(2, ClosureState::waiting)};
   EXPECT_EQ(map_sha256(refused), map_sha256(map));
   MapCopy accepted = map;
-  accepted.closures = {closure(0, "accepted")};
+  accepted.closures = {closure(0, ClosureState::accepted)};
   EXPECT_NE(map_sha256(accepted), map_sha256(map));
 }
 

@@ -168,8 +168,7 @@ TEST(Tables, RelationsHaveKindCountOriginClosureAndWhatTheyDependOn) {
                 "3,0,1," + std::string(name(RelationKind::point_to_line)) + ",7,hypothesis,5,5"}));
 }
 
-SightingRecord record_of(const SightingEvent& sighting, const char* verdict, const char* reason,
-                         ClosureId id) {
+SightingRecord record_of(const SightingEvent& sighting, Verdict verdict, Reason reason, ClosureId id) {
   SightingRecord record;
   record.sighting = sighting;
   record.verdict = verdict;
@@ -182,16 +181,16 @@ TEST(Tables, SightingsRepeatTheInputAndSayWhatBecameOfIt) {
   MapCopy map;
   const double inf = std::numeric_limits<double>::infinity();
   const std::vector<SightingRecord> records = {
-      record_of({"R1", 5'000'001, 12, 2.5, 0.02, -0.125, 0.07}, "set_aside", "", ClosureId{}),
-      record_of({"R2", 6, 13, 0, inf, 0.1, 0.07}, "refused", "gate, 95 %", ClosureId{4})};
+      record_of({"R1", 5'000'001, 12, 2.5, 0.02, -0.125, 0.07}, Verdict::waiting, Reason::none, ClosureId{}),
+      record_of({"R2", 6, 13, 0, inf, 0.1, 0.07}, Verdict::refused, Reason::scans_disagree, ClosureId{4})};
   for (const SightingRecord& record : records) map.sightings.append(record);
   const TemporaryDirectory directory;
   write_sightings(map, directory.file("sightings.csv"));
   EXPECT_EQ(lines(directory.file("sightings.csv")),
             (std::vector<std::string>{"utime_us,observer,barcode,range_m,bearing_rad,range_std_m,"
                                       "bearing_std_rad,verdict,reason,closure",
-                                      "5000001,R1,12,2.5,-0.125,0.02,0.07,set_aside,,-1",
-                                      "6,R2,13,0,0.1,inf,0.07,refused,\"gate, 95 %\",4"}));
+                                      "5000001,R1,12,2.5,-0.125,0.02,0.07,waiting,,-1",
+                                      "6,R2,13,0,0.1,inf,0.07,refused,scans_disagree,4"}));
 }
 
 }  // namespace

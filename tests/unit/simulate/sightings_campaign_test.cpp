@@ -36,9 +36,11 @@ SimulatedRun run_with(const std::vector<SightingEvent>& sightings, const std::se
   return run;
 }
 
-SightingLog records(const std::vector<std::string>& verdicts) {
+using enum Verdict;
+
+SightingLog records(const std::vector<Verdict>& verdicts) {
   SightingLog all;
-  for (const std::string& verdict : verdicts) all.append({{}, verdict, "", {}});
+  for (const Verdict verdict : verdicts) all.append({{}, verdict, Reason::none, {}});
   return all;
 }
 
@@ -48,7 +50,7 @@ TEST(JudgeSightings, CountsWhatWasAccepted) {
                 seen("R1", 102, 4, 0.6), seen("R1", 177, 4, 0), seen("R2", 101, 4, 3.14)},
                {2, 3, 4});
   const SightingScore score =
-      judge_sightings(run, records({"accepted", "refused", "accepted", "waiting", "refused", "set_aside"}));
+      judge_sightings(run, records({accepted, refused, accepted, waiting, refused, waiting}));
   EXPECT_EQ(score.true_ones, 3U);
   EXPECT_EQ(score.true_accepted, 1U);
   EXPECT_EQ(score.false_ones, 3U);
@@ -58,14 +60,14 @@ TEST(JudgeSightings, CountsWhatWasAccepted) {
 
 TEST(JudgeSightings, SpoiltOneThatIsStillRightIsTrue) {
   const SimulatedRun run = run_with({seen("R1", 102, 4.9, 0.3), seen("R1", 102, 5.1, 0)}, {0, 1});
-  const SightingScore score = judge_sightings(run, records({"accepted", "accepted"}));
+  const SightingScore score = judge_sightings(run, records({accepted, accepted}));
   EXPECT_EQ(score.true_accepted, 1U);
   EXPECT_EQ(score.false_accepted, 1U);
 }
 
 TEST(JudgeSightings, MissingRecordIsAnError) {
   const SimulatedRun run = run_with({seen("R1", 102, 4, 0), seen("R1", 102, 4, 0)}, {});
-  EXPECT_EQ(error_of([&] { judge_sightings(run, records({"accepted"})); }),
+  EXPECT_EQ(error_of([&] { judge_sightings(run, records({accepted})); }),
             "the map has 1 records of 2 sightings");
 }
 

@@ -67,11 +67,11 @@ SightingEvent sighting_event() {
 CommandEvent command_event() {
   const bool of_closure = *arbitrary<bool>();
   if (of_closure) {
-    return {utime(), *rc::gen::element<std::string>("withdraw", "forbid", "allow"),
+    return {utime(), *rc::gen::element(Verb::withdraw, Verb::forbid, Verb::allow),
             *rc::gen::inRange<std::int64_t>(0, std::numeric_limits<std::int32_t>::max()),
             *arbitrary<bool>() ? robot_name() : ""};
   }
-  return {utime(), *rc::gen::element<std::string>("allow", "drop", "refine", "send_map"),
+  return {utime(), *rc::gen::element(Verb::allow, Verb::drop, Verb::refine, Verb::send_map),
           *arbitrary<std::int64_t>(), robot_name()};
 }
 

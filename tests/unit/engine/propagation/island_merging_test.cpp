@@ -35,7 +35,7 @@ struct TwoIslands {
   Trial accepted() const {
     Trial trial = begun();
     trial.finish(0);
-    EXPECT_TRUE(trial.accepted()) << trial.refusal();
+    EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
     return trial;
   }
   template <class Poses>

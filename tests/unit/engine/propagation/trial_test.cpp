@@ -99,7 +99,7 @@ TEST(TrialBySightings, OfWhatIsTrueIsAccepted) {
   Case its = merge_of(crooked_room(), there, crooked_room(), back);
   its.say(PatchId{1}, PatchId{4});
   const Trial trial = its.tried();
-  EXPECT_TRUE(trial.accepted()) << trial.refusal();
+  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
   EXPECT_GE(trial.patches_touched(), 3) << "the scans bear it out";
   trial.commit(its.map);
   EXPECT_EQ(its.map.graph().islands().size(), 1U);
@@ -111,7 +111,7 @@ TEST(TrialBySightings, ThatPullAtOneAnotherIsRefused) {
     Case its = merge_of(crooked_room(), there, crooked_room(), back);
     for (const double sign : {-1, 1}) its.say(PatchId{1}, PatchId{4}, {sign * off_m, 0, 0});
     const Trial trial = its.tried();
-    EXPECT_EQ(trial.refusal(), off_m == 0 ? "" : "sightings_disagree");
+    EXPECT_EQ(trial.refusal(), off_m == 0 ? Reason::none : Reason::sightings_disagree);
     EXPECT_EQ(trial.accepted(), off_m == 0);
   }
 }
@@ -132,7 +132,7 @@ TEST(TrialBySightings, ThatPutsWallsInFreeSpaceIsRefused) {
         merge_of(room, {{-1.5, -0.4, 0.2}}, contradicts ? with_a_screen(room) : room, {{-1.4, -0.3, 0.4}});
     its.say(PatchId{0}, PatchId{1});
     const Trial trial = its.tried();
-    EXPECT_EQ(trial.refusal(), contradicts ? "walls_in_free_space" : "");
+    EXPECT_EQ(trial.refusal(), contradicts ? Reason::walls_in_free_space : Reason::none);
     EXPECT_EQ(trial.accepted(), !contradicts);
   }
 }
@@ -164,7 +164,7 @@ TEST(TrialBySightings, WhoseScansDoNotMatchIsRefused) {
     Case its = merge_of(plain, there, matches ? plain : toothed_room(), back);
     its.say(PatchId{1}, PatchId{4});
     const Trial trial = its.tried();
-    EXPECT_EQ(trial.refusal(), matches ? "" : "scans_disagree");
+    EXPECT_EQ(trial.refusal(), matches ? Reason::none : Reason::scans_disagree);
     EXPECT_EQ(trial.accepted(), matches);
   }
 }
@@ -188,7 +188,7 @@ TEST(TrialBySightings, WithoutScansNeedsMoreSupportFromOneDirectionThanFromTwo) 
 TEST(TrialBySightings, ThatBendsALoopBeyondItsCovarianceIsRefusedUnlessManySayIt) {
   const Walls none;
   for (const auto& [off_m, supporters, refusal] :
-       {std::tuple{0.2, 4, ""}, {1.5, 4, "implausible_jump"}, {1.5, 6, ""}}) {
+       {std::tuple{0.2, 4, Reason::none}, {1.5, 4, Reason::implausible_jump}, {1.5, 6, Reason::none}}) {
     Case its;
     its.add(none, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, true, {});
     its.proposal.older = its.proposal.younger = PatchId{0};
@@ -197,7 +197,7 @@ TEST(TrialBySightings, ThatBendsALoopBeyondItsCovarianceIsRefusedUnlessManySayIt
     its.say(PatchId{0}, PatchId{3}, {0, off_m, 0}, 3e-5, 1);
     const Trial trial = its.tried();
     EXPECT_EQ(trial.refusal(), refusal) << off_m << " by " << supporters;
-    EXPECT_EQ(trial.accepted(), std::string(refusal).empty());
+    EXPECT_EQ(trial.accepted(), refusal == Reason::none);
   }
 }
 
@@ -211,14 +211,14 @@ TEST(TrialByScans, OfALoopThatIsTrueIsAccepted) {
   Case its = by_scans(loop_of(crooked_room(), there, crooked_room(), back));
   its.say(PatchId{1}, PatchId{4});
   const Trial trial = its.tried();
-  EXPECT_TRUE(trial.accepted()) << trial.refusal();
+  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
   EXPECT_GE(trial.patches_touched(), 4);
 }
 
 TEST(TrialByScans, WhoseFindsPullAtOneAnotherIsRefused) {
   Case its = by_scans(loop_of(crooked_room(), there, crooked_room(), back));
   for (const double sign : {-1, 1}) its.say(PatchId{1}, PatchId{4}, {sign * 0.1, 0, 0});
-  EXPECT_EQ(its.tried().refusal(), "finds_disagree");
+  EXPECT_EQ(its.tried().refusal(), Reason::finds_disagree);
 }
 
 TEST(TrialByScans, WithFewMatchedPatchesWaits) {
@@ -226,7 +226,7 @@ TEST(TrialByScans, WithFewMatchedPatchesWaits) {
   its.say(PatchId{0}, PatchId{1});
   const Trial trial = its.tried();
   EXPECT_TRUE(trial.undecided());
-  EXPECT_EQ(trial.refusal(), "too_little_support");
+  EXPECT_EQ(trial.refusal(), Reason::too_little_support);
 }
 
 TEST(TrialByScans, WhoseScansDoNotMatchIsRefused) {
@@ -234,7 +234,7 @@ TEST(TrialByScans, WhoseScansDoNotMatchIsRefused) {
   add_box(plain, -4, -3, 4, 3);
   Case its = by_scans(loop_of(plain, there, toothed_room(), back));
   its.say(PatchId{1}, PatchId{4});
-  EXPECT_EQ(its.tried().refusal(), "scans_disagree");
+  EXPECT_EQ(its.tried().refusal(), Reason::scans_disagree);
 }
 
 const std::vector<Pose> early = {{-1.5, -0.4, 0.2}, {-1.6, -0.3, 0.1}, {-1.7, -0.5, 0}};
@@ -244,7 +244,7 @@ TEST(TrialByScans, ThatPutsWallsInFreeSpaceIsRefused) {
   const Walls room = crooked_room();
   Case its = by_scans(loop_of(room, early, with_a_screen(room), late));
   its.say(PatchId{1}, PatchId{4});
-  EXPECT_EQ(its.tried().refusal(), "walls_in_free_space");
+  EXPECT_EQ(its.tried().refusal(), Reason::walls_in_free_space);
 }
 
 // Somebody who came and went: as much as a map contradicts itself, maps may contradict one another.
@@ -254,7 +254,7 @@ TEST(TrialByScans, MayContradictAsMuchAsTheMapsContradictThemselves) {
       by_scans(loop_of(std::vector{with, without, with}, early, std::vector{without, with, without}, late));
   its.say(PatchId{1}, PatchId{4});
   const Trial trial = its.tried();
-  EXPECT_TRUE(trial.accepted()) << trial.refusal();
+  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
 }
 
 // A corridor of uneven niches, so that every metre of it is known from every other.
@@ -284,7 +284,7 @@ TEST(TrialByScans, OfALoopAlongOneCorridorWaitsWhereTheMapIsUnsure) {
     its.say(PatchId{5}, PatchId{17});
     const Trial trial = its.tried();
     EXPECT_GE(trial.patches_touched(), 12);
-    EXPECT_EQ(trial.refusal(), cautious ? "one_corridor" : "");
+    EXPECT_EQ(trial.refusal(), cautious ? Reason::one_corridor : Reason::none);
     EXPECT_EQ(trial.undecided(), cautious);
   }
 }
@@ -297,7 +297,7 @@ TEST(TrialByScans, OfALoopByFewPatchesWaitsWhereTheMapIsUnsure) {
   const Trial trial = its.tried();
   EXPECT_GE(trial.patches_touched(), 8);
   EXPECT_LT(trial.patches_touched(), 12);
-  EXPECT_EQ(trial.refusal(), "too_little_support");
+  EXPECT_EQ(trial.refusal(), Reason::too_little_support);
 }
 
 Case merge_along(double first_from, double first_to, double second_from, double second_to,
@@ -317,20 +317,20 @@ Case merge_along(double first_from, double first_to, double second_from, double 
 //                    ---------------------- 2
 TEST(TrialByScans, OfAMergeThatSharesMuchAndGoesOnIsAccepted) {
   const Trial trial = merge_along(0, 40, 16.3, 56, long_corridor()).tried();
-  EXPECT_TRUE(trial.accepted()) << trial.refusal();
+  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
 }
 
 TEST(TrialByScans, OfAMergeThatSharesLittleWaits) {
   const Trial trial = merge_along(0, 20, 9.3, 30, long_corridor()).tried();
   EXPECT_TRUE(trial.undecided());
   EXPECT_GE(trial.patches_touched(), 12);
-  EXPECT_EQ(trial.refusal(), "too_little_support");
+  EXPECT_EQ(trial.refusal(), Reason::too_little_support);
 }
 
 TEST(TrialByScans, OfAMergeWithNothingBeyondTheSeamWaits) {
   const Trial trial = merge_along(10, 29, 10.3, 38, long_corridor()).tried();
   EXPECT_TRUE(trial.undecided());
-  EXPECT_EQ(trial.refusal(), "nothing_beyond_the_seam");
+  EXPECT_EQ(trial.refusal(), Reason::nothing_beyond_the_seam);
 }
 
 // Beyond what they share, the second way saw a hall where the first saw the corridor go on.
@@ -348,7 +348,7 @@ Walls corridor_into_a_hall() {
 
 TEST(TrialByScans, OfAMergeWhoseMapsContradictOneAnotherAtTheBorderIsRefused) {
   const Trial trial = merge_along(0, 40, 10.3, 44, corridor_into_a_hall()).tried();
-  EXPECT_EQ(trial.refusal(), "walls_in_free_space");
+  EXPECT_EQ(trial.refusal(), Reason::walls_in_free_space);
 }
 }  // namespace
 }  // namespace isthmus

@@ -27,11 +27,11 @@ SightingRecord record(int i) {
                         -0.0,
                         std::numeric_limits<double>::quiet_NaN(),
                         0.0};
-  const char* verdicts[] = {"waiting", "accepted", "refused"};
+  const Verdict verdicts[] = {Verdict::waiting, Verdict::accepted, Verdict::refused};
   return {{"R" + std::to_string(i % 14), 1'700'000'000'000'000 + 7 * i, i % 200, 0.1 * i, odd[i % 6],
            std::sin(i), odd[(i / 6) % 6]},
           verdicts[i % 3],
-          i % 3 == 2 ? "contradicts_map" : "",
+          i % 3 == 2 ? Reason::contradicts_map : Reason::none,
           ClosureId{i % 40 - 1}};
 }
 
@@ -64,14 +64,15 @@ TEST(SightingLog, CopiesKeepTheVerdictsOfTheirTime) {
   constexpr int count = 700;  // the last ones are in no full chunk
   SightingLog log = log_of(count);
   const SightingLog before = log;
-  for (const std::size_t i : {0, 255, 256, 511, 699}) log.set_verdict(i, "accepted", "closed_loop", {7});
+  for (const std::size_t i : {0, 255, 256, 511, 699})
+    log.set_verdict(i, Verdict::accepted, Reason::closed_loop, {7});
   log.append(record(count));
   EXPECT_EQ(before.size(), static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
     EXPECT_EQ(before.verdict(at), record(i).verdict);
     EXPECT_EQ(before[at].reason, record(i).reason);
-    const bool changed = log[at].reason == "closed_loop";
+    const bool changed = log[at].reason == Reason::closed_loop;
     EXPECT_EQ(changed, i == 0 || i == 255 || i == 256 || i == 511 || i == 699) << i;
     EXPECT_EQ(log[at].closure, changed ? ClosureId{7} : record(i).closure);
     EXPECT_EQ(bits(log[at].sighting), bits(record(i).sighting));
@@ -80,15 +81,14 @@ TEST(SightingLog, CopiesKeepTheVerdictsOfTheirTime) {
 
 TEST(SightingLog, CountsByVerdict) {
   SightingLog log = log_of(900);
-  EXPECT_EQ(log.count("waiting"), 300);
-  EXPECT_EQ(log.count("accepted"), 300);
-  EXPECT_EQ(log.count("withdrawn"), 0);
-  log.set_verdict(3, "accepted", "", {});
-  log.set_verdict(899, "accepted", "", {});
-  EXPECT_EQ(log.count("waiting"), 299);
-  EXPECT_EQ(log.count("accepted"), 302);
-  EXPECT_EQ(log.count("refused"), 299);
-  EXPECT_EQ(SightingLog().count("waiting"), 0);
+  EXPECT_EQ(log.count(Verdict::waiting), 300);
+  EXPECT_EQ(log.count(Verdict::accepted), 300);
+  log.set_verdict(3, Verdict::accepted, Reason::none, {});
+  log.set_verdict(899, Verdict::accepted, Reason::none, {});
+  EXPECT_EQ(log.count(Verdict::waiting), 299);
+  EXPECT_EQ(log.count(Verdict::accepted), 302);
+  EXPECT_EQ(log.count(Verdict::refused), 299);
+  EXPECT_EQ(SightingLog().count(Verdict::waiting), 0);
 }
 
 }  // namespace

@@ -161,7 +161,7 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
   update_snapshots(journal);
   const std::string newest = list_journal(journal).snapshots.rbegin()->second;
   std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(9);
-  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 9; this program reads version 2");
+  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 9; this program reads version 3");
   EXPECT_TRUE(is_snapshot(newest));
   EXPECT_FALSE(is_snapshot(segment_path(journal, 1)));
 }
@@ -171,18 +171,24 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
 /// migrated.
 TEST(Snapshots, OfVersion1AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-1/snapshot-000002.isthmus");
-  EXPECT_NE(why.find("is of version 1; this program reads version 2"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 1; this program reads version 3"), std::string::npos) << why;
 }
 
-TEST(Snapshots, OfVersion2AreRead) {
-  const std::string path = "tests/unit/wire/snapshots/version-2/snapshot-000002.isthmus";
+TEST(Snapshots, OfVersion2AreRefusedByWord) {
+  const std::string why = why_unreadable("tests/unit/wire/snapshots/version-2/snapshot-000002.isthmus");
+  EXPECT_NE(why.find("is of version 2; this program reads version 3"), std::string::npos) << why;
+}
+
+TEST(Snapshots, OfVersion3AreRead) {
+  const std::string path = "tests/unit/wire/snapshots/version-3/snapshot-000002.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
-  EXPECT_EQ(snapshot.map.events, 409);
-  EXPECT_EQ(map.patches.size(), 11U);
-  EXPECT_EQ(map.trajectory_rows, 64U);
-  EXPECT_EQ(map.sightings.size(), 16U);
-  EXPECT_EQ(map_sha256(map), "a5b60c7d7ef90572659375f0c841b8132e3927136b9f87350d85f356f1bc2d62");
+  EXPECT_EQ(snapshot.map.events, 431);
+  EXPECT_EQ(map.patches.size(), 9U);
+  EXPECT_EQ(map.trajectory_rows, 185U);
+  EXPECT_EQ(map.sightings.size(), 56U);
+  EXPECT_EQ(map.closures.size(), 1U);
+  EXPECT_EQ(map_sha256(map), "b645433deacb6f51f1887955ea2d7aa7f93d37257151033fc908245f561b3dc8");
 }
 
 }  // namespace

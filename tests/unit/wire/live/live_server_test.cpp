@@ -113,7 +113,7 @@ TEST(LiveServer, SendsTheWholeMapOnRequest) {
   };
   EXPECT_TRUE(happens([&] { return !published.of<map_t>("ISTHMUS_MAP").empty(); })) << "no map";
   const auto before = whole_maps();
-  push(inbox, "", encode({1, CommandEvent{5, "send_map", -1, ""}}));
+  push(inbox, "", encode({1, CommandEvent{5, Verb::send_map, -1, ""}}));
   EXPECT_TRUE(happens([&] { return whole_maps() > before; })) << "no whole map";
   inbox.close();
   engine_thread.join();

@@ -218,24 +218,27 @@ TEST(Decode, RefusesSightingsThatCannotBe) {
 }
 
 TEST(Decode, RefusesUnknownCommands) {
-  EXPECT_EQ(round_trip({1, CommandEvent{5, "send_map", -1, ""}}).reason, "");
-  EXPECT_EQ(round_trip({1, CommandEvent{5, "drop", -1, "r1"}}).reason, "");
-  EXPECT_EQ(round_trip({1, CommandEvent{5, "explode", -1, ""}}).reason, "unknown_command");
-  EXPECT_EQ(round_trip({1, CommandEvent{5, "drop", -1, "../x"}}).reason, "bad_name");
+  Message absurd = encode({1, CommandEvent{5, Verb::refine, -1, ""}});
+  std::ranges::copy(std::string_view("absurd"),
+                    std::ranges::search(absurd.bytes, std::string_view("refine")).begin());
+  EXPECT_EQ(decode_on(absurd.channel, absurd.bytes).reason, "unknown_command");
+  EXPECT_EQ(round_trip({1, CommandEvent{5, Verb::send_map, -1, ""}}).reason, "");
+  EXPECT_EQ(round_trip({1, CommandEvent{5, Verb::drop, -1, "r1"}}).reason, "");
+  EXPECT_EQ(round_trip({1, CommandEvent{5, Verb::drop, -1, "../x"}}).reason, "bad_name");
 }
 
 TEST(Decode, RefusesCommandsThatNameNothing) {
-  const auto reason = [](const char* verb, std::int64_t closure, const char* robot) {
+  const auto reason = [](Verb verb, std::int64_t closure, const char* robot) {
     return round_trip({1, CommandEvent{5, verb, closure, robot}}).reason;
   };
-  for (const char* verb : {"withdraw", "forbid", "allow"}) {
-    EXPECT_EQ(reason(verb, 0, ""), "") << verb;
-    EXPECT_EQ(reason(verb, -1, ""), "absurd_value") << verb;
-    EXPECT_EQ(reason(verb, std::int64_t{1} << 31, ""), "absurd_value") << verb;
+  for (const Verb verb : {Verb::withdraw, Verb::forbid, Verb::allow}) {
+    EXPECT_EQ(reason(verb, 0, ""), "") << word(verb);
+    EXPECT_EQ(reason(verb, -1, ""), "absurd_value") << word(verb);
+    EXPECT_EQ(reason(verb, std::int64_t{1} << 31, ""), "absurd_value") << word(verb);
   }
-  EXPECT_EQ(reason("allow", -1, "R1"), "") << "takes back a drop";
-  EXPECT_EQ(reason("drop", -1, ""), "bad_name");
-  EXPECT_EQ(reason("refine", -1, ""), "");
+  EXPECT_EQ(reason(Verb::allow, -1, "R1"), "") << "takes back a drop";
+  EXPECT_EQ(reason(Verb::drop, -1, ""), "bad_name");
+  EXPECT_EQ(reason(Verb::refine, -1, ""), "");
 }
 
 TEST(Decode, RefusesReceiveTimesThatCannotBe) {

@@ -33,7 +33,7 @@ Authentication keys() {
 }
 
 Message odometry(const std::string& robot = "R1") { return BoxRoomRobot(robot).round(0)[0]; }
-Message command() { return encode({1, CommandEvent{1, "refine", -1, ""}}); }
+Message command() { return encode({1, CommandEvent{1, Verb::refine, -1, ""}}); }
 
 /// The reason for refusal; empty: believed.
 std::string refusal(Authenticator& authenticator, const Message& sealed) {

@@ -86,12 +86,12 @@ TEST(ClosureLog, TellsEachVerdictOnce) {
   ClosureLog closures;
   ClosureRecord merge;
   merge.id = {4};
-  merge.kind = "merge";
-  merge.state = "waiting";
+  merge.kind = ClosureKind::merge;
+  merge.state = ClosureState::waiting;
   merge.robots = {"R1", "R2"};
   closures.tell({merge}, log);
   EXPECT_EQ(told, "");
-  merge.state = "accepted";
+  merge.state = ClosureState::accepted;
   closures.tell({merge}, log);
   closures.tell({merge}, log);
   EXPECT_EQ(told, "level=info msg=\"merge accepted\" closure=4 reason=\"\" robots=R1,R2 patches=0\n");

@@ -7,13 +7,12 @@ namespace {
 
 TEST(RobotMonitor, CountsClosuresAndSightingsByWhatBecameOfThem) {
   MapCopy map;
-  for (const char* state :
-       {"accepted", "refused", "accepted", "waiting", "withdrawn", "refused", "refused"}) {
+  using enum ClosureState;
+  for (const ClosureState state : {accepted, refused, accepted, waiting, withdrawn, refused, refused})
     map.closures.emplace_back().state = state;
-  }
-  for (const char* verdict : {"waiting", "accepted", "refused", "waiting", "waiting", "refused", "waiting"}) {
-    map.sightings.append({{}, verdict, "", {}});
-  }
+  for (const Verdict verdict : {Verdict::waiting, Verdict::accepted, Verdict::refused, Verdict::waiting,
+                                Verdict::waiting, Verdict::refused, Verdict::waiting})
+    map.sightings.append({{}, verdict, Reason::none, {}});
   map.counters.sightings = 7;
   const status_t status = RobotMonitor().status(map, {}, 5, 1);
   EXPECT_EQ(status.closures, 2);
