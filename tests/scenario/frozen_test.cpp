@@ -187,7 +187,7 @@ TEST(FrozenMap, StaysAsItIsWhileOthersDriveThroughIt) {
   }
   for (const Verb verb : {Verb::refine, Verb::withdraw, Verb::forbid, Verb::allow, Verb::drop}) {
     const Event order = command(office.events.back().receive_utime + later_us, verb, 0);
-    EXPECT_EQ(office.engine.handle(order).drop_reason, "frozen") << verb;
+    EXPECT_EQ(office.engine.handle(order).drop_reason, "frozen") << word(verb);
   }
   office.engine.finish();
   EXPECT_EQ(sha256_of(office.engine), before);

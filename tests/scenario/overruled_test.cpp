@@ -143,13 +143,6 @@ TEST(Drop, TakesARobotsDataOutAndAllowBringsItBack) {
   EXPECT_EQ(islands(whole), 1U);
 }
 
-TEST(Commands, OfAnUnknownVerbAreDroppedAndChangeNothing) {
-  Played played = play(overruled({{30, "fly", 0}}));
-  played.engine.finish();
-  EXPECT_EQ(played.drop_reasons, (std::vector<std::string>{"unknown_verb"}));
-  EXPECT_EQ(map_sha256(played.engine.copy()), map_sha256(map_events(meeting().events)));
-}
-
 TEST(Forbid, BeforehandKeepsTheIslandsApartHoweverOftenTheRobotsMeet) {
   const MapCopy map = forbidden_from_the_beginning();
   EXPECT_EQ(islands(map), 2U);

@@ -82,6 +82,12 @@ class Hypotheses {
 
     auto members() { return std::tie(find, robot, hypothesis); }
   };
+  struct Refutation {
+    ClosureId id;
+    Reason reason = Reason::none;
+
+    auto members() { return std::tie(id, reason); }
+  };
   struct Hypothesis {
     UndecidedHypothesis says;
     int tried = 0;  ///< finds when it was last on trial
@@ -121,7 +127,7 @@ class Hypotheses {
   bool pool_changed_ = false;
   std::map<ClosureId, Hypothesis> hypotheses_;
   std::map<ClosureId, std::vector<Waiting>> parked_;  ///< finds of closures that may be withdrawn or allowed
-  std::vector<std::pair<ClosureId, Reason>> refuted_;
+  std::vector<Refutation> refuted_;
   HypothesisCounts counts_;
   Credit credit_;
   std::size_t patches_ = 0;  ///< when last worked

@@ -138,7 +138,7 @@ std::size_t Hypotheses::rivals(const Map& map, const std::vector<std::size_t>& s
 // What became of those that were proposed, and what others have refuted.
 void Hypotheses::hear(World world, Closures& closures) {
   for (const auto& [id, reason] : std::exchange(refuted_, {})) closures.refuse_from_scans(id, reason);
-  for (const Closures::Ruling& ruling : closures.take_rulings()) {
+  for (const Ruling& ruling : closures.take_rulings()) {
     if (ruling.state == ClosureState::waiting && parked_.contains(ruling.id)) {
       for (Waiting& waiting : parked_[ruling.id]) take(world, waiting.robot, std::move(waiting.find));
       parked_.erase(ruling.id);
@@ -202,7 +202,7 @@ void Hypotheses::refute(ClosureId id, Reason reason) {
   for (const Waiting& waiting : pool_) gone.push_back(waiting.hypothesis == id);
   remove(gone);
   hypotheses_.erase(found);
-  refuted_.emplace_back(id, reason);
+  refuted_.push_back({id, reason});
 }
 
 }  // namespace isthmus

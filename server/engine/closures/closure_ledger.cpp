@@ -1,0 +1,80 @@
+#include "server/engine/closures/closure_ledger.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace isthmus {
+namespace {
+
+constexpr std::size_t most_kept = 400;  // of the sightings that say what is forbidden, the newest
+
+}  // namespace
+
+ClosureLedger::Entry& ClosureLedger::enter(const ClosureDraft& draft, std::vector<Evidence> evidence) {
+  const auto [found, is_new] = entries_.try_emplace(draft.record.id);
+  Entry& entry = found->second;
+  const ClosureRecord before = std::exchange(entry.record, draft.record);
+  if (!is_new) {
+    entry.record.start_utime = before.start_utime;
+    entry.record.patches_touched = before.patches_touched;
+    entry.record.work_steps = before.work_steps;
+  }
+  entry.joining = draft.joining;
+  entry.from_scans = draft.proposal.from_scans;
+  entry.evidence = std::move(evidence);
+  return entry;
+}
+
+void ClosureLedger::strike(ClosureId id) {
+  entries_.erase(id);
+  if (id.value + 1 == next_id_) --next_id_;
+}
+
+ClosureLedger::Entry* ClosureLedger::find(ClosureId id) {
+  const auto found = entries_.find(id);
+  return found == entries_.end() ? nullptr : &found->second;
+}
+
+void ClosureLedger::decide(Entry& entry, ClosureState state, Reason reason, double value) {
+  entry.record.state = state;
+  entry.record.reason = reason;
+  if (entry.from_scans) rulings_.push_back({entry.record.id, state, reason, value});
+}
+
+void ClosureLedger::allow(Entry& entry) {
+  const ClosureId id = entry.record.id;
+  entry.forbidden = false;
+  forbidden_ids_.erase(id);
+  entry.record.reason = Reason::allowed_again;
+  for (auto& [other, its] : entries_) {
+    if (!its.from_scans || (other != id && its.forbidden_as != id)) continue;
+    its.forbidden_as = {};
+    rulings_.push_back({other, ClosureState::waiting, Reason::allowed_again, 0});
+  }
+}
+
+std::optional<ClosureId> ClosureLedger::forbidden_by(const Map& map, const Map& tried) const {
+  const auto found = std::ranges::find_if(entries_, [&](const auto& entry) {
+    return entry.second.forbidden && brings_about(map, tried, entry.second.joining);
+  });
+  if (found == entries_.end()) return std::nullopt;
+  return found->first;
+}
+
+void ClosureLedger::keep_with_forbidden(ClosureId forbidden, std::vector<Evidence> evidence) {
+  std::vector<Evidence>& kept = at(forbidden).evidence;
+  std::ranges::move(evidence, std::back_inserter(kept));
+  if (kept.size() > most_kept) kept.erase(kept.begin(), kept.end() - static_cast<std::ptrdiff_t>(most_kept));
+}
+
+void ClosureLedger::correct(const std::function<void(Evidence&)>& change) {
+  for (auto& [id, entry] : entries_) std::ranges::for_each(entry.evidence, change);
+}
+
+std::vector<ClosureRecord> ClosureLedger::records() const {
+  std::vector<ClosureRecord> records;
+  for (const auto& [id, entry] : entries_) records.push_back(entry.record);
+  return records;
+}
+
+}  // namespace isthmus

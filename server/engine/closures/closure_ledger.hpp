@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "server/engine/closures/closure_draft.hpp"
+#include "server/engine/closures/closure_record.hpp"
+#include "server/engine/closures/joining.hpp"
+#include "server/engine/sightings/evidence.hpp"
+
+namespace isthmus {
+
+/// What became of a closure that scans proposed: accepted, refused, or waiting for more support.
+struct Ruling {
+  ClosureId id;
+  ClosureState state = ClosureState::waiting;
+  Reason reason = Reason::none;
+  double value = 0;  ///< of one that waits: patches that would come to be joined
+
+  auto members() { return std::tie(id, state, reason, value); }
+};
+
+/// All closures that were ever proposed, by id: what each would join, the sightings that speak for it, what
+/// became of it, and whether operators have forbidden it.
+class ClosureLedger {
+ public:
+  struct Entry {
+    ClosureRecord record;
+    std::vector<Evidence> evidence;
+    Joining joining;
+    bool forbidden = false;
+    bool from_scans = false;
+    ClosureId forbidden_as;  ///< of one that was refused: it says what this one says, which is forbidden
+
+    auto members() { return std::tie(record, evidence, joining, forbidden, from_scans, forbidden_as); }
+  };
+
+  ClosureId take_id() { return ClosureId{next_id_++}; }
+  /// A closure whose trial begins; of one that has been on trial before, the record goes on.
+  Entry& enter(const ClosureDraft& draft, std::vector<Evidence> evidence = {});
+  /// As if it had not been proposed: its id, if it is the last, is that of the next.
+  void strike(ClosureId id);
+
+  Entry& at(ClosureId id) { return entries_.at(id); }
+  /// Nothing for what was not proposed.
+  Entry* find(ClosureId id);
+
+  /// Where scans proposed it, that is a ruling for them.
+  void decide(Entry& entry, ClosureState state, Reason reason, double value = 0);
+  std::vector<Ruling> take_rulings() { return std::exchange(rulings_, {}); }
+
+  /// What operators forbid before it is proposed, they forbid by its id.
+  void forbid_id(ClosureId id) { forbidden_ids_.insert(id); }
+  bool is_forbidden_id(ClosureId id) const { return forbidden_ids_.contains(id); }
+  /// Whether there was something to allow.
+  bool allow_id(ClosureId id) { return forbidden_ids_.erase(id) > 0; }
+  /// It, and those of scans that were refused as saying what it says, may come again.
+  void allow(Entry& entry);
+  /// The forbidden closure that a map brings about on which something has been tried out, if any.
+  std::optional<ClosureId> forbidden_by(const Map& map, const Map& tried) const;
+  /// Sightings that say once more what is forbidden are kept with the closure that they speak for.
+  void keep_with_forbidden(ClosureId forbidden, std::vector<Evidence> evidence);
+
+  /// Changes the places of all sightings that speak for closures.
+  void correct(const std::function<void(Evidence&)>& change);
+  std::vector<ClosureRecord> records() const;
+
+  auto members() { return std::tie(entries_, forbidden_ids_, rulings_, next_id_); }
+
+ private:
+  std::map<ClosureId, Entry> entries_;
+  std::set<ClosureId> forbidden_ids_;
+  std::vector<Ruling> rulings_;
+  std::int32_t next_id_ = 0;
+};
+
+}  // namespace isthmus

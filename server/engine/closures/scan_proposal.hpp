@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "relations/relation.hpp"
+
+namespace isthmus {
+
+/// A closure that scans propose (hypotheses.hpp): how a patch of one chart lies to one of another, by several
+/// finds that agree.
+struct ScanProposal {
+  ClosureId id;   ///< of a record there is already; invalid: a new one
+  PatchId first;  ///< of the older island, in a merge
+  PatchId second;
+  Pose first_from_second;
+  std::vector<Relation> relations;  ///< of the finds; their origin is still to be given
+  int finds = 0;
+  double way_m = 0;  ///< of a loop: what lies between its ends, over the map
+  /// The map hardly says where one lies to the other: buildings that repeat themselves are to be feared.
+  bool cautious = false;
+  std::vector<std::string> robots;
+};
+
+}  // namespace isthmus

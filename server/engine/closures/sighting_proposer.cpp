@@ -1,0 +1,120 @@
+#include "server/engine/closures/sighting_proposer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace isthmus {
+namespace {
+
+constexpr std::size_t most_compared = 24;  // of a group's sightings, spread evenly, each with each
+
+bool observer_is_first(const Map& map, const Evidence& evidence, const SightingGroup& group) {
+  if (group.is_merge()) return map.graph().island(evidence.observer.pose.patch) == group.older;
+  return evidence.sighting.robot < evidence.target;
+}
+
+std::vector<ChartSighting> charts(const Map& map, const std::vector<Evidence>& pool,
+                                  const SightingGroup& group) {
+  std::vector<ChartSighting> sightings;
+  for (const std::size_t i : group.members) {
+    sightings.push_back(chart_sighting(map, pool[i]));
+    sightings.back().observer_in_first = observer_is_first(map, pool[i], group);
+  }
+  return sightings;
+}
+
+// Every so manieth of a group's members, the newest among them.
+SightingGroup spread(SightingGroup group, std::size_t most) {
+  const std::size_t size = group.members.size();
+  if (size <= most) return group;
+  std::vector<std::size_t> some;
+  for (std::size_t i = 1; i <= most; ++i) some.push_back(group.members[i * size / most - 1]);
+  group.members = std::move(some);
+  return group;
+}
+
+// How the patches of the first of the sightings that agree lie to one another, by what they say together.
+Joining joining_of(const Map& map, const Evidence& first, bool observer_first, const Alignment& alignment) {
+  Joining joining;
+  const PatchId observer = ground_of(map, first.observer.pose.patch);
+  const PatchId target = ground_of(map, first.target_place->pose.patch);
+  joining.first = observer_first ? observer : target;
+  joining.second = observer_first ? target : observer;
+  const Pose first_from_map = inverse(map.manifold().pose(joining.first));
+  const Pose& second = map.manifold().pose(joining.second);
+  const Pose first_from_chart = first_from_map * alignment.first_from_second;
+  joining.first_from_second = first_from_chart * second;
+  const Eigen::Matrix3d by_alignment =
+      compose_jacobians(first_from_chart, second).by_left *
+      compose_jacobians(first_from_map, alignment.first_from_second).by_right;
+  joining.covariance = by_alignment * alignment.covariance * by_alignment.transpose();
+  return joining;
+}
+
+// Where a fixed tag lies in the patch that it is seen from.
+Joining joining_of_tag(const Map& map, const Evidence& first, const Eigen::Vector2d& point) {
+  Joining joining;
+  joining.first = first.observer.pose.patch;
+  joining.second = first.target_place->pose.patch;
+  const Eigen::Vector2d seen = inverse(map.manifold().pose(joining.first)) * point;
+  joining.first_from_second = {seen.x(), seen.y(), 0};
+  const SightingEvent& s = first.sighting;
+  const double sigma_m = std::max(s.range_sigma_m, s.range_m * s.bearing_sigma_rad);
+  joining.covariance.diagonal().setConstant(sigma_m * sigma_m);
+  joining.point = true;
+  return joining;
+}
+
+// A tag that the map has far from where it is seen now: a loop. One point does not tell how the two charts
+// lie to each other, but where the point is in this one.
+std::optional<GroupAgreement> agreement_on_tag(const Map& map, const std::vector<Evidence>& pool,
+                                               const SightingGroup& group, std::size_t least) {
+  const PointConsensus consensus = agree_on_a_point(map, pool, group.members);
+  if (!consensus.enough() || consensus.supporters.size() < least ||
+      2 * consensus.supporters.size() <= group.members.size())
+    return std::nullopt;
+  return GroupAgreement{{consensus.supporters.begin(), consensus.supporters.end()},
+                        {},
+                        false,
+                        joining_of_tag(map, pool[consensus.supporters.front()], consensus.point)};
+}
+
+std::optional<GroupAgreement> agreement_on_charts(World world, const std::vector<Evidence>& pool,
+                                                  const SightingGroup& group, std::size_t least) {
+  const std::vector<ChartSighting> sightings = charts(world.map, pool, group);
+  const std::optional<Alignment> alignment = best_alignment(sightings);
+  if (!alignment || alignment->supporters.size() < least) return std::nullopt;
+  if (!ready(*alignment, sightings, world.now_utime, world.no_more_waiting)) return std::nullopt;
+  const Evidence& first = pool[group.members[alignment->supporters.front()]];
+  GroupAgreement agreement;
+  for (const std::size_t k : alignment->supporters) agreement.supporters.insert(group.members[k]);
+  agreement.older_from_younger = alignment->first_from_second;
+  agreement.two_way = alignment->two_way;
+  agreement.joining = joining_of(world.map, first, observer_is_first(world.map, first, group), *alignment);
+  return agreement;
+}
+
+}  // namespace
+
+std::optional<GroupAgreement> SightingProposer::look_at(World world, const std::vector<Evidence>& pool,
+                                                        const SightingGroup& group) {
+  // Only what is new can change the answer, but for a lone pair's waiting.
+  const std::pair now{group.members.size(), pool[group.members.back()].record};
+  auto& before = looked_at_[group.key];
+  if (group.members.size() > 2 && before == now && !world.no_more_waiting) return std::nullopt;
+  before = now;
+  const auto tried = tried_.find(group.key);
+  const std::size_t least = tried == tried_.end() ? 2 : tried->second * 3 / 2 + 1;
+  if (group.members.size() < least) return std::nullopt;
+  const SightingGroup some = spread(group, most_compared);
+  if (!group.is_merge() && pool[some.members.front()].is_tag)
+    return agreement_on_tag(world.map, pool, some, least);
+  return agreement_on_charts(world, pool, some, least);
+}
+
+void SightingProposer::forget() {
+  tried_.clear();
+  looked_at_.clear();
+}
+
+}  // namespace isthmus

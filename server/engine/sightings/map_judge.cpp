@@ -1,0 +1,72 @@
+#include "server/engine/sightings/map_judge.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "relations/confidence.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr std::int64_t weighing_us = 2'000'000;
+constexpr int near_hops = 3;                    // so near in the graph, the map knows better
+constexpr double sure_m = 0.3;                  // a map less sure than this of where the target is,
+constexpr double sure_without_scans_m = 0.6;    // learns from a sighting only when others agree
+constexpr std::size_t most_without_scans = 60;  // tags tie everything to everything: a dense graph
+constexpr double informative = 1;               // of a sighting's own sigma
+
+double largest_variance(const Eigen::Matrix2d& covariance) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(1);
+}
+
+// How surely the target's place is known as seen from the observer's patch, m² along the worse direction.
+// Nothing where the graph near the two does not tell.
+std::optional<double> target_variance(const Map& map, const Evidence& evidence, std::size_t most_patches) {
+  const PatchId a = evidence.observer.pose.patch;
+  const PatchId b = evidence.target_place->pose.patch;
+  const auto covariance = local_relative_covariance(map.graph(), map.manifold().poses(), a, b, most_patches);
+  if (!covariance) return std::nullopt;
+  const Pose a_from_b = ominus(map.manifold().pose(b), map.manifold().pose(a));
+  const Pose& r = evidence.target_place->pose.patch_from_object;
+  const Eigen::Vector2d lever = rotate(a_from_b.yaw, {r.x, r.y});
+  Eigen::Matrix<double, 2, 3> by_pose;
+  by_pose << 1, 0, -lever.y(), 0, 1, lever.x();
+  return largest_variance(by_pose * *covariance * by_pose.transpose());
+}
+
+bool sees_walls(const Map& map, const PastPlace& place) {
+  return !map.manifold().patch(place.pose.patch).points.empty();
+}
+
+double own_sigma_m(const ChartSighting& chart) {
+  return std::isfinite(chart.range_sigma_m) ? chart.range_sigma_m
+                                            : chart.bearing_sigma_rad * std::max(1.0, chart.range_m);
+}
+
+}  // namespace
+
+Judgement MapJudge::judge(const Map& map, const Evidence& evidence, const EngineOptions& options) {
+  const PatchId a = evidence.observer.pose.patch;
+  const PatchId b = evidence.target_place->pose.patch;
+  if (map.graph().island(a) != map.graph().island(b)) return Judgement::unknown;
+  ChartSighting chart = chart_sighting(map, evidence);
+  const bool fits = agrees(chart, Pose{});
+  const bool scans = sees_walls(map, evidence.observer) && sees_walls(map, *evidence.target_place);
+  if (scans && fits && map.graph().hops(a, b, near_hops)) return Judgement::agrees;
+  // Sightings close in time err alike: one of them tells what they all tell.
+  std::int64_t& weighed_utime = weighed_utime_[{evidence.sighting.robot, evidence.target}];
+  if (fits && std::abs(evidence.sighting.utime - weighed_utime) < weighing_us) return Judgement::agrees;
+  const std::optional<double> variance =
+      target_variance(map, evidence, scans ? options.confidence_patches : most_without_scans);
+  if (!variance) return Judgement::unknown;
+  chart.target_variance += *variance;
+  if (!agrees(chart, Pose{})) return Judgement::contradicts;
+  if (std::sqrt(*variance) > (scans ? sure_m : sure_without_scans_m)) return Judgement::unknown;
+  weighed_utime = evidence.sighting.utime;
+  const bool says_more = !scans && std::sqrt(*variance) > informative * own_sigma_m(chart);
+  return says_more ? Judgement::teaches : Judgement::agrees;
+}
+
+}  // namespace isthmus
