@@ -32,7 +32,8 @@ Eigen::Vector2d line_normal(const Moments& m, const NormalOptions& options) {
   const double root = std::hypot(0.5 * (xx - yy), xy);
   const double across = std::max(0.0, half_trace - root);
   const double along = half_trace + root;
-  if (across > options.max_flatness_m * options.max_flatness_m || along < 4 * across || along < 1e-6) {
+  if (across > options.max_flatness_m * options.max_flatness_m || along < options.min_elongation * across ||
+      along < 1e-6) {
     return Eigen::Vector2d::Zero();
   }
   const double line_yaw = 0.5 * std::atan2(2 * xy, xx - yy);
@@ -57,7 +58,7 @@ std::vector<ScanPoint> to_points(const Scan& scan, const Laser& laser, const Nor
     const double bearing = scan.bearing0_rad + static_cast<double>(i) * scan.bearing_step_rad;
     const Eigen::Vector2d end(range_m * std::cos(bearing), range_m * std::sin(bearing));
     points.push_back({laser.robot_from_laser * end, Eigen::Vector2d::Zero(), static_cast<std::int32_t>(i)});
-    reach.push_back(2.5 * range_m * std::abs(scan.bearing_step_rad));
+    reach.push_back(options.reach_beams * range_m * std::abs(scan.bearing_step_rad));
   }
   const Eigen::Vector2d eye(laser.robot_from_laser.x, laser.robot_from_laser.y);
   const int n = static_cast<int>(points.size());

@@ -44,9 +44,24 @@ struct ScanPoint {
 /// `half_width_m` of it without a jump. Normals from the very next beams only cost 1.4 cm of bias.
 struct NormalOptions {
   double half_width_m = 0.30;
-  double max_jump_m = 0.30;      ///< neighbours farther apart than this are on different surfaces
-  double max_flatness_m = 0.03;  ///< RMS distance from the fitted line, beyond which there is no normal
+  double max_jump_m = 0.30;
+  double max_flatness_m = 0.03;
   int min_points = 3;
+  double min_elongation = 4;
+  double reach_beams = 2.5;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(half_width_m, "half_width_m", "m", "of the neighbours on either side that a normal is taken from");
+    option(max_jump_m, "max_jump_m", "m", "neighbours farther apart than this are on different surfaces");
+    option(max_flatness_m, "max_flatness_m", "m",
+           "RMS distance from the fitted line, beyond which there is no normal");
+    option(min_points, "min_points", "count", "of a line");
+    option(min_elongation, "min_elongation", "factor",
+           "between the variances along and across it, below which there is no normal");
+    option(reach_beams, "reach_beams", "factor",
+           "on the distance between beams' ends: far from the laser, neighbours may lie so far apart");
+  }
 };
 
 /// The hits of a scan as points in the robot's frame, in order of beams, with normals.

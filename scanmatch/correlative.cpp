@@ -8,6 +8,8 @@
 namespace isthmus {
 namespace {
 
+constexpr int max_levels = 5;  // of the pyramid, above the cells: says how fast it is, not what it finds
+
 // How well a beam's end fits each cell, 0 to 255, and for each level the maximum over the 2^level x 2^level
 // cells to the upper right: a bound for every shift within that block.
 class FitPyramid {
@@ -18,7 +20,7 @@ class FitPyramid {
         origin_(centre.x - half_extent_m, centre.y - half_extent_m),
         size_(static_cast<int>(2 * half_extent_m / options.cell_m) + 1) {
     levels_.emplace_back(static_cast<std::size_t>(size_ * size_), std::uint8_t{0});
-    const int blur = static_cast<int>(std::ceil(2.5 * options.blur_m / cell_m_));
+    const int blur = static_cast<int>(std::ceil(options.blur_sigmas * options.blur_m / cell_m_));
     for (const Eigen::Vector2d& point : map) stamp(point, blur, options.blur_m);
     for (int level = 1; level <= levels; ++level) levels_.push_back(widen(levels_.back(), 1 << (level - 1)));
   }
@@ -82,12 +84,13 @@ struct Shift {
 class Search {
  public:
   Search(std::span<const Eigen::Vector2d> map, std::span<const ScanPoint> points, const SearchWindow& window,
-         const CorrelativeOptions& options)
+         const CorrelativeOptions& options, double min_score)
       : window_(window),
         options_(options),
+        min_score_(min_score),
         half_x_(static_cast<int>(std::ceil(window.half_x_m / options.cell_m))),
         half_y_(static_cast<int>(std::ceil(window.half_y_m / options.cell_m))),
-        top_(std::clamp(static_cast<int>(std::log2(std::max(half_x_, half_y_) + 1)), 0, 5)),
+        top_(std::clamp(static_cast<int>(std::log2(std::max(half_x_, half_y_) + 1)), 0, max_levels)),
         pyramid_(map, window.centre, options.reach_m + std::max(window.half_x_m, window.half_y_m), options,
                  top_) {
     const std::size_t stride =
@@ -143,8 +146,8 @@ class Search {
   // The most promising blocks of all yaws first: what they hold prunes the others. Equal ones from the middle
   // outwards.
   void search_yaws() {
-    best_score_ = static_cast<int>(options_.least_score / options_.second_share * 255.0 *
-                                   static_cast<double>(beams_.size()));
+    best_score_ =
+        static_cast<int>(min_score_ / options_.second_share * 255.0 * static_cast<double>(beams_.size()));
     const int half_yaw = static_cast<int>(std::ceil(window_.half_yaw_rad / options_.yaw_step_rad));
     std::vector<Block> blocks;
     for (int k = 0; k <= 2 * half_yaw && !exhausted_; ++k) {
@@ -207,6 +210,7 @@ class Search {
 
   const SearchWindow& window_;
   const CorrelativeOptions& options_;
+  double min_score_;
   int half_x_;
   int half_y_;
   int top_;
@@ -227,13 +231,13 @@ CorrelativeResult search_window(const LocalMap& local_map, std::span<const ScanP
   for (const LocalPatch& local : local_map.patches)
     for (const ScanPoint& point : local.patch->points)
       local_points.push_back(local.local_from_patch * point.position);
-  return search_window(local_points, points, window, options);
+  return Search(local_points, points, window, options, 0).run();
 }
 
 CorrelativeResult search_window(std::span<const Eigen::Vector2d> local_points,
                                 std::span<const ScanPoint> points, const SearchWindow& window,
-                                const CorrelativeOptions& options) {
-  return Search(local_points, points, window, options).run();
+                                const CorrelativeOptions& options, double min_score) {
+  return Search(local_points, points, window, options, min_score).run();
 }
 
 }  // namespace isthmus

@@ -18,21 +18,43 @@ struct SearchWindow {
   auto members() { return std::tie(centre, half_x_m, half_y_m, half_yaw_rad); }
 };
 
-/// A second answer with this share of the best one's score: who knows which it is. At 0.95 aliased corridors
-/// of real logs get in.
-inline constexpr double ambiguous_share = 0.88;
+struct AmbiguityOptions {
+  double share = 0.88;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(share, "share", "share",
+           "of the best answer's score: with a second one above it, who knows which it is. At 0.95 aliased "
+           "corridors of recorded logs get in");
+  }
+};
 
 struct CorrelativeOptions {
   double cell_m = 0.1;
   double yaw_step_rad = 0.0175;
-  double blur_m = 0.1;  ///< standard deviation of the fit's fall around a point of the map
-  double reach_m = 12;  ///< beams that end farther away are left out
+  double blur_m = 0.1;
+  double blur_sigmas = 2.5;
+  double reach_m = 12;
   int max_points = 90;
-  double apart_m = 0.5;           ///< a second answer is at least so far from the best in position
-  double apart_rad = 0.26;        ///< or in yaw
-  double second_share = 0.8;      ///< answers below this share of the best are not looked for
-  double least_score = 0;         ///< nor those below this
-  long max_evaluations = 40'000;  ///< of all beams at one pose; when spent, the best so far is returned
+  double apart_m = 0.5;
+  double apart_rad = 0.26;
+  double second_share = 0.8;
+  long max_evaluations = 40'000;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(cell_m, "cell_m", "m", "side of a cell of the grid, and step of the search in x and y");
+    option(yaw_step_rad, "yaw_step_rad", "rad", "step of the search in yaw");
+    option(blur_m, "blur_m", "m", "standard deviation of the fit's fall around a point of the map");
+    option(blur_sigmas, "blur_sigmas", "sigmas", "beyond which the fit counts as 0");
+    option(reach_m, "reach_m", "m", "beams that end farther away are left out");
+    option(max_points, "max_points", "count", "of the scan that are used; more are thinned evenly");
+    option(apart_m, "apart_m", "m", "a second answer is at least so far from the best in position,");
+    option(apart_rad, "apart_rad", "rad", "or so far in yaw");
+    option(second_share, "second_share", "share", "of the best score, below which no answers are looked for");
+    option(max_evaluations, "max_evaluations", "count",
+           "of all beams at one pose: when spent, the best answer so far is returned");
+  }
 };
 
 struct CorrelativeResult {
@@ -50,9 +72,9 @@ struct CorrelativeResult {
 CorrelativeResult search_window(const LocalMap& local_map, std::span<const ScanPoint> points,
                                 const SearchWindow& window, const CorrelativeOptions& options = {});
 
-/// The same in a map that is but points, given in `local`.
+/// The same in a map that is but points, given in `local`. Answers below `min_score` are not looked for.
 CorrelativeResult search_window(std::span<const Eigen::Vector2d> local_points,
                                 std::span<const ScanPoint> points, const SearchWindow& window,
-                                const CorrelativeOptions& options = {});
+                                const CorrelativeOptions& options = {}, double min_score = 0);
 
 }  // namespace isthmus

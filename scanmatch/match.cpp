@@ -67,8 +67,8 @@ class Matcher {
   // Sums the normal equations by (x, y, yaw) of the pose in the local frame. Beams keep the lines that they
   // were paired with until the pose has moved by what may pair them otherwise.
   NormalEquations linearise(const Pose& pose, double kernel) {
-    const bool moved = std::hypot(pose.x - paired_at_.x, pose.y - paired_at_.y) > pair_again_m ||
-                       std::abs(wrap_angle(pose.yaw - paired_at_.yaw)) > pair_again_rad;
+    const bool moved = std::hypot(pose.x - paired_at_.x, pose.y - paired_at_.y) > options_.pair_again_m ||
+                       std::abs(wrap_angle(pose.yaw - paired_at_.yaw)) > options_.pair_again_rad;
     return !paired_ || moved ? linearise_anew(pose, kernel) : sum(pose, kernel);
   }
 
@@ -91,11 +91,7 @@ class Matcher {
   int beams() const { return static_cast<int>(beams_.size()); }
 
  private:
-  // A tenth of the index's cell: few beams would find another line.
-  static constexpr double pair_again_m = 0.01;
-  static constexpr double pair_again_rad = 0.003;
-
-  static double gate(double kernel) { return std::max(0.1, 3 * kernel); }
+  double gate(double kernel) const { return std::max(options_.min_gate_m, options_.gate_kernels * kernel); }
 
   void pair(const Pose& pose, double kernel) {
     paired_ = true;
@@ -255,15 +251,15 @@ Match match_scan(const LocalMap& local_map, std::span<const ScanPoint> points, c
     innovation.z() = wrap_angle(innovation.z());
     Eigen::Matrix3d h = information_of_unit * (trust * sums.h * trust) + prediction.information;
     const Eigen::Vector3d g = information_of_unit * (trust * sums.g) + prediction.information * innovation;
-    h.diagonal() += Eigen::Vector3d(1e-3, 1e-3, 1e-3);
+    h.diagonal().array() += options.damping;
     Eigen::Vector3d step = -h.ldlt().solve(g);
     if (!step.allFinite()) return match;
     const double length = step.head<2>().norm();
-    if (length > 0.3) step *= 0.3 / length;
+    if (length > options.max_step_m) step *= options.max_step_m / length;
     pose = to_pose(to_vector(pose) + step);
-    const bool settled = length < 5e-4 && std::abs(step.z()) < 2e-4;
+    const bool settled = length < options.settled_m && std::abs(step.z()) < options.settled_rad;
     if (settled && kernel <= options.kernel_m) break;
-    kernel = std::max(options.kernel_m, settled ? options.kernel_m : 0.6 * kernel);
+    kernel = std::max(options.kernel_m, settled ? options.kernel_m : options.kernel_shrink * kernel);
   }
   const NormalEquations sums = matcher.linearise_anew(pose, options.kernel_m);
   match.pairs = matcher.pairs();

@@ -8,17 +8,52 @@
 namespace isthmus {
 
 struct MatchOptions {
-  double sigma_m = 0.03;        ///< distance of a point from the line it lies on
-  double kernel_m = 0.04;       ///< scale of the robust loss at the end
-  double start_kernel_m = 0.2;  ///< and at the beginning
+  double sigma_m = 0.03;
+  double kernel_m = 0.04;
+  double start_kernel_m = 0.2;
+  double kernel_shrink = 0.6;
+  double gate_kernels = 3;
+  double min_gate_m = 0.1;
   int max_iterations = 20;
-  int max_points = 180;  ///< more are thinned evenly
-  int min_pairs = 12;    ///< fewer beams paired than this: no match
+  int max_points = 180;
+  int min_pairs = 12;
   double max_normal_angle_rad = 1.0;
-  /// A direction of the plane that gets less than this share of the beams' information is held by a few beams
-  /// only, which may well be wrong together (a corridor's door frames, somebody walking): it is trusted by
-  /// f² / (f² + thin²), f its share.
   double thin_direction = 0.03;
+  double pair_again_m = 0.01;
+  double pair_again_rad = 0.003;
+  double damping = 1e-3;
+  double max_step_m = 0.3;
+  double settled_m = 5e-4;
+  double settled_rad = 2e-4;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(sigma_m, "sigma_m", "m", "standard deviation of a point's distance from the line it lies on");
+    option(kernel_m, "kernel_m", "m", "scale of the robust loss at the end");
+    option(start_kernel_m, "start_kernel_m", "m", "scale of the robust loss at the beginning");
+    option(kernel_shrink, "kernel_shrink", "factor", "on that scale from one iteration to the next");
+    option(gate_kernels, "gate_kernels", "factor",
+           "pairs farther apart than so many scales of the loss are none");
+    option(min_gate_m, "min_gate_m", "m", "pairs nearer than this are kept, whatever the scale of the loss");
+    option(max_iterations, "max_iterations", "count", "of pairing and fitting");
+    option(max_points, "max_points", "count", "of a scan that are used; more are thinned evenly");
+    option(min_pairs, "min_pairs", "count", "of beams: where fewer are paired there is no match");
+    option(max_normal_angle_rad, "max_normal_angle_rad", "rad",
+           "between the normals of two points that may be paired");
+    option(thin_direction, "thin_direction", "share",
+           "a direction of the plane with a smaller share f of the beams' information is held by a few beams "
+           "only, which may well be wrong together (a corridor's door frames, somebody walking): it is "
+           "trusted by f² / (f² + thin²)");
+    option(pair_again_m, "pair_again_m", "m",
+           "beams are paired anew after so much motion; a tenth of the index's cell, so that few beams would "
+           "have found another line");
+    option(pair_again_rad, "pair_again_rad", "rad", "or after so much rotation");
+    option(damping, "damping", "1/m²",
+           "added to the diagonal of the normal equations: a direction that nothing holds must not move");
+    option(max_step_m, "max_step_m", "m", "of one iteration; longer steps are shortened");
+    option(settled_m, "settled_m", "m", "a shorter step, with less rotation than below, ends the fit");
+    option(settled_rad, "settled_rad", "rad", "see settled_m");
+  }
 };
 
 /// Where the robot is expected, and how surely.

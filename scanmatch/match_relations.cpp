@@ -7,7 +7,7 @@
 namespace isthmus {
 
 double relation_sigma_m(const MatchQuality& quality, const MatchRelationOptions& options) {
-  return options.sigma_per_rms * std::max(quality.rms_m, options.least_rms_m);
+  return options.sigma_per_rms * std::max(quality.rms_m, options.min_rms_m);
 }
 
 std::vector<Relation> match_relations(const LocalMap& local_map, std::span<const ScanPoint> points,
@@ -16,7 +16,7 @@ std::vector<Relation> match_relations(const LocalMap& local_map, std::span<const
   std::vector<QuadraticFormBuilder> builders(local_map.patches.size());
   const double sigma_m = relation_sigma_m(match.quality, options);
   for (const Pair& pair : match.pairs) {
-    if (pair.weight < 1e-3) continue;
+    if (pair.weight < options.min_weight) continue;
     const LocalPatch& local = local_map.patches[static_cast<std::size_t>(pair.patch)];
     const ScanPoint& line = local.patch->points[static_cast<std::size_t>(pair.line)];
     const Eigen::Vector2d& point = points[static_cast<std::size_t>(pair.point)].position;
@@ -27,7 +27,7 @@ std::vector<Relation> match_relations(const LocalMap& local_map, std::span<const
     const Eigen::Vector2d trusted =
         rotate(-patch_yaw, match.direction_trust * rotate(patch_yaw, line.normal));
     const double length = trusted.norm();
-    if (length < 1e-3) continue;
+    if (length < options.min_trust) continue;
     const Eigen::Vector2d normal = trusted / length;
     const double residual = line.normal.dot(at - line.position) / length;
     builders[static_cast<std::size_t>(pair.patch)].point_on_line(point, at - residual * normal, normal,

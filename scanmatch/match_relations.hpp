@@ -9,12 +9,25 @@
 namespace isthmus {
 
 struct MatchRelationOptions {
-  /// Beams of one scan err together (the laser's mount, its timing, what stands in the way), so the noise of
-  /// one correspondence is taken as this many times the match's RMS distance, and at least of so many metres.
   double sigma_per_rms = 4;
-  double least_rms_m = 0.004;
-  int min_correspondences = 10;  ///< patches paired with fewer beams get no relation
-  double robust_scale = 0;       ///< of the loss on the pair as a whole; 0: none
+  double min_rms_m = 0.004;
+  int min_correspondences = 10;
+  double min_weight = 1e-3;
+  double min_trust = 1e-3;
+  double robust_scale = 0;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(sigma_per_rms, "sigma_per_rms", "factor",
+           "noise of one correspondence as a multiple of the match's RMS distance: beams of one scan err "
+           "together (the laser's mount, its timing, what stands in the way)");
+    option(min_rms_m, "min_rms_m", "m", "smaller RMS distances count as this");
+    option(min_correspondences, "min_correspondences", "count",
+           "of a patch with the scan; with fewer it gets no relation");
+    option(min_weight, "min_weight", "share", "robust weight below which a pair is left out");
+    option(min_trust, "min_trust", "share", "trust in its direction below which a pair is left out");
+    option(robust_scale, "robust_scale", "sigmas", "of the loss on a relation as a whole; 0: none");
+  }
 };
 
 /// The noise of one correspondence of a match, in metres, calibrated by `options`.

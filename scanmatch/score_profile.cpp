@@ -22,21 +22,20 @@ Eigen::Matrix2d axes_of(const Eigen::Matrix3d& information, Eigen::Vector2d* eig
 }  // namespace
 
 double spread_of_match(const LocalMap& local_map, std::span<const ScanPoint> points, const Match& match,
-                       double half_width_m, const MatchOptions& options) {
-  constexpr double step_m = 0.07;
-  constexpr double held = 1e7;
-  // How surely a worse fit is a wrong one: beams err together, so their number counts for little.
-  constexpr double sharpness = 120;
+                       double half_width_m, const MatchOptions& options,
+                       const SpreadOptions& spread_options) {
+  const double step_m = spread_options.step_m;
   Eigen::Vector2d unused;
   const Eigen::Vector2d weakest = axes_of(match.beam_information, &unused).col(0);
   MatchOptions coarse = options;
-  coarse.start_kernel_m = 2 * options.kernel_m;
-  coarse.max_points = std::min(options.max_points, 90);
+  coarse.start_kernel_m = spread_options.start_kernels * options.kernel_m;
+  coarse.max_points = std::min(options.max_points, spread_options.max_points);
   const auto score_at = [&](double along_m) {
     Prediction prediction{match.local_from_robot, Eigen::Matrix3d::Zero()};
     prediction.local_from_robot.x += along_m * weakest.x();
     prediction.local_from_robot.y += along_m * weakest.y();
-    prediction.information.topLeftCorner<2, 2>() = held * weakest * weakest.transpose();
+    prediction.information.topLeftCorner<2, 2>() =
+        spread_options.held_information * weakest * weakest.transpose();
     const Match held_match = match_scan(local_map, points, prediction, coarse);
     return held_match.ok ? held_match.quality.score : 0.0;
   };
@@ -45,7 +44,8 @@ double spread_of_match(const LocalMap& local_map, std::span<const ScanPoint> poi
   double moment = 0;
   for (const double side : {-1.0, 1.0}) {
     for (double along_m = step_m; along_m <= half_width_m; along_m += step_m) {
-      const double weight = std::exp(-sharpness * std::max(0.0, 1 - score_at(side * along_m) / best));
+      const double weight =
+          std::exp(-spread_options.sharpness * std::max(0.0, 1 - score_at(side * along_m) / best));
       weights += weight;
       moment += weight * along_m * along_m;
     }

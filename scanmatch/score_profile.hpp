@@ -6,6 +6,25 @@
 
 namespace isthmus {
 
+struct SpreadOptions {
+  double step_m = 0.07;
+  double sharpness = 120;
+  double held_information = 1e7;
+  double start_kernels = 2;
+  int max_points = 90;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(step_m, "step_m", "m", "between the places at which the scan is held along the weakest direction");
+    option(sharpness, "sharpness", "factor",
+           "how surely a worse fit is a wrong one: beams err together, so their number counts for little");
+    option(held_information, "held_information", "1/m²", "that holds the scan there");
+    option(start_kernels, "start_kernels", "factor",
+           "scale of the robust loss at the beginning, of that at the end");
+    option(max_points, "max_points", "count", "of the scan that are used");
+  }
+};
+
 /// How far a match may be off along the direction of the plane that its beams determine least, in metres
 /// (standard deviation): from how well the scan fits when it is held at places along that direction, up to
 /// `half_width_m` either way, and turned and shifted across it to fit best there.
@@ -13,7 +32,8 @@ namespace isthmus {
 /// A match's own information is that of its minimum. Along a corridor the next door frame makes another
 /// minimum a step away which fits hardly worse, and a loop closed there bends the map by that step.
 double spread_of_match(const LocalMap& local_map, std::span<const ScanPoint> points, const Match& match,
-                       double half_width_m, const MatchOptions& options = {});
+                       double half_width_m, const MatchOptions& options = {},
+                       const SpreadOptions& spread_options = {});
 
 /// The same match, trusted along that direction only as far as a spread leaves it: its relations will say so.
 /// `sigma_m`: the noise of one correspondence.

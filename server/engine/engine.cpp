@@ -15,13 +15,6 @@
 namespace isthmus {
 namespace {
 
-constexpr std::int64_t odometry_wait_us = 200'000;  // a scan waits so long, in event time, for its odometry
-constexpr std::int64_t backward_us = 1'000'000;     // stamps may go back by so much
-constexpr std::int64_t teammate_stamp_us = 1'000'000;
-constexpr std::size_t most_pending_scans =
-    64;                               // of a robot, however slowly event time passes: 1.6 s at 40 Hz
-constexpr int most_stale_scans = 10;  // then the robot's clock was set back: a new session
-
 bool same_laser(const Laser& a, const Laser& b) {
   return a.robot_from_laser == b.robot_from_laser && a.range_min_m == b.range_min_m &&
          a.range_max_m == b.range_max_m;
@@ -37,9 +30,16 @@ void Engine::State::configure(Configuration given) {
   configuration = std::move(given);
   robots.clear();
   for (const auto& [name, robot] : configuration.robots) {
-    robots[name].declaration = robot.robot;
-    robots[name].declared = robot.declared;
+    Robot& known = with_name(name);
+    known.declaration = robot.robot;
+    known.declared = robot.declared;
   }
+}
+
+Robot& Engine::State::with_name(const std::string& name) {
+  const auto [robot, is_new] = robots.try_emplace(name);
+  if (is_new) robot->second.noise = OdometryNoise(configuration.engine.odometry_noise);
+  return robot->second;
 }
 
 std::string Engine::State::drop(const std::string& robot, const std::string& reason) {
@@ -68,7 +68,7 @@ Outcome Engine::State::take(const RobotEvent& event) {
       return {drop(event.robot, "barcode_taken"), {}};
     }
   }
-  Robot& robot = robots[event.robot];
+  Robot& robot = with_name(event.robot);
   // What the configuration says of a robot stands against what the robot says.
   const auto configured = configuration.robots.find(event.robot);
   const bool fixed = configured != configuration.robots.end() && configured->second.declared;
@@ -108,8 +108,9 @@ Outcome Engine::State::take(const OdometryEvent& event) {
   Outcome outcome;
   if (!has_no_laser(*robot)) return outcome;
   if (frozen) return {drop(event.robot, "frozen"), {}};  // its way would have to become a map
-  if (robot->place && event.utime < robot->place->utime - backward_us) {
-    if (++robot->stale_scans < most_stale_scans) return {drop(event.robot, "stale_stamp"), {}};
+  if (robot->place && event.utime < robot->place->utime - configuration.engine.intake.backward_us) {
+    if (++robot->stale_scans < configuration.engine.intake.max_stale_scans)
+      return {drop(event.robot, "stale_stamp"), {}};
     robot->place.reset();
   }
   robot->stale_scans = 0;
@@ -129,8 +130,9 @@ Outcome Engine::State::take(const ScanEvent& event) {
   if (scan.ranges_m.empty() || scan.bearing_step_rad == 0) return {drop(event.robot, "zero_beams"), {}};
   const bool first = robot->last_scan_utime == 0;
   if (!first && scan.utime == robot->last_scan_utime) return {drop(event.robot, "duplicate_stamp"), {}};
-  if (!first && scan.utime < robot->newest_scan_utime - backward_us) {
-    if (++robot->stale_scans < most_stale_scans) return {drop(event.robot, "stale_stamp"), {}};
+  if (!first && scan.utime < robot->newest_scan_utime - configuration.engine.intake.backward_us) {
+    if (++robot->stale_scans < configuration.engine.intake.max_stale_scans)
+      return {drop(event.robot, "stale_stamp"), {}};
     forget_place(*robot);
     robot->newest_scan_utime = scan.utime;
   }
@@ -160,8 +162,8 @@ Outcome Engine::State::take(const SightingEvent& event) {
   if (worn != robots.end()) {
     Robot& seer = robots.at(event.robot);
     // One with a stamp of another time says nothing of who stands there now.
-    const bool now =
-        !seer.odometry.empty() && std::abs(event.utime - seer.odometry.newest_utime()) <= teammate_stamp_us;
+    const bool now = !seer.odometry.empty() && std::abs(event.utime - seer.odometry.newest_utime()) <=
+                                                   configuration.engine.intake.teammate_stamp_us;
     std::optional<Pose> odometry = seer.odometry.at(event.utime);
     if (!odometry) odometry = seer.odometry.newest();
     if (now) note_teammate(seer, event, target, *odometry);
@@ -195,7 +197,7 @@ std::string Engine::State::obey(const CommandEvent& order) {
     case Verb::drop:
       return drop_data(order.robot);
     case Verb::refine:
-      weaving.weave_all(map);
+      weaving.weave_all(map, configuration.engine.propagation);
       refine_asked = true;
       return "";
     case Verb::send_map:
@@ -205,12 +207,13 @@ std::string Engine::State::obey(const CommandEvent& order) {
 }
 
 void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting) {
+  const IntakeOptions& intake = configuration.engine.intake;
   while (!robot.pending.empty()) {
     const PendingScan& waiting = robot.pending.front();
     std::optional<Pose> odometry = robot.odometry.at(waiting.scan.utime);
     if (!odometry) {
-      const bool waited = no_more_waiting || robot.pending.size() > most_pending_scans ||
-                          counters.last_receive_utime > waiting.receive_utime + odometry_wait_us ||
+      const bool waited = no_more_waiting || robot.pending.size() > intake.max_pending_scans ||
+                          counters.last_receive_utime > waiting.receive_utime + intake.odometry_wait_us ||
                           (!robot.odometry.empty() && robot.odometry.newest_utime() > waiting.scan.utime);
       if (!waited) return;
       odometry = robot.odometry.newest();
@@ -230,7 +233,8 @@ void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_
 
 void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) {
   const Laser& laser = robot.declaration.laser;
-  const std::vector<Body> bodies = teammates_around(map, robots, robot, odom_from_robot, scan.utime);
+  const std::vector<Body> bodies =
+      teammates_around(map, robots, robot, odom_from_robot, scan.utime, configuration.engine.teammates);
   ScanOutcome done =
       take_scan(map, robot, observe(without_bodies(scan, laser, bodies), laser, configuration.engine.patch),
                 odom_from_robot, configuration.engine);
@@ -240,10 +244,12 @@ void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_fr
     ++counters.scans_predicted[done.predicted_reason];
   }
   if (done.loop_closed) settling.request(done.pose.island);
-  if (done.predicted_reason.empty()) weaving.stands_on(robot.declaration.robot, done.pose.pose.patch);
+  if (done.predicted_reason.empty())
+    weaving.stands_on(robot.declaration.robot, done.pose.pose.patch, configuration.engine.propagation);
   settle(robot, std::move(done), odom_from_robot, outcome);
   const auto met_nobody =
-      rendezvous.take_scan(map, robots, robot.declaration.robot, scan, counters.last_receive_utime);
+      rendezvous.take_scan(map, robots, robot.declaration.robot, scan, configuration.engine.rendezvous,
+                           counters.last_receive_utime);
   if (met_nobody) hypotheses.refute(*met_nobody, Reason::met_nobody);
 }
 
@@ -269,7 +275,8 @@ void Engine::State::settle(Robot& robot, ScanOutcome done, const Pose& odom_from
     robot.unplaced.push_back({utime, odom_from_robot});
   } else {
     record(robot, done.pose.pose, odom_from_robot);
-    robot.history.add({utime, robot.session, done.pose.pose, done.pose.covariance, odom_from_robot});
+    robot.history.add({utime, robot.session, done.pose.pose, done.pose.covariance, odom_from_robot},
+                      configuration.engine.pose_history);
     trajectory->append({utime, robot.session, done.pose.pose.patch, done.pose.pose.patch_from_object});
   }
   outcome.poses.push_back(std::move(done.pose));
@@ -343,7 +350,7 @@ void Engine::State::map_changed(const std::vector<std::vector<PatchId>>& islands
 
 void Engine::State::arrange_meeting() {
   if (!rendezvous.is_due(counters.last_receive_utime)) return;
-  rendezvous.choose(map, robots, hypotheses.undecided(), counters.last_receive_utime);
+  rendezvous.choose(map, robots, hypotheses.undecided(), configuration.engine, counters.last_receive_utime);
 }
 
 // What an event brings on beside the scans it answers.
@@ -360,7 +367,7 @@ void Engine::State::work_on_map() {
     refine_asked = false;
     map_changed(map.graph().islands());
   }
-  settling.advance(map, counters.last_receive_utime);
+  settling.advance(map, counters.last_receive_utime, configuration.engine.map_fit);
   arrange_meeting();
 }
 

@@ -18,7 +18,8 @@ bool Engine::is_frozen() const { return state_->frozen.has_value(); }
 void Engine::State::localise_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot,
                                   Outcome& outcome) {
   const Laser& laser = robot.declaration.laser;
-  const std::vector<Body> bodies = teammates_around(map, robots, robot, odom_from_robot, scan.utime);
+  const std::vector<Body> bodies =
+      teammates_around(map, robots, robot, odom_from_robot, scan.utime, configuration.engine.teammates);
   std::optional<ScanOutcome> done = frozen->take_scan(
       map, robot, observe(without_bodies(scan, laser, bodies), laser, configuration.engine.patch),
       odom_from_robot, configuration.engine);

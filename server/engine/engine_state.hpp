@@ -53,6 +53,8 @@ struct Engine::State {
   explicit State(Configuration given) { configure(std::move(given)); }
 
   void configure(Configuration given);
+  /// The robot of that name; a new one, with what is known of none, where there is none yet.
+  Robot& with_name(const std::string& name);
 
   World world() { return {map, robots, configuration.engine, counters.last_receive_utime, false}; }
 

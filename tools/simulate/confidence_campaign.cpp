@@ -62,7 +62,7 @@ MapConfidence judge_confidence(const MapCopy& map, const std::vector<RobotTruth>
       Eigen::Vector3d error = to_vector(estimate) - to_vector(actual);
       error[2] = wrap_angle(error[2]);
       confidence.island.add(error, covariances[k]);
-      const bool near = std::hypot(estimate.x, estimate.y) <= options.local_map_reach_m;
+      const bool near = std::hypot(estimate.x, estimate.y) <= options.surroundings.reach_m;
       if (near && well_determined(covariances[k], options.local_map))
         confidence.local.add(error, covariances[k]);
     }

@@ -82,10 +82,12 @@ std::optional<bool> Rejudging::agrees(const Relation& relation) {
   auto [known, is_new] = confidence_.try_emplace(relation.a);
   if (is_new)
     known->second = local_relative_covariances(rest_.graph(), rest_.manifold().poses(), relation.a,
-                                               options_.confidence_patches);
+                                               options_.surroundings.confidence_patches);
   const auto covariance = known->second.find(relation.b);
   if (covariance == known->second.end()) return std::nullopt;
-  if (is_match(relation) && !well_determined(covariance->second, options_.rejoin)) return std::nullopt;
+  if (is_match(relation) && !well_determined(covariance->second, {options_.surroundings.rejoin_position_m,
+                                                                  options_.surroundings.rejoin_yaw_rad}))
+    return std::nullopt;
   const Pose a_from_b = ominus(rest_.manifold().pose(relation.b), rest_.manifold().pose(relation.a));
   return chi_squared(relation.measurement, a_from_b, covariance->second) < most_surprise;
 }

@@ -66,12 +66,13 @@ class Finder {
     IslandId island;
   };
 
-  void note_patch();
-  void begin(std::size_t places, FinderCounts& counts);
-  std::int64_t search_next(const std::vector<RigidPiece>& places, FinderCounts& counts);
-  void search_halves(const Window& window);
+  void note_patch(const FinderOptions& options);
+  void begin(std::size_t places, const EngineOptions& options, FinderCounts& counts);
+  std::int64_t search_next(const std::vector<RigidPiece>& places, const EngineOptions& options,
+                           FinderCounts& counts);
+  void search_halves(const Window& window, const FinderOptions& options);
   std::int64_t decide(const Map& map, const EngineOptions& options, FinderCounts& counts);
-  void take(const Map& map, const Find& find);
+  void take(const Map& map, const Find& find, const FinderOptions& options);
   Pose sketch_from_robot() const { return sketch_.manifold().project(robot_.place->pose); }
 
   Map sketch_;

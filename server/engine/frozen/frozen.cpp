@@ -9,32 +9,27 @@
 namespace isthmus {
 namespace {
 
-/// Where odometry alone has led the robot so far from its last match, or may err by so much (standard
-/// deviation), its place is a guess and it is looked for elsewhere too; farther away, only elsewhere.
-constexpr double doubted_m = 2;
-constexpr double doubted_sigma_m = 0.3;
-constexpr double given_up_m = 10;
-/// Scans matched in vain where the robot was thought to be, after which it is not there.
-constexpr int most_tries = 8;
 constexpr std::size_t most_unplaced = 10'000;
-constexpr CreditRate search_rate = {0.3, 20'000};  // nothing else is to be done
 
 double way_since_match_m(const Localisation& place) {
   const Pose& path = place.since_last_patch.start_from_end;
   return std::hypot(path.x, path.y);
 }
 
-bool is_in_doubt(const Localisation& place) {
+bool is_in_doubt(const Localisation& place, const FrozenOptions& options) {
   const double variance = place.since_last_patch.covariance.topLeftCorner<2, 2>().trace();
-  return place.suspect || way_since_match_m(place) > doubted_m ||
-         variance > doubted_sigma_m * doubted_sigma_m;
+  return place.suspect || way_since_match_m(place) > options.doubted_m ||
+         variance > options.doubted_sigma_m * options.doubted_sigma_m;
 }
 
 // A place that is a guess, until a scan fits it well.
-Localisation guessed(const ManifoldPose& pose, const Pose& odom_from_robot, std::int64_t utime) {
+Localisation guessed(const ManifoldPose& pose, const Pose& odom_from_robot, std::int64_t utime,
+                     const FrozenOptions& options) {
   Localisation place;
   place.pose = pose;
-  place.covariance = place.spread = Eigen::Vector3d(0.09, 0.09, 0.01).asDiagonal();
+  place.covariance = place.spread =
+      Eigen::Vector3d(options.guess_variance_m2, options.guess_variance_m2, options.guess_variance_rad2)
+          .asDiagonal();
   place.odom_from_robot = odom_from_robot;
   place.utime = utime;
   place.last_patch = pose.patch;
@@ -48,7 +43,8 @@ std::optional<ScanOutcome> Frozen::take_scan(const Map& map, Robot& robot, Obser
                                              const Pose& odom_from_robot, const EngineOptions& options) {
   const std::string& name = robot.declaration.robot;
   const std::int64_t utime = observation.scan.utime;
-  if (!robot.place || robot.place->suspect) put_where_thought(robot, lookouts_[name], utime, odom_from_robot);
+  if (!robot.place || robot.place->suspect)
+    put_where_thought(robot, lookouts_[name], utime, odom_from_robot, options.frozen);
   if (robot.place) {
     if (auto done = follow_on(map, robot, observation, odom_from_robot, options)) return done;
   }
@@ -64,13 +60,13 @@ std::optional<ScanOutcome> Frozen::take_scan(const Map& map, Robot& robot, Obser
 }
 
 void Frozen::put_where_thought(Robot& robot, Lookout& lookout, std::int64_t utime,
-                               const Pose& odom_from_robot) {
+                               const Pose& odom_from_robot, const FrozenOptions& options) {
   std::optional<ManifoldPose> thought = lookout.finder.take_found();
   if (!thought && lookout.last) thought = lookout.last->pose;
   lookout.last.reset();
   if (!thought) return;
-  robot.place = guessed(*thought, odom_from_robot, utime);
-  lookout.tries_left = most_tries;
+  robot.place = guessed(*thought, odom_from_robot, utime, options);
+  lookout.tries_left = options.max_tries;
   lookout.moved_away = true;
 }
 
@@ -78,10 +74,10 @@ std::optional<ScanOutcome> Frozen::follow_on(const Map& map, Robot& robot, const
                                              const Pose& odom_from_robot, const EngineOptions& options) {
   const std::vector<ScanPoint>& points = observation.points;
   const std::int64_t utime = observation.scan.utime;
-  const Expectation expectation = expect(robot, odom_from_robot, utime);
+  const Expectation expectation = expect(robot, odom_from_robot, utime, options);
   choose_local_map(map, robot, expectation.local_from_robot, points, options);
   const Placement placement = place(robot, expectation, robot.local_map, points, options);
-  follow(map, robot, expectation, placement, odom_from_robot, utime);
+  follow(map, robot, expectation, placement, odom_from_robot, utime, options);
   const std::string& name = robot.declaration.robot;
   if (placement.matched) {
     robot.place->since_last_patch = {};  // since the last match, here: the robot has no patches
@@ -90,18 +86,19 @@ std::optional<ScanOutcome> Frozen::follow_on(const Map& map, Robot& robot, const
     if (lookout != lookouts_.end()) lookouts_.erase(lookout);
     return ScanOutcome{answer(map, robot, true), {}, moved_away || robot.session < 0, false, false};
   }
-  robot.place->suspect = is_in_doubt(*robot.place);
+  robot.place->suspect = is_in_doubt(*robot.place, options.frozen);
   if (!robot.place->suspect)
     return ScanOutcome{answer(map, robot, false), placement.reason, false, false, false};
-  lose(robot, lookouts_[name], expectation);
+  lose(robot, lookouts_[name], expectation, options.frozen);
   return std::nullopt;
 }
 
 // One more scan that does not fit where the robot was thought to be.
-void Frozen::lose(Robot& robot, Lookout& lookout, const Expectation& expectation) {
-  if (!expectation.plausible && lookout.tries_left == 0) lookout.tries_left = most_tries;
+void Frozen::lose(Robot& robot, Lookout& lookout, const Expectation& expectation,
+                  const FrozenOptions& options) {
+  if (!expectation.plausible && lookout.tries_left == 0) lookout.tries_left = options.max_tries;
   const bool tried_enough = lookout.tries_left > 0 && --lookout.tries_left == 0;
-  if (!tried_enough && way_since_match_m(*robot.place) <= given_up_m) return;
+  if (!tried_enough && way_since_match_m(*robot.place) <= options.given_up_m) return;
   robot.place.reset();
   lookout.moved_away = true;
 }
@@ -115,7 +112,7 @@ void Frozen::restart(Robot& robot) {
 }
 
 void Frozen::advance(const Map& map, const EngineOptions& options, std::int64_t now_utime) {
-  credit_.earn(now_utime, search_rate);
+  credit_.earn(now_utime, {options.frozen.work_share, options.frozen.max_credit_us});
   // In turn, so that no robot waits for another to be found.
   const auto next = [&] {
     const auto works = [](const auto& entry) { return entry.second.finder.has_work(); };

@@ -44,10 +44,11 @@ class Frozen {
     bool moved_away = false;  ///< it may be elsewhere: where it is found, a new session begins
   };
 
-  void put_where_thought(Robot& robot, Lookout& lookout, std::int64_t utime, const Pose& odom_from_robot);
+  void put_where_thought(Robot& robot, Lookout& lookout, std::int64_t utime, const Pose& odom_from_robot,
+                         const FrozenOptions& options);
   std::optional<ScanOutcome> follow_on(const Map& map, Robot& robot, const Observation& observation,
                                        const Pose& odom_from_robot, const EngineOptions& options);
-  void lose(Robot& robot, Lookout& lookout, const Expectation& expectation);
+  void lose(Robot& robot, Lookout& lookout, const Expectation& expectation, const FrozenOptions& options);
 
   std::vector<RigidPiece> places_;
   std::map<std::string, Lookout> lookouts_;  ///< by robot

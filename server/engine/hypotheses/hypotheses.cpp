@@ -111,7 +111,7 @@ void Hypotheses::look_up(World world) {
   queue_.clear();
   std::vector<PatchId> newest;
   for (const PlaceQuery& query : asked_) newest.push_back(query.newest_first.front());
-  looking_up_.emplace(world.map, std::move(newest), world.now_utime);
+  looking_up_.emplace(world.map, std::move(newest), world.now_utime, world.options.place_candidates);
 }
 
 void Hypotheses::end_look_up() {
@@ -145,18 +145,21 @@ std::int64_t Hypotheses::step(World world) {
 }
 
 std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
-  std::ranges::copy(places_on_other_islands(world.map, query.newest_first.front()),
+  const EngineOptions& options = world.options;
+  std::ranges::copy(places_on_other_islands(world.map, query.newest_first.front(), options.place_candidates),
                     std::back_inserter(query.places));
-  if (!query.places.empty()) query.piece = piece_of_way(world.map, query.newest_first);
+  if (!query.places.empty()) query.piece = piece_of_way(world.map, query.newest_first, options.place_search);
   return least_price_us;
 }
 
 std::int64_t Hypotheses::search_next(World world, PlaceQuery& query) {
   const PlaceCandidate& place = query.places[query.next++];
   ++counts_.places_searched;
-  const PlaceSearch search = search_place(
-      place_around(world.map, place.anchor, world.options), query.piece, place.window,
-      std::max(place.way_m > 0 ? least_score : least_score_anywhere, ambiguous_share * query.best_score));
+  const PlaceSearch search =
+      search_place(place_around(world.map, place.anchor, world.options), query.piece, place.window,
+                   std::max(place.way_m > 0 ? least_score : least_score_anywhere,
+                            world.options.ambiguity.share * query.best_score),
+                   world.options);
   query.exhausted = query.exhausted || search.exhausted;
   for (const PlaceAnswer& answer : search.answers) {
     query.best_score = std::max(query.best_score, answer.score);
@@ -172,7 +175,7 @@ std::int64_t Hypotheses::search_next(World world, PlaceQuery& query) {
 std::int64_t Hypotheses::decide(World world, PlaceQuery& query) {
   std::ranges::stable_sort(query.answers, std::ranges::greater{}, &PlaceAnswer::score);
   if (query.answers.empty()) return 0;
-  if (query.exhausted || !is_unique(world.map, query.answers)) {
+  if (query.exhausted || !is_unique(world.map, query.answers, world.options)) {
     ++counts_.ambiguous;
     return 0;
   }

@@ -36,7 +36,8 @@ void Hypotheses::take(World world, const std::string& robot, Find find) {
   const NearbyConfidence of_query(world.map, find.query, agreement_patches);
   std::vector<Agreement> with_earlier;
   for (const Waiting& earlier : pool_) {
-    with_earlier.push_back(agreement(world.map, find, of_anchor, of_query, earlier.find));
+    with_earlier.push_back(
+        agreement(world.map, find, of_anchor, of_query, earlier.find, world.options.consistency));
     if (earlier.find.query == find.query && with_earlier.back() == Agreement::consistent)
       return;  // the same once more
   }
@@ -62,7 +63,7 @@ bool Hypotheses::propose(World world, Closures& closures) {
   std::set<std::vector<std::size_t>> looked_at;
   // The newest find first: what it makes possible is what is new.
   for (std::size_t i = pool_.size(); i-- > 0;) {
-    const std::vector<std::size_t> set = agreements_.largest_consistent_with(i);
+    const std::vector<std::size_t> set = agreements_.largest_consistent_with(i, world.options.consistency);
     if (!looked_at.insert(set).second) continue;
     if (propose(world, closures, set)) return true;
   }

@@ -2,12 +2,32 @@
 
 #include "patches/patch.hpp"
 #include "relations/confidence.hpp"
+#include "scanmatch/correlative.hpp"
 #include "scanmatch/match.hpp"
 #include "scanmatch/match_relations.hpp"
+#include "scanmatch/score_profile.hpp"
+#include "server/engine/input/options/frozen_options.hpp"
+#include "server/engine/input/options/intake_options.hpp"
+#include "server/engine/input/options/localise_options.hpp"
+#include "server/engine/input/options/map_options.hpp"
+#include "server/engine/input/options/place_options.hpp"
+#include "server/engine/input/options/propagation_options.hpp"
+#include "server/engine/input/options/record_options.hpp"
+#include "server/engine/input/options/rendezvous_options.hpp"
+#include "server/engine/input/options/robot_options.hpp"
+#include "server/engine/input/options/sighting_options.hpp"
 
 namespace isthmus {
 
-/// The engine's settings. Defaults serve every log and building; the configuration file offers the first few.
+/// The engine's settings, with defaults that serve every log. The first few are offered to users, by [engine]
+/// and [limits] of the configuration.
+///
+/// The rest, each number that decides something about the map, stands in one struct of its room: a field with
+/// its default, and once in `visit_options` with its name, unit and meaning. Where no other reason or source
+/// is given there, a value was chosen on the recorded logs intel, aces and fr079, and nothing says that it
+/// carries to other buildings. They are for experiments: [tuning] of the configuration sets them, and
+/// `isthmus-replay --list-tuning` lists them, both by `visit_tuning`, so that there is no second list. What
+/// decides nothing about the map (bounds on memory, formats, guards of arithmetic) stays where it is used.
 struct EngineOptions {
   /// Eq. 12: how well a patch must be determined relative to the robot's, to be in its local map.
   ConfidenceThreshold local_map = {0.25, 0.2};
@@ -18,34 +38,76 @@ struct EngineOptions {
   double uncovered_share = 0.3;
   /// A robot adds no more: it is localised in the map that there is.
   std::size_t patches_per_robot = 20'000;
-
-  /// One near another but turned away from it, by more than patch_spacing_rad, with more than this share
-  /// outside.
-  double turned_uncovered_share = 0.05;
-
   PatchOptions patch;
 
-  /// Patches beyond eq. 12 but determined so well are where a local loop may close (rejoin.hpp).
-  ConfidenceThreshold rejoin = {8, 0.6};
-  std::size_t confidence_patches = 150;  ///< eq. 12 looks at so many patches, nearest in the graph
-  std::size_t rejoin_patches = 400;      ///< and the search for local loops at so many
-  double local_map_reach_m = 4;          ///< patches with origins farther away are left out
-  double local_map_overlap = 0.3;        ///< and those that a scan overlaps less than this
-  int local_map_oldest = 8;
-  int local_map_newest = 4;
-
   MatchOptions match;
-  double match_score = 0.25;    ///< a match below this is not believed
-  double restart_score = 0.45;  ///< nor one far from where odometry put the robot, below this
-  double turned_score = 0.85;   ///< nor is one turned away from its neighbours on known ground, below this
-  double found_score = 0.6;     ///< nor one after odometry did what no robot does, below this
-  double thin_score = 0.5;      ///< a match below this is on new ground: worth a patch
-  /// Factor on a match's information against odometry's, from scan to scan: a match with many patches errs
-  /// less than the nominal noise of its beams, odometry more than its steps say.
-  double match_trust = 5;
   MatchRelationOptions relations;
-  std::size_t window_patches = 40;  ///< fitted when a patch is added
-  std::size_t loop_patches = 150;   ///< fitted at once when a local loop closes; the island follows
+  SpreadOptions spread;
+  CorrelativeOptions correlative;
+  AmbiguityOptions ambiguity;
+  SurroundingsOptions surroundings;
+  RejoinOptions rejoin;
+  ContradictionOptions contradiction;
+  MapFitOptions map_fit;
+  LocaliseOptions localise;
+  FollowOptions follow;
+  ExtendOptions extend;
+  FootprintOptions footprints;
+  OdometryNoiseOptions odometry_noise;
+  PoseHistoryOptions pose_history;
+  TeammateOptions teammates;
+  PropagationOptions propagation;
+  SeamOptions seam;
+  TrialOptions trial;
+  WeavingOptions weaving;
+  PlaceCandidateOptions place_candidates;
+  PlaceSearchOptions place_search;
+  ConsistencyOptions consistency;
+  AlignmentOptions alignment;
+  EvidenceOptions evidence;
+  IntakeOptions intake;
+  FinderOptions finder;
+  FrozenOptions frozen;
+  MeetingOptions meeting;
+  RendezvousOptions rendezvous;
+  RefinementOptions refinement;
+
+  /// Calls `group(name, struct)` for each.
+  template <class Visitor>
+  void visit_tuning(Visitor&& group) {
+    group("normals", patch.normals);
+    group("match", match);
+    group("relations", relations);
+    group("spread", spread);
+    group("correlative", correlative);
+    group("ambiguity", ambiguity);
+    group("surroundings", surroundings);
+    group("rejoin", rejoin);
+    group("contradiction", contradiction);
+    group("map_fit", map_fit);
+    group("localise", localise);
+    group("follow", follow);
+    group("extend", extend);
+    group("footprints", footprints);
+    group("odometry_noise", odometry_noise);
+    group("pose_history", pose_history);
+    group("teammates", teammates);
+    group("propagation", propagation);
+    group("seam", seam);
+    group("trial", trial);
+    group("weaving", weaving);
+    group("place_candidates", place_candidates);
+    group("place_search", place_search);
+    group("consistency", consistency);
+    group("alignment", alignment);
+    group("evidence", evidence);
+    group("intake", intake);
+    group("finder", finder);
+    group("frozen", frozen);
+    group("meeting", meeting);
+    group("rendezvous", rendezvous);
+    group("refinement", refinement);
+  }
 };
 
 }  // namespace isthmus

@@ -11,8 +11,6 @@
 namespace isthmus {
 namespace {
 
-constexpr int same_place_hops = 2;  // so near in the graph, what lies together in the map does so in truth
-
 Relation odometry_relation(PatchId previous, PatchId next, const OdometryPath& path,
                            const Eigen::Matrix3d& covariance) {
   Relation relation;
@@ -41,7 +39,8 @@ std::vector<PatchId> unpaired_patches(const LocalMap& local_map, std::span<const
 // makes the graph so dense that the newest would never be seen, and made again and again.
 bool has_looked_from_here(const Map& map, PatchId reference, const Pose& local_from_robot,
                           const EngineOptions& options) {
-  const std::vector<PatchId> near = map.graph().within_hops(reference, same_place_hops, says_where_walls_are);
+  const std::vector<PatchId> near =
+      map.graph().within_hops(reference, options.extend.same_place_hops, says_where_walls_are);
   const Pose map_from_robot = map.manifold().pose(reference) * local_from_robot;
   return std::ranges::any_of(near, [&](PatchId id) {
     const Pose patch_from_robot = ominus(map_from_robot, map.manifold().pose(id));
@@ -52,12 +51,12 @@ bool has_looked_from_here(const Map& map, PatchId reference, const Pose& local_f
 
 }  // namespace
 
-Relation odometry_relation(Robot& robot, PatchId next) {
+Relation odometry_relation(Robot& robot, PatchId next, const EngineOptions& options) {
   const OdometryPath& path = robot.place->since_last_patch;
   // Where nothing matches, its own account is all there is.
-  return odometry_relation(
-      robot.place->last_patch, next, path,
-      robot.noise.path_covariance(path.start_from_end, path.covariance, path.start_from_end, false));
+  return odometry_relation(robot.place->last_patch, next, path,
+                           robot.noise.path_covariance(path.start_from_end, path.covariance,
+                                                       path.start_from_end, false, options.odometry_noise));
 }
 
 void put_robot_on(Robot& robot, PatchId patch) {
@@ -70,20 +69,20 @@ void put_robot_on(Robot& robot, PatchId patch) {
 }
 
 double uncovered_share(const Star& star, std::span<const LocalPatch> patches_near,
-                       const Pose& local_from_robot) {
+                       const Pose& local_from_robot, const ExtendOptions& options) {
   std::vector<Pose> patch_from_robot;
   for (const LocalPatch& near : patches_near) {
     patch_from_robot.push_back(ominus(local_from_robot, near.local_from_patch));
   }
   const std::vector<float>& ranges = star.ranges_m();
-  const std::size_t stride = std::max<std::size_t>(1, ranges.size() / 36);
+  const std::size_t stride = std::max<std::size_t>(1, ranges.size() / options.sampled_beams);
   double area = 0;
   double uncovered = 0;
   for (std::size_t beam = stride / 2; beam < ranges.size(); beam += stride) {
-    const double range = std::min<double>(ranges[beam], 8);
-    if (range <= 0.3) continue;
+    const double range = std::min<double>(ranges[beam], options.max_sample_m);
+    if (range <= options.min_sample_m) continue;
     const double bearing = star.bearing0_rad() + static_cast<double>(beam) * star.bearing_step_rad();
-    for (const double share : {0.4, 0.7, 0.92}) {
+    for (const double share : {options.first_sample, options.second_sample, options.third_sample}) {
       const Eigen::Vector2d at = star.robot_from_laser() * Eigen::Vector2d(share * range * std::cos(bearing),
                                                                            share * range * std::sin(bearing));
       const double weight = share * range * range;  // of the area the sample stands for
@@ -108,30 +107,32 @@ bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Place
   bool near_by = false;
   bool close = false;
   bool here = false;
+  const ExtendOptions& its = options.extend;
   const Pose& local_from_robot = placement.local_from_robot;
   for (const Determined& determined : surroundings.patches()) {
     if (!determined.firm) continue;
     const Pose& local_from_patch = determined.local_from_patch;
     const double distance =
         std::hypot(local_from_robot.x - local_from_patch.x, local_from_robot.y - local_from_patch.y);
-    if (distance > 2 * options.local_map_reach_m) continue;
+    if (distance > its.near_reaches * options.surroundings.reach_m) continue;
     near.push_back({&determined, distance});
     const double turned = std::abs(wrap_angle(local_from_robot.yaw - local_from_patch.yaw));
-    here = here || (distance < 0.3 * options.patch_spacing_m && turned < 0.3 * options.patch_spacing_rad);
+    here = here || (distance < its.here_share * options.patch_spacing_m &&
+                    turned < its.here_share * options.patch_spacing_rad);
     near_by = near_by || distance < options.patch_spacing_m;
     close = close || (distance < options.patch_spacing_m && turned < options.patch_spacing_rad);
   }
   const double score = placement.match.quality.score;
-  if (!near_by || (!here && score < options.thin_score)) return true;
+  if (!near_by || (!here && score < its.thin_score)) return true;
   std::sort(near.begin(), near.end(),
             [](const Near& a, const Near& b) { return a.distance_m < b.distance_m; });
   std::vector<LocalPatch> patches;
   patches.reserve(near.size());
   for (const Near& n : near)
     patches.push_back({map.manifold().shared_patch(n.determined->patch), n.determined->local_from_patch});
-  const double uncovered = uncovered_share(star, patches, local_from_robot);
+  const double uncovered = uncovered_share(star, patches, local_from_robot, its);
   // Seen from here before, but turned away: worth a patch only if those who looked elsewhere saw less of it.
-  if (!close && (score < options.turned_score || uncovered > options.turned_uncovered_share) &&
+  if (!close && (score < its.turned_score || uncovered > its.turned_uncovered_share) &&
       !has_looked_from_here(map, surroundings.reference(), local_from_robot, options))
     return true;
   return uncovered > options.uncovered_share;
@@ -163,22 +164,25 @@ bool extend(Map& map, Robot& robot, Observation observation, const Placement& pl
   if (placement.matched) {
     const std::vector<PatchId> unpaired = unpaired_patches(robot.local_map, relations);
     loop = robot.rejoins.take(
-        find_rejoin(map, robot.surroundings, local_from_robot, points, unpaired, id, options));
+        find_rejoin(map, robot.surroundings, local_from_robot, points, unpaired, id, options),
+        options.rejoin);
   }
   const Pose map_from_robot = map.manifold().pose(robot.surroundings.reference()) * local_from_robot;
   map.add(make_patch(id, robot.declaration.robot, std::move(observation), options.patch), map_from_robot);
   const OdometryPath& path = robot.place->since_last_patch;
   const PatchId previous = robot.place->last_patch;
   const Eigen::Matrix3d covariance =
-      placement.matched ? robot.noise.path_covariance(path.start_from_end, path.covariance,
-                                                      ominus(map_from_robot, map.manifold().pose(previous)),
-                                                      placement.match.direction_trust.determinant() > 0.8)
-                        : path.covariance;
+      placement.matched
+          ? robot.noise.path_covariance(
+                path.start_from_end, path.covariance, ominus(map_from_robot, map.manifold().pose(previous)),
+                placement.match.direction_trust.determinant() > options.follow.well_seen,
+                options.odometry_noise)
+          : path.covariance;
   map.relate(odometry_relation(previous, id, path, covariance));
   for (const Relation& relation : relations) map.relate(relation);
   for (const Relation& relation : loop) map.relate(relation);
   put_robot_on(robot, id);
-  map.refit_around(id, loop.empty() ? options.window_patches : options.loop_patches);
+  map.refit_around(id, loop.empty() ? options.map_fit.window_patches : options.map_fit.loop_patches);
   return !loop.empty();
 }
 

@@ -7,14 +7,10 @@
 namespace isthmus {
 namespace {
 
-/// Local maps are chosen anew when the robot has moved so far.
-constexpr double reselect_m = 0.4;
-constexpr double reselect_rad = 0.3;
-
 // Eq. 14: puts the robot on the nearest patch of its local map that it lies in. The present patch is kept
 // until another is clearly nearer.
-void project_on_manifold(const Map& map, Robot& robot, const Placement& placement) {
-  constexpr double clearly_nearer_m = 0.2;
+void project_on_manifold(const Map& map, Robot& robot, const Placement& placement,
+                         const FollowOptions& options) {
   const PatchId present = robot.surroundings.reference();
   const Pose& local_from_robot = placement.local_from_robot;
   std::vector<PatchId> firm;
@@ -24,7 +20,7 @@ void project_on_manifold(const Map& map, Robot& robot, const Placement& placemen
   const ManifoldPose here{present, local_from_robot};
   ManifoldPose best = map.manifold().project_back(map.manifold().project(here), firm).value_or(here);
   const auto distance = [](const Pose& r) { return std::hypot(r.x, r.y); };
-  if (distance(best.patch_from_object) > distance(local_from_robot) - clearly_nearer_m) best = here;
+  if (distance(best.patch_from_object) > distance(local_from_robot) - options.clearly_nearer_m) best = here;
 
   Localisation& place = *robot.place;
   place.pose = best;
@@ -41,8 +37,9 @@ void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot
   robot.surroundings.update(map, robot.place->pose.patch, options, Surroundings::By::scans);
   const Pose moved = ominus(local_from_robot, robot.local_map_centre);
   if (robot.local_map.reference == robot.surroundings.reference() &&
-      robot.local_map_stamp == robot.surroundings.stamp() && std::hypot(moved.x, moved.y) < reselect_m &&
-      std::abs(moved.yaw) < reselect_rad) {
+      robot.local_map_stamp == robot.surroundings.stamp() &&
+      std::hypot(moved.x, moved.y) < options.follow.reselect_m &&
+      std::abs(moved.yaw) < options.follow.reselect_rad) {
     return;
   }
   robot.local_map = robot.surroundings.local_map(map, local_from_robot, points, options);
@@ -51,29 +48,30 @@ void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot
 }
 
 void follow(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,
-            const Pose& odom_from_robot, std::int64_t utime) {
+            const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options) {
   Localisation& place = *robot.place;
   const Pose matched_step = ominus(placement.local_from_robot, place.pose.patch_from_object);
   if (placement.matched && expectation.plausible) {
     const double yaw = place.pose.patch_from_object.yaw;
     const Eigen::Matrix2d local_from_step = Eigen::Rotation2Dd(yaw).toRotationMatrix();
     robot.noise.learn(expectation.step, matched_step,
-                      local_from_step.transpose() * placement.match.direction_trust * local_from_step);
+                      local_from_step.transpose() * placement.match.direction_trust * local_from_step,
+                      options.odometry_noise);
   }
   if (placement.matched) {
     robot.health.matched(expectation.claimed_step, matched_step,
-                         placement.match.direction_trust.determinant() > 0.8);
+                         placement.match.direction_trust.determinant() > options.follow.well_seen);
   } else {
     robot.health.unmatched();
   }
   place.last_step = matched_step;
   place.since_last_patch.append(expectation.plausible ? expectation.step : matched_step,
-                                robot.noise.covariance(expectation.step));
+                                robot.noise.covariance(expectation.step, options.odometry_noise));
   place.odom_from_robot = odom_from_robot;
   place.utime = utime;
   place.suspect = placement.matched ? false : place.suspect || !expectation.plausible;
   place.lost_scans = placement.matched ? 0 : place.lost_scans + 1;
-  project_on_manifold(map, robot, placement);
+  project_on_manifold(map, robot, placement, options.follow);
 }
 
 RobotPose answer(const Map& map, const Robot& robot, bool matched) {

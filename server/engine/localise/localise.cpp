@@ -9,9 +9,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double most_speed_m_per_s = 5;
-constexpr double most_turn_rad_per_s = 3.5;
-
 Eigen::Matrix3d symmetric(const Eigen::Matrix3d& m) { return 0.5 * (m + m.transpose()); }
 
 Eigen::Matrix3d spread_after(const Eigen::Matrix3d& before, const ComposeJacobians& j,
@@ -21,25 +18,37 @@ Eigen::Matrix3d spread_after(const Eigen::Matrix3d& before, const ComposeJacobia
 
 // A match that ends far from where the robot was expected is doubted: squared distance in sigmas, where
 // sigma is never smaller than what matching itself errs by.
-double surprise(const Pose& pose, const Expectation& expectation) {
+double surprise(const Pose& pose, const Expectation& expectation, const LocaliseOptions& options) {
   Eigen::Vector3d innovation = to_vector(pose) - to_vector(expectation.local_from_robot);
   innovation.z() = wrap_angle(innovation.z());
   Eigen::Matrix3d covariance = expectation.spread;
-  covariance.diagonal() += Eigen::Vector3d(4e-4, 4e-4, 1e-4);
+  covariance.diagonal() +=
+      Eigen::Vector3d(options.match_variance_m2, options.match_variance_m2, options.match_variance_rad2);
   return innovation.dot(covariance.inverse() * innovation);
 }
 
 // Odometry that is back at its origin: the robot was switched off and on, perhaps elsewhere.
-bool begins_again(const Pose& odom_from_robot) {
-  return std::hypot(odom_from_robot.x, odom_from_robot.y) < 0.05 && std::abs(odom_from_robot.yaw) < 0.05;
+bool begins_again(const Pose& odom_from_robot, const LocaliseOptions& options) {
+  return std::hypot(odom_from_robot.x, odom_from_robot.y) < options.origin_m &&
+         std::abs(odom_from_robot.yaw) < options.origin_rad;
 }
 
-SearchWindow window_of(const Expectation& expectation) {
-  const auto half = [](double variance, double least, double most) {
-    return std::clamp(3 * std::sqrt(variance), least, most);
+bool is_plausible(const Pose& step, double seconds, const Pose& odom_from_robot,
+                  const LocaliseOptions& options) {
+  const double way_m = std::hypot(step.x, step.y);
+  return way_m <= options.slack_m + options.max_speed_m_per_s * seconds &&
+         std::abs(step.yaw) <= options.slack_rad + options.max_turn_rad_per_s * seconds &&
+         !(way_m > options.restart_jump_m && begins_again(odom_from_robot, options));
+}
+
+SearchWindow window_of(const Expectation& expectation, const LocaliseOptions& options) {
+  const auto half = [&](double variance, double min, double max) {
+    return std::clamp(options.window_sigmas * std::sqrt(variance), min, max);
   };
-  return {expectation.local_from_robot, half(expectation.covariance(0, 0), 0.4, 1.5),
-          half(expectation.covariance(1, 1), 0.4, 1.5), half(expectation.covariance(2, 2), 0.3, 1.2)};
+  const Eigen::Matrix3d& covariance = expectation.covariance;
+  return {expectation.local_from_robot, half(covariance(0, 0), options.min_window_m, options.max_window_m),
+          half(covariance(1, 1), options.min_window_m, options.max_window_m),
+          half(covariance(2, 2), options.min_window_rad, options.max_window_rad)};
 }
 
 }  // namespace
@@ -49,19 +58,20 @@ void OdometryPath::append(const Pose& step, const Eigen::Matrix3d& step_covarian
   start_from_end = start_from_end * step;
 }
 
-Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime) {
+Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
+                   const EngineOptions& options) {
   const Localisation& place = *robot.place;
   Expectation expectation;
   expectation.step = expectation.claimed_step = ominus(odom_from_robot, place.odom_from_robot);
-  const double seconds = std::max(0.1, static_cast<double>(utime - place.utime) * 1e-6);
-  const double way_m = std::hypot(expectation.step.x, expectation.step.y);
-  expectation.plausible = way_m <= 0.3 + most_speed_m_per_s * seconds &&
-                          std::abs(expectation.step.yaw) <= 0.5 + most_turn_rad_per_s * seconds &&
-                          !(way_m > 0.5 && begins_again(odom_from_robot));
-  Eigen::Matrix3d noise = robot.noise.covariance(expectation.step);
+  const LocaliseOptions& its = options.localise;
+  const double seconds = std::max(its.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
+  expectation.plausible = is_plausible(expectation.step, seconds, odom_from_robot, its);
+  Eigen::Matrix3d noise = robot.noise.covariance(expectation.step, options.odometry_noise);
   if (!expectation.plausible) {
     expectation.step = Pose{};  // what it says is no motion of a robot; where it is, only matching can tell
-    noise = Eigen::Vector3d(0.25, 0.25, 0.1).asDiagonal();
+    noise = Eigen::Vector3d(its.implausible_variance_m2, its.implausible_variance_m2,
+                            its.implausible_variance_rad2)
+                .asDiagonal();
   }
   const Pose& r = place.pose.patch_from_object;
   const ComposeJacobians jacobians = compose_jacobians(r, expectation.step);
@@ -86,37 +96,39 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
     return placement;
   }
 
+  const LocaliseOptions& its = options.localise;
   MatchOptions match_options = options.match;
-  match_options.sigma_m /= std::sqrt(options.match_trust);
+  match_options.sigma_m /= std::sqrt(its.match_trust);
   const Eigen::Matrix3d information = expectation.spread.inverse();
   // Far from where it was expected, or where odometry cannot be believed, a match needs more to be.
   const bool doubtful = !expectation.plausible || robot.place->suspect;
   const auto fits = [&](const Match& match) {
-    const bool surprising = surprise(match.local_from_robot, expectation) > 25;
-    const double least = doubtful     ? options.found_score
-                         : surprising ? options.restart_score
-                                      : options.match_score;
-    return match.ok && match.quality.score >= least;
+    const bool surprising = surprise(match.local_from_robot, expectation, its) > its.far_surprise;
+    const double min_score = doubtful     ? its.min_score_implausible
+                             : surprising ? its.min_score_far
+                                          : its.min_score;
+    return match.ok && match.quality.score >= min_score;
   };
 
   Match best = match_scan(local_map, points, {expectation.local_from_robot, information}, match_options);
   // Other beginnings hold the prediction loosely, and must fit better by so much to be preferred.
   const auto try_from = [&](const Pose& start, double better_by) {
-    const Match match = match_scan(local_map, points, {start, 0.04 * information}, match_options);
+    const Match match = match_scan(local_map, points, {start, its.loose_share * information}, match_options);
     if (fits(match) && (!fits(best) || match.quality.score > best.quality.score + better_by)) best = match;
   };
   const Pose& r = robot.place->pose.patch_from_object;
-  if (!fits(best) || surprise(best.local_from_robot, expectation) > 16) {
-    try_from(expectation.local_from_robot, 0.02);
-    try_from(r * robot.place->last_step, 0.05);
-    try_from(r, 0.05);
+  if (!fits(best) || surprise(best.local_from_robot, expectation, its) > its.doubted_surprise) {
+    try_from(expectation.local_from_robot, its.loose_gain);
+    try_from(r * robot.place->last_step, its.other_start_gain);
+    try_from(r, its.other_start_gain);
   }
   // Odometry that stood still and then jumps may well be right about where it jumps to: where the laser
   // cannot tell, as in a corridor, it is believed.
-  if (!expectation.plausible) try_from(r * expectation.claimed_step, -0.02);
+  if (!expectation.plausible) try_from(r * expectation.claimed_step, -its.claimed_start_loss);
   if (!fits(best)) {
-    const CorrelativeResult found = search_window(local_map, points, window_of(expectation));
-    if (found.score > 0) try_from(found.local_from_robot, 0.05);
+    const CorrelativeResult found =
+        search_window(local_map, points, window_of(expectation, its), options.correlative);
+    if (found.score > 0) try_from(found.local_from_robot, its.other_start_gain);
   }
   placement.match = std::move(best);
   if (!fits(placement.match)) {
@@ -128,8 +140,7 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
   // The same beams, at the calibrated noise of relations, for what is published.
   const double calibration =
       std::pow(match_options.sigma_m / relation_sigma_m(placement.match.quality, options.relations), 2);
-  placement.spread =
-      symmetric((information + options.match_trust * placement.match.beam_information).inverse());
+  placement.spread = symmetric((information + its.match_trust * placement.match.beam_information).inverse());
   placement.covariance = symmetric(
       (expectation.covariance.inverse() + calibration * placement.match.beam_information).inverse());
   return placement;

@@ -16,7 +16,8 @@ struct Expectation {
   Pose claimed_step;      ///< what odometry said
   bool plausible = true;  ///< false: no robot moves like that
 };
-Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime);
+Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
+                   const EngineOptions& options = {});
 
 /// What matching said of a scan.
 struct Placement {

@@ -9,18 +9,17 @@
 namespace isthmus {
 namespace {
 
-/// After so many lost scans following implausible odometry, the robot is somewhere else: a new session.
-constexpr int most_lost_scans = 8;
-
 // An unmatched scan becomes a patch only where the robot has left its surroundings behind: odometry alone
 // joins it.
 bool worth_a_patch_unmatched(const Robot& robot, const Placement& placement,
                              std::span<const ScanPoint> points, const EngineOptions& options) {
+  const FollowOptions& its = options.follow;
   const Pose& path = robot.place->since_last_patch.start_from_end;
   return !robot.place->suspect && placement.reason != "few_returns" &&
-         static_cast<int>(points.size()) >= 2 * options.match.min_pairs && robot.place->lost_scans >= 3 &&
-         (std::hypot(path.x, path.y) > 0.4 * options.patch_spacing_m ||
-          std::abs(path.yaw) > 0.4 * options.patch_spacing_rad);
+         static_cast<double>(points.size()) >= its.unmatched_points * options.match.min_pairs &&
+         robot.place->lost_scans >= its.unmatched_lost_scans &&
+         (std::hypot(path.x, path.y) > its.unmatched_spacing * options.patch_spacing_m ||
+          std::abs(path.yaw) > its.unmatched_spacing * options.patch_spacing_rad);
 }
 
 }  // namespace
@@ -41,16 +40,16 @@ ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pos
     return {answer(map, robot, true), {}, true};
   }
   const bool full = has_all_patches(robot, options);
-  const Expectation expectation = expect(robot, odom_from_robot, observation.scan.utime);
+  const Expectation expectation = expect(robot, odom_from_robot, observation.scan.utime, options);
   choose_local_map(map, robot, expectation.local_from_robot, points, options);
   const Placement placement = place(robot, expectation, robot.local_map, points, options);
   if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
-      robot.place->lost_scans + 1 >= most_lost_scans && !full) {
+      robot.place->lost_scans + 1 >= options.follow.max_lost_scans && !full) {
     robot.health.unmatched();
     begin_island(map, robot, std::move(observation), odom_from_robot, options);
     return {answer(map, robot, true), {}, true};
   }
-  follow(map, robot, expectation, placement, odom_from_robot, observation.scan.utime);
+  follow(map, robot, expectation, placement, odom_from_robot, observation.scan.utime, options);
   const bool worth_it = placement.matched
                             ? worth_a_patch(map, robot.surroundings, placement, observation.star, options)
                             : worth_a_patch_unmatched(robot, placement, points, options);

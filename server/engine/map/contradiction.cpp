@@ -11,33 +11,31 @@ struct Seen {
   int deep = 0;
 };
 
-Seen seen_through(const Patch& a, const Patch& b, const Pose& b_from_a) {
-  constexpr double deep_m = 0.5;
-  constexpr std::size_t looked_at = 60;
+Seen seen_through(const Patch& a, const Patch& b, const Pose& b_from_a, const ContradictionOptions& options) {
   Seen seen;
-  const std::size_t stride = std::max<std::size_t>(1, a.points.size() / looked_at);
+  const std::size_t stride = std::max<std::size_t>(1, a.points.size() / options.points);
   for (std::size_t i = 0; i < a.points.size(); i += stride) {
     const double depth = b.star.depth_m(b_from_a * a.points[i].position);
-    if (depth < -deep_m) continue;  // hidden from b, or outside its view
+    if (depth < -options.deep_m) continue;  // hidden from b, or outside its view
     ++seen.in_view;
-    if (depth > deep_m) ++seen.deep;
+    if (depth > options.deep_m) ++seen.deep;
   }
   return seen;
 }
 
 }  // namespace
 
-std::optional<double> contradiction(const Patch& a, const Patch& b, const Pose& a_from_b) {
-  constexpr int enough = 15;
-  const Seen of_a = seen_through(a, b, inverse(a_from_b));
-  const Seen of_b = seen_through(b, a, a_from_b);
+std::optional<double> contradiction(const Patch& a, const Patch& b, const Pose& a_from_b,
+                                    const ContradictionOptions& options) {
+  const Seen of_a = seen_through(a, b, inverse(a_from_b), options);
+  const Seen of_b = seen_through(b, a, a_from_b, options);
   const int in_view = of_a.in_view + of_b.in_view;
-  if (in_view < enough) return std::nullopt;
+  if (in_view < options.min_in_view) return std::nullopt;
   return static_cast<double>(of_a.deep + of_b.deep) / in_view;
 }
 
 void MeanContradiction::add(const Patch& a, const Patch& b, const Pose& a_from_b) {
-  const std::optional<double> share = contradiction(a, b, a_from_b);
+  const std::optional<double> share = contradiction(a, b, a_from_b, options_);
   if (!share) return;
   sum_ += *share;
   ++pairs_;

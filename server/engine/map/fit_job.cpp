@@ -6,7 +6,6 @@
 namespace isthmus {
 namespace {
 
-constexpr std::int64_t us_per_patch = 20'000;
 constexpr std::size_t most_abandoned = 4;  // so many threads at most are for nothing
 
 FitJob::Result fit_copy(const RelationGraph& graph, std::vector<Pose> poses, IslandId island,
@@ -26,11 +25,11 @@ FitJob::Result fit_copy(const RelationGraph& graph, std::vector<Pose> poses, Isl
 }  // namespace
 
 FitJob::FitJob(const Map& map, IslandId island, std::int64_t now_utime,
-               std::optional<ConfidenceQuestion> question)
+               std::optional<ConfidenceQuestion> question, const MapFitOptions& options)
     : island_(island) {
   const auto patches = static_cast<std::int64_t>(map.manifold().size());
   events_left_ = patches;
-  due_utime_ = now_utime + patches * us_per_patch;
+  due_utime_ = now_utime + patches * options.us_per_patch;
   std::vector<Pose> poses(map.manifold().poses().begin(), map.manifold().poses().end());
   result_ = std::async(std::launch::async, [graph = map.graph(), poses = std::move(poses), island,
                                             question = std::move(question)]() mutable {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/engine/input/options/map_options.hpp"
 #include "server/engine/map/map.hpp"
 
 namespace isthmus {
@@ -37,7 +38,7 @@ class FitJob {
 
   FitJob() = default;  ///< to be read from a snapshot
   FitJob(const Map& map, IslandId island, std::int64_t now_utime,
-         std::optional<ConfidenceQuestion> question = {});
+         std::optional<ConfidenceQuestion> question = {}, const MapFitOptions& options = {});
 
   /// Tells the job that an event was handled. Returns whether its result is due.
   bool advance(std::int64_t now_utime);

@@ -14,29 +14,18 @@
 namespace isthmus {
 namespace {
 
-constexpr double rejoin_score = 0.55;
-constexpr double partly_known_score = 0.6;  // of the beams that found something to pair with,
-constexpr double least_paired = 0.35;       // at least this share
-constexpr double most_surprise = 16;        // chi² of three: 0.1 %
-constexpr double certain_half_width_m = 0.6;
-constexpr double widest_window_m = 6;
-constexpr double widest_window_rad = 0.7;
-constexpr double window_sigmas = 2.5;
-constexpr int enough_agreeing = 3;
-constexpr double enough_way_m = 2;
-constexpr std::size_t most_waiting = 20;
-
 // Whether patches lie near in projection that the surroundings do not know, but that a wider look at the
 // graph could: as near as any whose window can be searched whole.
 bool others_near(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
                  const EngineOptions& options) {
   const Pose map_from_robot = map.manifold().pose(surroundings.reference()) * local_from_robot;
-  const double reach = options.local_map_reach_m + std::numbers::sqrt2 * widest_window_m / window_sigmas;
+  const double reach = options.surroundings.reach_m +
+                       std::numbers::sqrt2 * options.rejoin.max_window_m / options.rejoin.window_sigmas;
   std::vector<bool> known(map.manifold().size(), false);
   for (const Determined& determined : surroundings.patches())
     known[static_cast<std::size_t>(determined.patch.value)] = true;
   const std::vector<PatchId> wider =
-      map.graph().nearest_in_graph(surroundings.reference(), options.rejoin_patches);
+      map.graph().nearest_in_graph(surroundings.reference(), options.surroundings.rejoin_patches);
   return std::ranges::any_of(wider, [&](PatchId id) {
     const Pose& pose = map.manifold().pose(id);
     return !known[static_cast<std::size_t>(id.value)] &&
@@ -58,7 +47,7 @@ const Determined* nearest_among(const Surroundings& surroundings, const LoopQuer
     const Pose patch_from_robot = ominus(query.local_from_robot, determined.local_from_patch);
     const double distance = std::hypot(patch_from_robot.x, patch_from_robot.y);
     const double slack = std::sqrt(determined.covariance.topLeftCorner<2, 2>().trace());
-    if (distance > options.local_map_reach_m + slack) continue;
+    if (distance > options.surroundings.reach_m + slack) continue;
     if (nearest && distance >= nearest_m) continue;
     nearest = &determined;
     nearest_m = distance;
@@ -75,7 +64,7 @@ LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const LoopQ
   for (const Determined& determined : around_anchor.patches()) {
     const Pose patch_from_robot = ominus(anchor_from_robot, determined.local_from_patch);
     if (!determined.firm ||
-        std::hypot(patch_from_robot.x, patch_from_robot.y) > options.local_map_reach_m + slack_m)
+        std::hypot(patch_from_robot.x, patch_from_robot.y) > options.surroundings.reach_m + slack_m)
       continue;
     const bool wanted =
         std::any_of(surroundings.patches().begin(), surroundings.patches().end(),
@@ -83,26 +72,32 @@ LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const LoopQ
     if (wanted)
       local.patches.push_back({map.manifold().shared_patch(determined.patch), determined.local_from_patch});
   }
-  constexpr std::size_t most = 20;
-  if (local.patches.size() > most) local.patches.resize(most);
+  if (local.patches.size() > options.rejoin.max_patches) local.patches.resize(options.rejoin.max_patches);
   return local;
 }
 
 // Whether a match is good enough: over all beams, or over those that found something to pair with.
-bool fits(const Match& match, const LoopQuery& query) {
+bool fits(const Match& match, const LoopQuery& query, const RejoinOptions& options) {
   if (!match.ok) return false;
-  if (!query.partly_known) return match.quality.score >= rejoin_score;
+  if (!query.partly_known) return match.quality.score >= options.min_score;
   const double paired = static_cast<double>(match.quality.paired_beams) / std::max(1, match.quality.beams);
-  return paired >= least_paired && match.quality.score >= partly_known_score * paired;
+  return paired >= options.min_paired && match.quality.score >= options.min_score_partly_known * paired;
 }
 
-double half_width(double variance, double most) {
-  return std::min(most, window_sigmas * std::sqrt(variance));
+bool within_window(const Eigen::Matrix3d& covariance, const RejoinOptions& options) {
+  const auto fits = [&](int i, double max) {
+    return options.window_sigmas * std::sqrt(covariance(i, i)) <= max;
+  };
+  return fits(0, options.max_window_m) && fits(1, options.max_window_m) && fits(2, options.max_window_rad);
 }
 
-bool within_window(const Eigen::Matrix3d& covariance) {
-  const auto fits = [&](int i, double most) { return window_sigmas * std::sqrt(covariance(i, i)) <= most; };
-  return fits(0, widest_window_m) && fits(1, widest_window_m) && fits(2, widest_window_rad);
+SearchWindow window_about(const Pose& anchor_from_robot, const Eigen::Matrix3d& covariance,
+                          const RejoinOptions& options) {
+  const auto half_width = [&](int i, double max) {
+    return std::min(max, options.window_sigmas * std::sqrt(covariance(i, i)));
+  };
+  return {anchor_from_robot, half_width(0, options.max_window_m), half_width(1, options.max_window_m),
+          half_width(2, options.max_window_rad)};
 }
 
 }  // namespace
@@ -121,31 +116,31 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
   const Eigen::Matrix3d jacobian = ominus_jacobians(query.local_from_robot, anchor->local_from_patch).by_pi;
   Eigen::Matrix3d covariance = jacobian * anchor->covariance * jacobian.transpose();
   // A slip of the past is in no covariance, and here is the last chance to mend it.
-  covariance.diagonal() += Eigen::Vector3d(0.04, 0.04, 1e-3);
+  const RejoinOptions& its = options.rejoin;
+  covariance.diagonal() +=
+      Eigen::Vector3d(its.slip_variance_m2, its.slip_variance_m2, its.slip_variance_rad2);
   const Eigen::Matrix3d information = covariance.inverse();
-  if (query.whole_window && !within_window(covariance)) return found;
-  const SearchWindow window{anchor_from_robot, half_width(covariance(0, 0), widest_window_m),
-                            half_width(covariance(1, 1), widest_window_m),
-                            half_width(covariance(2, 2), widest_window_rad)};
+  if (query.whole_window && !within_window(covariance, its)) return found;
+  const SearchWindow window = window_about(anchor_from_robot, covariance, its);
   const double widest_m = std::max(window.half_x_m, window.half_y_m);
-  found.certain = widest_m <= certain_half_width_m;
+  found.certain = widest_m <= its.certain_half_width_m;
 
   const LocalMap local =
       rigid_map(map, surroundings, query, around_anchor, anchor_from_robot, widest_m, options);
   if (local.patches.empty()) return found;
   found.compared = true;
-  const CorrelativeResult search = search_window(local, query.points, window);
+  const CorrelativeResult search = search_window(local, query.points, window, options.correlative);
   if (search.score <= 0 || search.exhausted) return found;
-  if (!found.certain && search.second_score > ambiguous_share * search.score) return found;
-  Match match = match_scan(local, query.points, {search.local_from_robot, 0.01 * information}, options.match);
-  if (!fits(match, query) || (!found.certain && match.quality.degenerate)) return found;
+  if (!found.certain && search.second_score > options.ambiguity.share * search.score) return found;
+  Match match = match_scan(local, query.points, {search.local_from_robot, its.prediction_share * information},
+                           options.match);
+  if (!fits(match, query, its) || (!found.certain && match.quality.degenerate)) return found;
   Eigen::Vector3d innovation = to_vector(match.local_from_robot) - to_vector(anchor_from_robot);
   innovation.z() = wrap_angle(innovation.z());
-  if (innovation.dot(information * innovation) > most_surprise) return found;
+  if (innovation.dot(information * innovation) > its.max_surprise) return found;
 
-  constexpr double looked_along_m = 0.6;
-  const double spread_m =
-      spread_of_match(local, query.points, match, std::min(widest_m, looked_along_m), options.match);
+  const double spread_m = spread_of_match(local, query.points, match, std::min(widest_m, its.looked_along_m),
+                                          options.match, options.spread);
   widen(match, spread_m, relation_sigma_m(match.quality, options.relations), options.match);
 
   const Pose map_from_anchor = map.manifold().pose(anchor->patch);
@@ -162,7 +157,7 @@ Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const 
   Surroundings surroundings = near_surroundings;
   if (others_near(map, surroundings, local_from_robot, options)) {
     surroundings.update(map, surroundings.reference(), options, Surroundings::By::all,
-                        options.rejoin_patches);
+                        options.surroundings.rejoin_patches);
   }
   LoopQuery query;
   query.local_from_robot = local_from_robot;
@@ -174,15 +169,15 @@ Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const 
   return find_loop(map, surroundings, query, options);
 }
 
-std::vector<Relation> WaitingRejoins::take(Rejoin found) {
+std::vector<Relation> WaitingRejoins::take(Rejoin found, const RejoinOptions& options) {
   if (found.relations.empty()) return {};
   if (found.certain) return std::move(found.relations);
   // Two finds agree where they would move the map alike, seen where they are.
   const auto agree = [&](const Rejoin& other) {
     const Eigen::Vector2d mine = found.map_from_map * found.position;
     const Eigen::Vector2d theirs = other.map_from_map * found.position;
-    return (mine - theirs).norm() < 0.4 &&
-           std::abs(wrap_angle(found.map_from_map.yaw - other.map_from_map.yaw)) < 0.07;
+    return (mine - theirs).norm() < options.agreeing_m &&
+           std::abs(wrap_angle(found.map_from_map.yaw - other.map_from_map.yaw)) < options.agreeing_rad;
   };
   std::vector<Relation> relations = found.relations;
   int agreeing = 1;
@@ -193,12 +188,12 @@ std::vector<Relation> WaitingRejoins::take(Rejoin found) {
     way_m = std::max(way_m, (other.position - found.position).norm());
     relations.insert(relations.end(), other.relations.begin(), other.relations.end());
   }
-  if (agreeing >= enough_agreeing && way_m >= enough_way_m) {
+  if (agreeing >= options.min_agreeing && way_m >= options.min_way_m) {
     waiting_.clear();
     return relations;
   }
   waiting_.push_back(std::move(found));
-  if (waiting_.size() > most_waiting) waiting_.pop_front();
+  if (waiting_.size() > options.max_waiting) waiting_.pop_front();
   return {};
 }
 

@@ -10,7 +10,7 @@ void Settling::map_changed() {
   abandoned_.add(std::move(job_));
 }
 
-void Settling::advance(Map& map, std::int64_t now_utime) {
+void Settling::advance(Map& map, std::int64_t now_utime, const MapFitOptions& options) {
   if (job_ && job_->advance(now_utime)) {
     const FitJob::Result result = job_->take();
     job_.reset();
@@ -21,7 +21,7 @@ void Settling::advance(Map& map, std::int64_t now_utime) {
   const IslandId island = map.graph().island(*requested_.begin());
   std::erase_if(requested_, [&](IslandId other) { return map.graph().island(other) == island; });
   if (map.graph().neighbours(island).empty()) return;
-  job_ = std::make_unique<FitJob>(map, island, now_utime);
+  job_ = std::make_unique<FitJob>(map, island, now_utime, std::nullopt, options);
 }
 
 }  // namespace isthmus

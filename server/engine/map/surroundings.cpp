@@ -24,8 +24,10 @@ bool is_match(const Relation& relation) {
          relation.kind == RelationKind::line_to_line;
 }
 
-double overlap_share(const Patch& patch, const Pose& patch_from_robot, std::span<const ScanPoint> points) {
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / 30);
+double overlap_share(const Patch& patch, const Pose& patch_from_robot, std::span<const ScanPoint> points,
+                     const SurroundingsOptions& options) {
+  const std::size_t stride =
+      std::max<std::size_t>(1, points.size() / static_cast<std::size_t>(options.overlap_points));
   const double c = std::cos(patch_from_robot.yaw);
   const double s = std::sin(patch_from_robot.yaw);
   int seen = 0;
@@ -59,8 +61,10 @@ void Surroundings::update(const Map& map, PatchId reference, const EngineOptions
           ? local_relative_covariances(map.graph(), map.manifold().poses(), reference, most_patches)
           : by_scans;
   patches_.push_back({reference, Pose{}, Eigen::Matrix3d::Zero(), true, true});
+  const ConfidenceThreshold rejoin{options.surroundings.rejoin_position_m,
+                                   options.surroundings.rejoin_yaw_rad};
   for (const auto& [id, covariance] : covariances) {
-    if (id == reference || !well_determined(covariance, options.rejoin)) continue;
+    if (id == reference || !well_determined(covariance, rejoin)) continue;
     const auto fine = by_scans.find(id);
     patches_.push_back({id, ominus(map.manifold().pose(id), map_from_reference), covariance,
                         fine != by_scans.end() && well_determined(fine->second, options.local_map),
@@ -79,15 +83,16 @@ LocalMap Surroundings::local_map(const Map& map, const Pose& local_from_robot,
     if (!determined.firm) continue;
     const Pose patch_from_robot = ominus(local_from_robot, determined.local_from_patch);
     const double distance = std::hypot(patch_from_robot.x, patch_from_robot.y);
-    if (distance > options.local_map_reach_m) continue;
-    const double share = overlap_share(map.manifold().patch(determined.patch), patch_from_robot, points);
-    if (share < options.local_map_overlap) continue;
+    if (distance > options.surroundings.reach_m) continue;
+    const double share =
+        overlap_share(map.manifold().patch(determined.patch), patch_from_robot, points, options.surroundings);
+    if (share < options.surroundings.min_overlap) continue;
     candidates.push_back({&determined, distance});
   }
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& a, const Candidate& b) { return a.determined->patch < b.determined->patch; });
-  const auto oldest = static_cast<std::size_t>(options.local_map_oldest);
-  const auto newest = static_cast<std::size_t>(options.local_map_newest);
+  const auto oldest = static_cast<std::size_t>(options.surroundings.oldest);
+  const auto newest = static_cast<std::size_t>(options.surroundings.newest);
   if (candidates.size() > oldest + newest) {
     candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(oldest),
                      candidates.end() - static_cast<std::ptrdiff_t>(newest));

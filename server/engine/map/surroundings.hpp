@@ -34,7 +34,7 @@ class Surroundings {
 
   /// Looks again if the reference, or the graph near it, has changed since.
   void update(const Map& map, PatchId reference, const EngineOptions& options, By by) {
-    update(map, reference, options, by, options.confidence_patches);
+    update(map, reference, options, by, options.surroundings.confidence_patches);
   }
   void update(const Map& map, PatchId reference, const EngineOptions& options, By by,
               std::size_t most_patches);
@@ -66,6 +66,7 @@ bool is_match(const Relation& relation);
 bool says_where_walls_are(const Relation& relation);
 
 /// Share of a scan's points that have a patch's point near them, at a pose: a quick look at every few beams.
-double overlap_share(const Patch& patch, const Pose& patch_from_robot, std::span<const ScanPoint> points);
+double overlap_share(const Patch& patch, const Pose& patch_from_robot, std::span<const ScanPoint> points,
+                     const SurroundingsOptions& options);
 
 }  // namespace isthmus

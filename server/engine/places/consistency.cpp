@@ -6,13 +6,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double find_sigma_m = 0.12;
-constexpr double find_sigma_rad = 0.02;
-constexpr double most_chi_squared = 9;
-constexpr double most_apart_m = 1.2;  // however little the map knows
-constexpr double most_apart_rad = 0.25;
-constexpr int most_steps = 20'000;
-
 double position_variance(const Eigen::Matrix3d& covariance) {
   return covariance.topLeftCorner<2, 2>().trace();
 }
@@ -22,7 +15,7 @@ double squared(double value) { return value * value; }
 /// Branch and bound for the largest clique that holds one member.
 class CliqueSearch {
  public:
-  explicit CliqueSearch(const AgreementTable& table) : table_(table) {}
+  CliqueSearch(const AgreementTable& table, int max_steps) : table_(table), max_steps_(max_steps) {}
 
   std::vector<std::size_t> with(std::size_t member) {
     std::vector<std::size_t> candidates;
@@ -39,7 +32,7 @@ class CliqueSearch {
   void extend(const std::vector<std::size_t>& candidates) {
     if (chosen_.size() > best_.size()) best_ = chosen_;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
-      if (chosen_.size() + candidates.size() - k <= best_.size() || ++steps_ > most_steps) return;
+      if (chosen_.size() + candidates.size() - k <= best_.size() || ++steps_ > max_steps_) return;
       std::vector<std::size_t> rest;
       for (std::size_t j = k + 1; j < candidates.size(); ++j)
         if (table_.between(candidates[k], candidates[j]) == Agreement::consistent)
@@ -51,6 +44,7 @@ class CliqueSearch {
   }
 
   const AgreementTable& table_;
+  int max_steps_;
   std::vector<std::size_t> chosen_;
   std::vector<std::size_t> best_;
   int steps_ = 0;
@@ -70,7 +64,7 @@ std::optional<Eigen::Matrix3d> NearbyConfidence::of(PatchId patch) const {
 }
 
 Agreement agreement(const Map& map, const Find& first, const NearbyConfidence& of_anchor,
-                    const NearbyConfidence& of_query, const Find& second) {
+                    const NearbyConfidence& of_query, const Find& second, const ConsistencyOptions& options) {
   // The other robot may have found the same from its side.
   PatchId anchor = second.anchor;
   PatchId query = second.query;
@@ -92,15 +86,15 @@ Agreement agreement(const Map& map, const Find& first, const NearbyConfidence& o
   // What is turned at one end moves the other.
   const double way_m = std::hypot(first_from_second_query.x, first_from_second_query.y);
   const double lever_m = std::hypot(anchor_from_query.x, anchor_from_query.y);
-  const double yaw_variance = 2 * squared(find_sigma_rad) + (*anchors)(2, 2) + (*queries)(2, 2);
-  const double variance = 2 * squared(find_sigma_m) + position_variance(*anchors) +
+  const double yaw_variance = 2 * squared(options.find_sigma_rad) + (*anchors)(2, 2) + (*queries)(2, 2);
+  const double variance = 2 * squared(options.find_sigma_m) + position_variance(*anchors) +
                           position_variance(*queries) + (*anchors)(2, 2) * squared(lever_m) +
-                          squared(find_sigma_rad * way_m);
+                          squared(options.find_sigma_rad * way_m);
   const double off_m = std::hypot(round.x, round.y);
   const double off_rad = std::abs(round.yaw);
-  const bool closes = off_m < most_apart_m && off_rad < most_apart_rad &&
-                      squared(off_m) < most_chi_squared * variance &&
-                      squared(off_rad) < most_chi_squared * yaw_variance;
+  const bool closes = off_m < options.max_apart_m && off_rad < options.max_apart_rad &&
+                      squared(off_m) < options.max_off * variance &&
+                      squared(off_rad) < options.max_off * yaw_variance;
   return closes ? Agreement::consistent : Agreement::inconsistent;
 }
 
@@ -126,8 +120,9 @@ Agreement AgreementTable::between(std::size_t a, std::size_t b) const {
   return a > b ? rows_[a][b] : rows_[b][a];
 }
 
-std::vector<std::size_t> AgreementTable::largest_consistent_with(std::size_t member) const {
-  return CliqueSearch(*this).with(member);
+std::vector<std::size_t> AgreementTable::largest_consistent_with(std::size_t member,
+                                                                 const ConsistencyOptions& options) const {
+  return CliqueSearch(*this, options.max_steps).with(member);
 }
 
 std::vector<std::size_t> AgreementTable::rivals_of(const std::vector<std::size_t>& set) const {

@@ -10,20 +10,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double spacing_m = 4;         // of anchors
-constexpr double half_window_m = 4;     // about an anchor: the next one has the rest
-constexpr double reach_m = 5;           // so near, two views overlap
-constexpr double least_way_m = 20;      // nearer over the map, it is the same stretch of way
-constexpr double drift_per_way = 0.06;  // more than any map errs before loops are closed
-constexpr double least_drift_m = 1;
-constexpr double window_sigmas = 3;
-constexpr double systematic_share = 0.012;       // of the way
-constexpr double systematic_yaw_per_m = 0.0004;  // rad
-constexpr double known_half_width_m = 0.6;       // of a window that rejoin.hpp calls certain
-constexpr double slack_yaw_rad = 0.1;
-constexpr std::size_t most_places = 40;  // of one island
-constexpr std::size_t least_island = 6;  // patches: less is no place
-
 bool sees_walls(const Map& map, PatchId id) { return !map.manifold().patch(id).points.empty(); }
 
 // Metres from one patch to all others of its island, over the fewest relations; negative: not on it.
@@ -56,25 +42,26 @@ struct Rough {
 };
 
 // Anchors so far apart that each patch of `ranked` is near one of them.
-std::vector<Rough> anchors_of(const Map& map, const std::vector<Rough>& ranked) {
+std::vector<Rough> anchors_of(const Map& map, const std::vector<Rough>& ranked,
+                              const PlaceCandidateOptions& options) {
   std::vector<Rough> anchors;
   for (const Rough& rough : ranked) {
     const Pose& pose = map.manifold().pose(rough.anchor);
     const bool covered = std::ranges::any_of(anchors, [&](const Rough& other) {
       const Pose& its = map.manifold().pose(other.anchor);
-      return std::hypot(its.x - pose.x, its.y - pose.y) < spacing_m;
+      return std::hypot(its.x - pose.x, its.y - pose.y) < options.spacing_m;
     });
     if (!covered) anchors.push_back(rough);
-    if (anchors.size() >= most_places) break;
+    if (anchors.size() >= options.max_places) break;
   }
   return anchors;
 }
 
 // What of the covariance's box is near the anchor; nothing where the two do not meet.
-bool narrow(double& centre, double& half, double sigma) {
-  const double most = window_sigmas * sigma;
-  const double low = std::max(centre - most, -half_window_m - 1);
-  const double high = std::min(centre + most, half_window_m + 1);
+bool narrow(double& centre, double& half, double sigma, const PlaceCandidateOptions& options) {
+  const double most = options.window_sigmas * sigma;
+  const double low = std::max(centre - most, -options.half_window_m - options.window_margin_m);
+  const double high = std::min(centre + most, options.half_window_m + options.window_margin_m);
   if (high <= low) return false;
   centre = 0.5 * (low + high);
   half = 0.5 * (high - low);
@@ -83,29 +70,30 @@ bool narrow(double& centre, double& half, double sigma) {
 
 }  // namespace
 
-Eigen::Vector3d systematic_variance(double way_m) {
-  const double position = 0.2 + systematic_share * way_m;
-  const double yaw = 0.03 + systematic_yaw_per_m * way_m;
+Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options) {
+  const double position = options.systematic_m + options.systematic_share * way_m;
+  const double yaw = options.systematic_rad + options.systematic_rad_per_m * way_m;
   return {position * position, position * position, yaw * yaw};
 }
 
-std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query) {
+std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
+                                                 const PlaceCandidateOptions& options) {
   const Manifold& manifold = map.manifold();
   const Pose& here = manifold.pose(query);
   const std::vector<double> ways = ways_m(map, query);
   std::vector<Rough> rough;
   for (std::size_t i = 0; i < ways.size(); ++i) {
-    if (ways[i] < least_way_m) continue;
+    if (ways[i] < options.min_way_m) continue;
     const PatchId id{static_cast<std::int32_t>(i)};
     const Pose& its = manifold.pose(id);
     const double distance = std::hypot(its.x - here.x, its.y - here.y);
-    const double drift = least_drift_m + drift_per_way * ways[i];
-    if (distance > reach_m + drift || !sees_walls(map, id)) continue;
+    const double drift = options.min_drift_m + options.drift_per_way * ways[i];
+    if (distance > options.reach_m + drift || !sees_walls(map, id)) continue;
     rough.push_back({id, ways[i], distance / drift});
   }
   if (rough.empty()) return {};
   std::ranges::stable_sort(rough, {}, &Rough::surprise);
-  const std::vector<Rough> anchors = anchors_of(map, rough);
+  const std::vector<Rough> anchors = anchors_of(map, rough, options);
   std::vector<PatchId> others;
   for (const Rough& anchor : anchors) others.push_back(anchor.anchor);
   const auto covariances = exact_relative_covariances(map.graph(), manifold.poses(), query, others);
@@ -115,34 +103,39 @@ std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query) 
     const Pose query_from_anchor = ominus(manifold.pose(others[i]), here);
     const Eigen::Matrix3d jacobian = inverse_jacobian(query_from_anchor);
     Eigen::Matrix3d covariance = jacobian * covariances[i] * jacobian.transpose();
-    if (window_sigmas * std::sqrt(covariance.diagonal().head<2>().maxCoeff()) < known_half_width_m) continue;
-    const Eigen::Vector3d sigma = (covariance.diagonal() + systematic_variance(anchors[i].way_m)).cwiseSqrt();
+    if (options.window_sigmas * std::sqrt(covariance.diagonal().head<2>().maxCoeff()) <
+        options.known_half_width_m)
+      continue;
+    const Eigen::Vector3d sigma =
+        (covariance.diagonal() + systematic_variance(anchors[i].way_m, options)).cwiseSqrt();
     PlaceCandidate place;
     place.anchor = others[i];
     place.way_m = anchors[i].way_m;
     place.window.centre = inverse(query_from_anchor);
-    if (!narrow(place.window.centre.x, place.window.half_x_m, sigma.x()) ||
-        !narrow(place.window.centre.y, place.window.half_y_m, sigma.y()))
+    if (!narrow(place.window.centre.x, place.window.half_x_m, sigma.x(), options) ||
+        !narrow(place.window.centre.y, place.window.half_y_m, sigma.y(), options))
       continue;
     place.sigma_m = std::hypot(sigma.x(), sigma.y());
-    place.window.half_yaw_rad = std::min(std::numbers::pi, window_sigmas * sigma.z() + slack_yaw_rad);
+    place.window.half_yaw_rad =
+        std::min(std::numbers::pi, options.window_sigmas * sigma.z() + options.slack_rad);
     places.push_back(place);
   }
   return places;
 }
 
-std::vector<PlaceCandidate> places_on_other_islands(const Map& map, PatchId query) {
+std::vector<PlaceCandidate> places_on_other_islands(const Map& map, PatchId query,
+                                                    const PlaceCandidateOptions& options) {
   std::vector<PlaceCandidate> places;
   const IslandId own = map.graph().island(query);
   for (const std::vector<PatchId>& island : map.graph().islands()) {
-    if (island.size() < least_island || island.front() == own) continue;
+    if (island.size() < options.min_island || island.front() == own) continue;
     std::vector<Rough> patches;
     for (const PatchId id : island)
       if (sees_walls(map, id)) patches.push_back({id, 0, 0});
-    for (const Rough& rough : anchors_of(map, patches)) {
+    for (const Rough& rough : anchors_of(map, patches, options)) {
       PlaceCandidate place;
       place.anchor = rough.anchor;
-      place.window = {Pose{}, half_window_m, half_window_m, std::numbers::pi};
+      place.window = {Pose{}, options.half_window_m, options.half_window_m, std::numbers::pi};
       places.push_back(place);
     }
   }

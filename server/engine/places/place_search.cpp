@@ -10,20 +10,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double place_radius_m = 8;
-constexpr std::size_t most_place_patches = 30;
-constexpr double thin_m = 0.15;
-constexpr double apart_m = 1;  // what counts as another answer
-constexpr double apart_rad = 0.26;
-constexpr double piece_reach_m = 14;
-constexpr double least_refined_score = 0.45;
-constexpr double least_bent_score = 0.33;   // of the whole, where one scan of it
-constexpr double sure_scan_score = 0.6;     // fits so well
-constexpr double most_contradiction = 0.2;  // before the trial has laid the two together
-constexpr double bent_kernel_m = 0.08;      // some metres of way are not quite rigid
-constexpr int most_points = 250;
-constexpr std::size_t most_carriers = 4;
-
 struct Cell {
   int x = 0;
   int y = 0;
@@ -32,7 +18,7 @@ struct Cell {
 };
 
 // One point for each cell that has any: the first.
-std::vector<ScanPoint> thinned(const LocalMap& local) {
+std::vector<ScanPoint> thinned(const LocalMap& local, double cell_m) {
   std::vector<ScanPoint> points;
   for (const LocalPatch& patch : local.patches)
     for (const ScanPoint& point : patch.patch->points)
@@ -43,7 +29,7 @@ std::vector<ScanPoint> thinned(const LocalMap& local) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector2d& p = points[i].position;
     cells.push_back(
-        {static_cast<int>(std::floor(p.x() / thin_m)), static_cast<int>(std::floor(p.y() / thin_m)), i});
+        {static_cast<int>(std::floor(p.x() / cell_m)), static_cast<int>(std::floor(p.y() / cell_m)), i});
   }
   std::ranges::sort(cells);
   std::vector<ScanPoint> kept;
@@ -60,32 +46,33 @@ std::vector<Eigen::Vector2d> positions(const std::vector<ScanPoint>& points) {
   return positions;
 }
 
-CorrelativeOptions coarse_options(double least_score) {
-  CorrelativeOptions options;
-  options.cell_m = 0.2;
-  options.yaw_step_rad = 0.035;
-  options.blur_m = 0.2;
-  options.reach_m = piece_reach_m;
-  options.max_points = 90;
-  options.apart_m = apart_m;
-  options.apart_rad = apart_rad;
-  options.least_score = least_score;
-  options.max_evaluations = 60'000;
-  return options;
+CorrelativeOptions in_place(const CorrelativeOptions& correlative, const PlaceSearchOptions& options) {
+  CorrelativeOptions search = correlative;
+  search.reach_m = options.reach_m;
+  search.apart_m = options.apart_m;
+  search.apart_rad = options.apart_rad;
+  return search;
 }
 
-CorrelativeOptions fine_options() {
-  CorrelativeOptions options;
-  options.reach_m = piece_reach_m;
-  options.max_points = most_points;
-  options.apart_m = apart_m;
-  options.apart_rad = apart_rad;
-  options.second_share = 0.95;
-  return options;
+CorrelativeOptions coarse_options(const EngineOptions& options) {
+  CorrelativeOptions coarse = in_place(options.correlative, options.place_search);
+  coarse.cell_m = options.place_search.coarse_cell_m;
+  coarse.yaw_step_rad = options.place_search.coarse_yaw_step_rad;
+  coarse.blur_m = options.place_search.coarse_blur_m;
+  coarse.max_evaluations = options.place_search.coarse_evaluations;
+  return coarse;
 }
 
-double mean_contradiction(const RigidPiece& place, const RigidPiece& piece, const Pose& place_from_piece) {
-  MeanContradiction found;
+CorrelativeOptions fine_options(const EngineOptions& options) {
+  CorrelativeOptions fine = in_place(options.correlative, options.place_search);
+  fine.max_points = options.place_search.max_points;
+  fine.second_share = options.place_search.fine_second_share;
+  return fine;
+}
+
+double mean_contradiction(const RigidPiece& place, const RigidPiece& piece, const Pose& place_from_piece,
+                          const ContradictionOptions& options) {
+  MeanContradiction found(options);
   for (const LocalPatch& seen : piece.local.patches)
     for (const LocalPatch& known : place.local.patches)
       found.add(*known.patch, *seen.patch,
@@ -94,9 +81,10 @@ double mean_contradiction(const RigidPiece& place, const RigidPiece& piece, cons
 }
 
 Match match_at(const RigidPiece& place, std::span<const ScanPoint> points, const Pose& place_from_points,
-               const MatchOptions& options) {
-  const Eigen::Vector3d weak(1 / 0.25, 1 / 0.25, 1 / 0.01);
-  return match_scan(place.local, points, {place_from_points, weak.asDiagonal()}, options);
+               const MatchOptions& match_options, const PlaceSearchOptions& options) {
+  const Eigen::Vector3d weak(1 / options.prediction_variance_m2, 1 / options.prediction_variance_m2,
+                             1 / options.prediction_variance_rad2);
+  return match_scan(place.local, points, {place_from_points, weak.asDiagonal()}, match_options);
 }
 
 }  // namespace
@@ -104,85 +92,92 @@ Match match_at(const RigidPiece& place, std::span<const ScanPoint> points, const
 RigidPiece place_around(const Map& map, PatchId anchor, const EngineOptions& options) {
   Surroundings surroundings;
   surroundings.update(map, anchor, options, Surroundings::By::scans);
+  const PlaceSearchOptions& its = options.place_search;
   std::vector<const Determined*> near;
   for (const Determined& determined : surroundings.patches())
     if (determined.firm &&
-        std::hypot(determined.local_from_patch.x, determined.local_from_patch.y) < place_radius_m)
+        std::hypot(determined.local_from_patch.x, determined.local_from_patch.y) < its.place_radius_m)
       near.push_back(&determined);
   RigidPiece place;
   place.local.reference = anchor;
   // Spread evenly over those there are, the anchor among them.
-  const std::size_t stride = (near.size() + most_place_patches - 1) / most_place_patches;
+  const std::size_t stride = (near.size() + its.max_place_patches - 1) / its.max_place_patches;
   for (std::size_t i = 0; i < near.size(); i += std::max<std::size_t>(1, stride))
     place.local.patches.push_back({map.manifold().shared_patch(near[i]->patch), near[i]->local_from_patch});
-  place.points = thinned(place.local);
+  place.points = thinned(place.local, its.thin_m);
   return place;
 }
 
-RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first) {
+RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first,
+                        const PlaceSearchOptions& options) {
   RigidPiece piece;
   piece.local.reference = newest_first.front();
   const Pose& map_from_newest = map.manifold().pose(newest_first.front());
   for (const PatchId id : newest_first)
     piece.local.patches.push_back(
         {map.manifold().shared_patch(id), ominus(map.manifold().pose(id), map_from_newest)});
-  piece.points = thinned(piece.local);
+  piece.points = thinned(piece.local, options.thin_m);
   return piece;
 }
 
 PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const SearchWindow& window,
-                         double least_score) {
+                         double min_score, const EngineOptions& options) {
+  const PlaceSearchOptions& its = options.place_search;
   PlaceSearch found;
   const std::vector<Eigen::Vector2d> known = positions(place.points);
-  const CorrelativeResult coarse = search_window(known, piece.points, window, coarse_options(least_score));
+  const CorrelativeResult coarse =
+      search_window(known, piece.points, window, coarse_options(options), min_score);
   found.exhausted = coarse.exhausted;
   found.evaluations = coarse.evaluations;
   std::vector<Pose> starts;
   if (coarse.score > 0) starts.push_back(coarse.local_from_robot);
   if (coarse.second_score > 0) starts.push_back(coarse.second_local_from_robot);
   for (const Pose& start : starts) {
-    const CorrelativeResult fine =
-        search_window(known, piece.points, {start, 0.3, 0.3, 0.06}, fine_options());
+    const SearchWindow about{start, its.fine_window_m, its.fine_window_m, its.fine_window_rad};
+    const CorrelativeResult fine = search_window(known, piece.points, about, fine_options(options));
     found.evaluations += fine.evaluations;
-    if (fine.score >= least_score)
+    if (fine.score >= min_score)
       found.answers.push_back({place.local.reference, fine.local_from_robot, fine.score, 0, 0});
   }
   std::ranges::stable_sort(found.answers, std::ranges::greater{}, &PlaceAnswer::score);
   return found;
 }
 
-bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first) {
+bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first, const EngineOptions& options) {
   const PlaceAnswer& best = best_first.front();
   const Pose best_map_from_piece = map.manifold().pose(best.anchor) * best.anchor_from_piece;
   return std::ranges::none_of(best_first, [&](const PlaceAnswer& other) {
-    if (other.score < ambiguous_share * best.score) return false;
+    if (other.score < options.ambiguity.share * best.score) return false;
     if (map.graph().island(other.anchor) != map.graph().island(best.anchor)) return true;
     const Pose off = ominus(map.manifold().pose(other.anchor) * other.anchor_from_piece, best_map_from_piece);
-    return std::hypot(off.x, off.y) > apart_m || std::abs(off.yaw) > apart_rad;
+    return std::hypot(off.x, off.y) > options.place_search.apart_m ||
+           std::abs(off.yaw) > options.place_search.apart_rad;
   });
 }
 
 std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, const PlaceAnswer& answer,
                            const EngineOptions& options) {
+  const PlaceSearchOptions& its = options.place_search;
   MatchOptions match_options = options.match;
-  match_options.max_points = most_points;
-  match_options.kernel_m = bent_kernel_m;
-  const Match whole = match_at(place, piece.points, answer.anchor_from_piece, match_options);
-  if (!whole.ok || whole.quality.degenerate || whole.quality.score < least_bent_score) return std::nullopt;
-  if (mean_contradiction(place, piece, whole.local_from_robot) > most_contradiction) return std::nullopt;
+  match_options.max_points = its.max_points;
+  match_options.kernel_m = its.bent_kernel_m;
+  const Match whole = match_at(place, piece.points, answer.anchor_from_piece, match_options, its);
+  if (!whole.ok || whole.quality.degenerate || whole.quality.score < its.min_bent_score) return std::nullopt;
+  if (mean_contradiction(place, piece, whole.local_from_robot, options.contradiction) > its.max_contradiction)
+    return std::nullopt;
   // The newest patches may look where the place does not reach: the one that fits best carries the relations.
   std::optional<Match> best;
   const LocalPatch* carrier = nullptr;
-  for (std::size_t i = 0; i < std::min(most_carriers, piece.local.patches.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(its.max_carriers, piece.local.patches.size()); ++i) {
     const LocalPatch& seen = piece.local.patches[i];
-    Match match =
-        match_at(place, seen.patch->points, whole.local_from_robot * seen.local_from_patch, options.match);
-    if (!match.ok || match.quality.degenerate || match.quality.score < least_refined_score) continue;
+    Match match = match_at(place, seen.patch->points, whole.local_from_robot * seen.local_from_patch,
+                           options.match, its);
+    if (!match.ok || match.quality.degenerate || match.quality.score < its.min_score) continue;
     if (best && match.quality.score <= best->quality.score) continue;
     best = std::move(match);
     carrier = &seen;
   }
-  if (!best || (whole.quality.score < least_refined_score && best->quality.score < sure_scan_score))
+  if (!best || (whole.quality.score < its.min_score && best->quality.score < its.sure_scan_score))
     return std::nullopt;
   Find find;
   find.query = carrier->patch->id;

@@ -21,7 +21,8 @@ struct RigidPiece {
 RigidPiece place_around(const Map& map, PatchId anchor, const EngineOptions& options);
 
 /// What a robot saw on the last metres of its way, as seen from the newest of its patches there.
-RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first);
+RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first,
+                        const PlaceSearchOptions& options = {});
 
 /// Where a piece of a robot's way could lie at a place.
 struct PlaceAnswer {
@@ -35,17 +36,17 @@ struct PlaceAnswer {
 };
 
 /// The pose at which a piece fits a place best and, where there is one, the best well apart from it. Nothing
-/// that fits worse than `least_score`. First coarsely in the whole window, then finely about what is found.
+/// that fits worse than `min_score`. First coarsely in the whole window, then finely about what is found.
 struct PlaceSearch {
   std::vector<PlaceAnswer> answers;  ///< best first
   bool exhausted = false;            ///< the cap on work was reached: what was found need not be the best
   long evaluations = 0;
 };
 PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const SearchWindow& window,
-                         double least_score);
+                         double min_score, const EngineOptions& options = {});
 
 /// Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
-bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first);
+bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first, const EngineOptions& options = {});
 
 /// How a robot's patch lies at a place, as scans say in full.
 struct Find {

@@ -3,17 +3,12 @@
 #include <utility>
 
 namespace isthmus {
-namespace {
-
-constexpr std::int64_t us_per_patch = 3'000;
-
-}  // namespace
-
-PlacesJob::PlacesJob(const Map& map, std::vector<PatchId> patches, std::int64_t now_utime)
-    : due_utime_(now_utime + static_cast<std::int64_t>(map.manifold().size()) * us_per_patch) {
-  places_ = std::async(std::launch::async, [map, patches = std::move(patches)] {
+PlacesJob::PlacesJob(const Map& map, std::vector<PatchId> patches, std::int64_t now_utime,
+                     const PlaceCandidateOptions& options)
+    : due_utime_(now_utime + static_cast<std::int64_t>(map.manifold().size()) * options.us_per_patch) {
+  places_ = std::async(std::launch::async, [map, patches = std::move(patches), options] {
     Places places;
-    for (const PatchId patch : patches) places.push_back(places_on_own_island(map, patch));
+    for (const PatchId patch : patches) places.push_back(places_on_own_island(map, patch, options));
     return places;
   });
 }

@@ -8,11 +8,6 @@
 namespace isthmus {
 namespace {
 
-constexpr int same_side_hops = 4;  // so near in the graph, two patches were known to be near before
-constexpr int most_visits = 4;     // of one patch to the queue
-constexpr double slack_m = 2;      // a candidate may lie so much farther than a local map reaches
-constexpr int refit_patches = 40;
-
 bool matched_before(const RelationGraph& graph, PatchId a, PatchId b) {
   const std::vector<RelationId> between = graph.between(a, b);
   return std::ranges::any_of(between, [&](RelationId id) { return is_match(*graph.find(id)); });
@@ -20,9 +15,9 @@ bool matched_before(const RelationGraph& graph, PatchId a, PatchId b) {
 
 }  // namespace
 
-void Propagation::enqueue(PatchId patch) {
+void Propagation::enqueue(PatchId patch, const PropagationOptions& options) {
   Visits& its = visits(patch);
-  if (its.queued || its.count >= most_visits) return;
+  if (its.queued || its.count >= options.max_visits) return;
   its.queued = true;
   queue_.push_back(patch);
 }
@@ -37,9 +32,10 @@ void Propagation::forget_visits() {
   for (Visits& visits : visits_) visits.count = 0;
 }
 
-std::vector<PatchId> Propagation::same_side(const Map& map, PatchId patch) const {
+std::vector<PatchId> Propagation::same_side(const Map& map, PatchId patch,
+                                            const PropagationOptions& options) const {
   const RelationGraph& graph = before_ ? *before_ : map.graph();
-  return graph.within_hops(patch, same_side_hops, says_where_walls_are);
+  return graph.within_hops(patch, options.same_side_hops, says_where_walls_are);
 }
 
 std::vector<PatchId> Propagation::candidates(const Map& map, PatchId patch,
@@ -47,7 +43,7 @@ std::vector<PatchId> Propagation::candidates(const Map& map, PatchId patch,
   const Manifold& manifold = map.manifold();
   const IslandId island = map.graph().island(patch);
   const Pose& pose = manifold.pose(patch);
-  const double reach = options.local_map_reach_m + slack_m;
+  const double reach = options.surroundings.reach_m + options.propagation.slack_m;
   std::vector<PatchId> near;
   std::vector<PatchId> own;
   const std::size_t known = before_ ? before_->patch_count() : manifold.size();
@@ -57,7 +53,7 @@ std::vector<PatchId> Propagation::candidates(const Map& map, PatchId patch,
     if (std::abs(its.x - pose.x) > reach || std::abs(its.y - pose.y) > reach) continue;
     if (other == patch || map.graph().island(other) != island) continue;
     if (manifold.patch(other).points.empty()) continue;
-    if (own.empty()) own = same_side(map, patch);
+    if (own.empty()) own = same_side(map, patch, options.propagation);
     if (std::ranges::binary_search(own, other)) continue;
     if (matched_before(map.graph(), patch, other)) continue;
     near.push_back(other);
@@ -83,8 +79,9 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
     // Where a candidate is well determined, it must also show what the scan sees.
     if (!before_ && !determined.sure) return false;
     const Pose other_from_patch = inverse(determined.local_from_patch);
-    return !determined.sure || overlap_share(map.manifold().patch(determined.patch), other_from_patch,
-                                             patch.points) >= options.local_map_overlap;
+    return !determined.sure ||
+           overlap_share(map.manifold().patch(determined.patch), other_from_patch, patch.points,
+                         options.surroundings) >= options.surroundings.min_overlap;
   };
   LoopQuery query;
   query.points = patch.points;
@@ -105,13 +102,13 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   if (visits(id).unmatched) std::erase(unmatched_, id);
   visits(id).unmatched = false;
   for (const Relation& relation : found.relations) map.relate(relation);
-  map.refit_around(id, refit_patches);
-  for (const PatchId next : map.graph().neighbours(id)) enqueue(next);
+  map.refit_around(id, options.propagation.refit_patches);
+  for (const PatchId next : map.graph().neighbours(id)) enqueue(next, options.propagation);
   return true;
 }
 
-void Propagation::retry() {
-  for (const PatchId id : std::vector<PatchId>(unmatched_)) enqueue(id);
+void Propagation::retry(const PropagationOptions& options) {
+  for (const PatchId id : std::vector<PatchId>(unmatched_)) enqueue(id, options);
 }
 
 }  // namespace isthmus

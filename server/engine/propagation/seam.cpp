@@ -10,11 +10,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double stride_m = 1;  // a metre of way is a place of its own
-constexpr double near_m = 4;    // of the other's patches
-constexpr double in_view_m = 6;
-constexpr int most_pairs = 400;
-
 Eigen::Vector2d position(const Map& map, PatchId id) {
   const Pose& pose = map.manifold().pose(id);
   return {pose.x, pose.y};
@@ -26,28 +21,30 @@ bool any_near(const Map& map, std::span<const PatchId> others, const Eigen::Vect
 }
 
 // Way on which patches lie, however often it was driven.
-double way_m(const Map& map, std::span<const PatchId> patches) {
+double way_m(const Map& map, std::span<const PatchId> patches, double stride_m) {
   std::vector<PatchId> apart;
   for (const PatchId id : patches)
     if (!any_near(map, apart, position(map, id), stride_m)) apart.push_back(id);
   return stride_m * static_cast<double>(apart.size());
 }
 
-double own_way_m(const Map& map, std::span<const PatchId> its, std::span<const PatchId> others) {
+double own_way_m(const Map& map, std::span<const PatchId> its, std::span<const PatchId> others,
+                 const SeamOptions& options) {
   std::vector<PatchId> alone;
   for (const PatchId id : its)
-    if (!any_near(map, others, position(map, id), near_m)) alone.push_back(id);
-  return way_m(map, alone);
+    if (!any_near(map, others, position(map, id), options.near_m)) alone.push_back(id);
+  return way_m(map, alone, options.stride_m);
 }
 
 // Pairs across the seam, spread evenly over those whose views may meet.
-double border_contradiction(const Map& map, std::span<const PatchId> first, std::span<const PatchId> second) {
+double border_contradiction(const Map& map, std::span<const PatchId> first, std::span<const PatchId> second,
+                            const EngineOptions& options) {
   std::vector<std::pair<PatchId, PatchId>> pairs;
   for (const PatchId a : first)
     for (const PatchId b : second)
-      if ((position(map, a) - position(map, b)).norm() < in_view_m) pairs.emplace_back(a, b);
-  const std::size_t stride = std::max<std::size_t>(1, pairs.size() / most_pairs);
-  MeanContradiction found;
+      if ((position(map, a) - position(map, b)).norm() < options.seam.in_view_m) pairs.emplace_back(a, b);
+  const std::size_t stride = std::max<std::size_t>(1, pairs.size() / options.seam.max_pairs);
+  MeanContradiction found(options.contradiction);
   for (std::size_t i = 0; i < pairs.size(); i += stride)
     found.add(map.manifold(), pairs[i].first, pairs[i].second);
   return found.mean();
@@ -69,17 +66,17 @@ double width_m(const Map& map, std::span<const PatchId> patches) {
 }
 
 Seam seam(const Map& map, std::span<const PatchId> island, const std::function<bool(PatchId)>& second,
-          std::span<const PatchId> matched) {
+          std::span<const PatchId> matched, const EngineOptions& options) {
   std::vector<PatchId> of_first;
   std::vector<PatchId> of_second;
   for (const PatchId id : island)
     if (!map.manifold().patch(id).points.empty()) (second(id) ? of_second : of_first).push_back(id);
   Seam seam;
-  seam.way_m = way_m(map, matched);
+  seam.way_m = way_m(map, matched, options.seam.stride_m);
   seam.width_m = width_m(map, matched);
-  seam.own_first_m = own_way_m(map, of_first, of_second);
-  seam.own_second_m = own_way_m(map, of_second, of_first);
-  seam.border_contradiction = border_contradiction(map, of_first, of_second);
+  seam.own_first_m = own_way_m(map, of_first, of_second, options.seam);
+  seam.own_second_m = own_way_m(map, of_second, of_first, options.seam);
+  seam.border_contradiction = border_contradiction(map, of_first, of_second, options);
   return seam;
 }
 

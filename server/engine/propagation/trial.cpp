@@ -11,27 +11,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double most_gate = 25;             // chi² of three: how far a loop may jump, in its own sigmas
-constexpr int strong_support = 6;            // so many sightings may say that a sigma was too small
-constexpr double most_contradiction = 0.08;  // of hits deep in the other side's free space
-constexpr double most_sighting_cost =
-    0.75;  // mean chi² of the sightings after the fit; true ones stay below 0.55
-constexpr double least_matched_share = 0.4;  // of the patches that were compared
-constexpr int few_compared = 3;              // so few prove nothing
-constexpr int enough_support_two_way = 4;    // sightings, where scans cannot tell
-constexpr int enough_support_one_way = 6;
-constexpr double most_find_cost = 3;      // mean chi² of the finds' relations after the fit, of three
-constexpr int few_matched_scans = 4;      // patches, where scans are all there is
-constexpr int enough_matched = 12;        // asks for so many patches
-constexpr double enough_way_m = 15;       // over so much of the way
-constexpr double enough_loop_way_m = 7;   // of which a loop needs less,
-constexpr double enough_width_m = 2;      // not all along one corridor,
-constexpr double enough_corridor_m = 15;  // of a matched part that is no wider
-constexpr double enough_own_m = 5;        // and for maps that go on beyond what they share
-constexpr std::size_t most_matched_scans = 150;
-constexpr std::size_t first_queue = 80;  // patches around the closure
-constexpr std::size_t growth = 3;        // a whole fit each time the seam has grown so many times
-
 std::size_t next_relation(const RelationGraph& graph) {
   std::size_t next = 0;
   for (const auto& [id, relation] : graph.relations()) next = static_cast<std::size_t>(id.value) + 1;
@@ -71,7 +50,7 @@ void Trial::begin_fit(std::int64_t now_utime, bool with_gate) {
     question = FitJob::ConfidenceQuestion{std::move(before), first.a, first.b};
   }
   job_ = std::make_unique<FitJob>(map_, map_.graph().island(proposal_.relations.front().a), now_utime,
-                                  std::move(question));
+                                  std::move(question), options_.map_fit);
 }
 
 void Trial::end_fit() {
@@ -85,26 +64,27 @@ void Trial::end_fit() {
   map_.adopt(result.patches, result.poses);
   if (stage_ != Stage::start) return;
   const Relation& first = proposal_.relations.front();
-  const bool strong = proposal_.supporters >= strong_support && !proposal_.from_scans;
+  const bool strong = proposal_.supporters >= options_.trial.strong_support && !proposal_.from_scans;
   if (gate_before_ && result.covariance && !strong && !proposal_.measured) {
     const Pose after = ominus(map_.manifold().pose(first.b), map_.manifold().pose(first.a));
     Eigen::Vector3d jump = to_vector(after) - to_vector(*gate_before_);
     jump.z() = wrap_angle(jump.z());
     Eigen::Matrix3d covariance = *result.covariance;
     covariance.diagonal() += proposal_.beyond_covariance;
-    if (jump.dot(covariance.inverse() * jump) > most_gate) {
+    if (jump.dot(covariance.inverse() * jump) > options_.trial.max_jump) {
       refusal_ = Reason::implausible_jump;
       stage_ = Stage::done;
       return;
     }
   }
   for (const Relation& relation : proposal_.relations) {
-    propagation_.enqueue(relation.a);
-    propagation_.enqueue(relation.b);
+    propagation_.enqueue(relation.a, options_.propagation);
+    propagation_.enqueue(relation.b, options_.propagation);
   }
   // The two may have met where their views do not overlap, but their maps do not far from there.
   for (const PatchId end : {proposal_.relations.front().a, proposal_.relations.front().b})
-    for (const PatchId next : map_.graph().nearest_in_graph(end, first_queue)) propagation_.enqueue(next);
+    for (const PatchId next : map_.graph().nearest_in_graph(end, options_.trial.first_queue))
+      propagation_.enqueue(next, options_.propagation);
   stage_ = Stage::propagate;
 }
 
@@ -125,17 +105,17 @@ bool Trial::step(std::int64_t now_utime) {
 void Trial::propagate(std::int64_t now_utime) {
   // A few dozen places that match tell as much as a thousand: the rest is woven where robots come
   // (weaving.hpp).
-  const bool enough = proposal_.from_scans && propagation_.matched().size() >= most_matched_scans;
+  const bool enough =
+      proposal_.from_scans && propagation_.matched().size() >= options_.trial.max_matched_scans;
   if (!propagation_.done() && !enough) {
     propagation_.step(map_, options_);
-    if (!proposal_.from_scans &&
-        propagation_.matched().size() >= std::max<std::size_t>(4, growth * matched_at_fit_))
-      begin_fit(now_utime, false);
+    const std::size_t next_fit = std::max(options_.trial.min_growth, options_.trial.growth * matched_at_fit_);
+    if (!proposal_.from_scans && propagation_.matched().size() >= next_fit) begin_fit(now_utime, false);
     return;
   }
   if (stage_ == Stage::propagate && !enough) {
     stage_ = Stage::last_propagate;
-    propagation_.retry();
+    propagation_.retry(options_.propagation);
   } else {
     stage_ = Stage::judge;
   }
@@ -154,13 +134,12 @@ void Trial::finish(std::int64_t now_utime) {
 }
 
 double Trial::mean_contradiction() const {
-  constexpr int most_pairs = 300;
-  constexpr int most_unmatched = 8;
-  constexpr ConfidenceThreshold nearly_certain = {0.3, 0.05};
-  MeanContradiction found;
+  const TrialOptions& its = options_.trial;
+  const ConfidenceThreshold nearly_certain{its.nearly_certain_m, its.nearly_certain_rad};
+  MeanContradiction found(options_.contradiction);
   for (const PatchId a : propagation_.matched()) {
-    if (found.pairs() >= most_pairs) break;
-    const std::vector<PatchId> own = propagation_.same_side(map_, a);
+    if (found.pairs() >= its.max_pairs) break;
+    const std::vector<PatchId> own = propagation_.same_side(map_, a, options_.propagation);
     for (const PatchId b : map_.graph().neighbours(a)) {
       if (std::ranges::binary_search(own, b)) continue;
       found.add(map_.manifold(), a, b);
@@ -169,10 +148,10 @@ double Trial::mean_contradiction() const {
   // Where nothing matched, only patches whose relative pose is nearly certain can contradict one another.
   int looked_at = 0;
   for (const PatchId a : propagation_.unmatched()) {
-    if (++looked_at > most_unmatched) break;
-    const std::vector<PatchId> own = propagation_.same_side(map_, a);
-    const auto covariances =
-        local_relative_covariances(map_.graph(), map_.manifold().poses(), a, options_.confidence_patches);
+    if (++looked_at > its.max_unmatched) break;
+    const std::vector<PatchId> own = propagation_.same_side(map_, a, options_.propagation);
+    const auto covariances = local_relative_covariances(map_.graph(), map_.manifold().poses(), a,
+                                                        options_.surroundings.confidence_patches);
     for (const auto& [b, covariance] : covariances) {
       if (b == a || !well_determined(covariance, nearly_certain) || std::ranges::binary_search(own, b))
         continue;
@@ -183,11 +162,10 @@ double Trial::mean_contradiction() const {
 }
 
 double Trial::own_contradiction() const {
-  constexpr int most_pairs = 300;
-  MeanContradiction found;
+  MeanContradiction found(options_.contradiction);
   for (const PatchId a : propagation_.matched()) {
     for (const PatchId b : propagation_.before().neighbours(a)) {
-      if (found.pairs() >= most_pairs) break;
+      if (found.pairs() >= options_.trial.max_pairs) break;
       found.add(map_.manifold(), a, b);
     }
   }
@@ -200,7 +178,7 @@ double Trial::sighting_cost() const {
   for (const Relation& relation : proposal_.relations) {
     const Pose a_from_b = ominus(map_.manifold().pose(relation.b), map_.manifold().pose(relation.a));
     const double squared = 2 * cost(relation.measurement, a_from_b);
-    sum += std::min(squared, 50.0);
+    sum += std::min(squared, options_.trial.max_relation_cost);
     rows += std::holds_alternative<Correspondences>(relation.measurement) ? 2 : 1;
   }
   return rows > 0 ? sum / rows : 0;
@@ -210,7 +188,7 @@ double Trial::find_cost() const {
   double sum = 0;
   for (const Relation& relation : proposal_.relations) {
     const Pose a_from_b = ominus(map_.manifold().pose(relation.b), map_.manifold().pose(relation.a));
-    sum += std::min(chi_squared(relation.measurement, a_from_b), 50.0);
+    sum += std::min(chi_squared(relation.measurement, a_from_b), options_.trial.max_relation_cost);
   }
   return sum / static_cast<double>(proposal_.relations.size());
 }
@@ -221,14 +199,15 @@ void Trial::judge() {
   if (proposal_.from_scans) return judge_scans();
   const auto matched = static_cast<int>(propagation_.matched().size());
   const int compared = matched + static_cast<int>(propagation_.unmatched().size());
-  const int enough = proposal_.two_way ? enough_support_two_way : enough_support_one_way;
-  if (sighting_cost() > most_sighting_cost) {
+  const TrialOptions& its = options_.trial;
+  const int enough = proposal_.two_way ? its.min_support_two_way : its.min_support_one_way;
+  if (sighting_cost() > its.max_sighting_cost) {
     refusal_ = Reason::sightings_disagree;
-  } else if (mean_contradiction() > most_contradiction) {
+  } else if (mean_contradiction() > its.max_contradiction) {
     refusal_ = Reason::walls_in_free_space;
-  } else if (compared >= few_compared && matched < least_matched_share * compared) {
+  } else if (compared >= its.few_compared && matched < its.min_matched_share * compared) {
     refusal_ = Reason::scans_disagree;
-  } else if (matched < few_compared && proposal_.supporters < enough) {
+  } else if (matched < its.few_compared && proposal_.supporters < enough) {
     undecided_ = true;
   }
 }
@@ -242,25 +221,27 @@ void Trial::judge_scans() {
     undecided_ = true;
     refusal_ = why;
   };
-  if (find_cost() > most_find_cost) {
+  const TrialOptions& its = options_.trial;
+  if (find_cost() > its.max_find_cost) {
     refusal_ = Reason::finds_disagree;
-  } else if (mean_contradiction() > most_contradiction + own_contradiction()) {
+  } else if (mean_contradiction() > its.max_contradiction + own_contradiction()) {
     refusal_ = Reason::walls_in_free_space;
-  } else if (compared >= few_compared && count < least_matched_share * compared) {
+  } else if (compared >= its.few_compared && count < its.min_matched_share * compared) {
     refusal_ = Reason::scans_disagree;
-  } else if (count < few_matched_scans) {
+  } else if (count < its.few_matched_scans) {
     undecided(Reason::too_little_support);
   } else if (proposal_.merge || proposal_.cautious) {
     const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
     const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
-    const Seam its = seam(map_, island, is_younger, matched);
-    if (proposal_.merge && its.border_contradiction > most_contradiction + own_contradiction()) {
+    const Seam seam = isthmus::seam(map_, island, is_younger, matched, options_);
+    if (proposal_.merge && seam.border_contradiction > its.max_contradiction + own_contradiction()) {
       refusal_ = Reason::walls_in_free_space;
-    } else if (count < enough_matched || its.way_m < (proposal_.merge ? enough_way_m : enough_loop_way_m)) {
+    } else if (count < its.min_matched ||
+               seam.way_m < (proposal_.merge ? its.min_way_m : its.min_loop_way_m)) {
       undecided(Reason::too_little_support);
-    } else if (its.width_m < enough_width_m && its.way_m < enough_corridor_m) {
+    } else if (seam.width_m < its.min_width_m && seam.way_m < its.min_corridor_m) {
       undecided(Reason::one_corridor);
-    } else if (proposal_.merge && std::min(its.own_first_m, its.own_second_m) < enough_own_m) {
+    } else if (proposal_.merge && std::min(seam.own_first_m, seam.own_second_m) < its.min_own_m) {
       undecided(Reason::nothing_beyond_the_seam);
     }
   }

@@ -1,29 +1,22 @@
 #include "server/engine/propagation/weaving.hpp"
 
 namespace isthmus {
-namespace {
-
-constexpr std::int64_t step_price_us = 5'000;  // nominal
-constexpr CreditRate half_the_time = {0.5, 5'000};
-
-}  // namespace
-
-void Weaving::stands_on(const std::string& robot, PatchId patch) {
+void Weaving::stands_on(const std::string& robot, PatchId patch, const PropagationOptions& options) {
   PatchId& before = stands_on_[robot];
   if (before == patch) return;
   before = patch;
-  propagation_.enqueue(patch);
+  propagation_.enqueue(patch, options);
 }
 
-void Weaving::weave_all(const Map& map) {
+void Weaving::weave_all(const Map& map, const PropagationOptions& options) {
   propagation_.forget_visits();
-  for (const PatchPtr& patch : map.manifold().patches()) propagation_.enqueue(patch->id);
+  for (const PatchPtr& patch : map.manifold().patches()) propagation_.enqueue(patch->id, options);
 }
 
 void Weaving::advance(Map& map, const EngineOptions& options, std::int64_t now_utime) {
-  credit_.earn(now_utime, half_the_time);
-  if (propagation_.done() || credit_.left_us() < step_price_us) return;
-  credit_.spend(step_price_us);
+  credit_.earn(now_utime, {options.weaving.work_share, options.weaving.max_credit_us});
+  if (propagation_.done() || credit_.left_us() < options.weaving.step_price_us) return;
+  credit_.spend(options.weaving.step_price_us);
   propagation_.step(map, options);
 }
 

@@ -7,18 +7,6 @@
 #include "server/engine/map/surroundings.hpp"
 
 namespace isthmus {
-namespace {
-
-constexpr std::size_t most_patches = 12;  // of a local map: the nearest, as none is newer than another here
-constexpr int most_points = 400;          // no robot waits: nearly all beams
-constexpr double least_score = 0.35;
-constexpr double start_kernel_m = 0.08;  // the scan lies nearly right
-// How far a scan may lie from where its patch has carried it: standard deviations of (m, rad).
-constexpr double carried_sigma_m = 0.05;
-constexpr double carried_sigma_rad = 0.02;
-
-}  // namespace
-
 Refinement::Refinement(const MapCopy& map, const Configuration& configuration)
     : configuration_(configuration) {
   for (const auto& [name, robot] : configuration_.robots) lasers_[name] = robot.robot.laser;
@@ -48,7 +36,7 @@ const std::vector<LocalPatch>& Refinement::firm_around(PatchId patch) {
   surroundings.update(map_, patch, options_, Surroundings::By::scans);
   for (const Determined& determined : surroundings.patches()) {
     const bool far = std::hypot(determined.local_from_patch.x, determined.local_from_patch.y) >
-                     2 * options_.local_map_reach_m;
+                     2 * options_.surroundings.reach_m;
     if (determined.firm && !far)
       found->second.push_back({map_.manifold().shared_patch(determined.patch), determined.local_from_patch});
   }
@@ -64,12 +52,14 @@ LocalMap Refinement::local_map(const TrajectoryRow& row, std::span<const ScanPoi
   for (const LocalPatch& local : firm_around(row.patch)) {
     const Pose patch_from_robot = ominus(row.patch_from_robot, local.local_from_patch);
     const double distance_m = std::hypot(patch_from_robot.x, patch_from_robot.y);
-    if (distance_m > options_.local_map_reach_m) continue;
-    if (overlap_share(*local.patch, patch_from_robot, points) < options_.local_map_overlap) continue;
+    if (distance_m > options_.surroundings.reach_m) continue;
+    if (overlap_share(*local.patch, patch_from_robot, points, options_.surroundings) <
+        options_.surroundings.min_overlap)
+      continue;
     near.push_back({local, distance_m});
   }
   std::ranges::stable_sort(near, {}, &Near::distance_m);
-  if (near.size() > most_patches) near.resize(most_patches);
+  if (near.size() > options_.refinement.max_patches) near.resize(options_.refinement.max_patches);
   LocalMap local;
   local.reference = row.patch;
   for (const Near& n : near) local.patches.push_back(n.patch);
@@ -86,13 +76,14 @@ void Refinement::take(const ScanEvent& scan) {
   const LocalMap local = local_map(row, points);
   if (local.patches.empty()) return;
   MatchOptions match_options = options_.match;
-  match_options.start_kernel_m = start_kernel_m;
-  match_options.max_points = most_points;
+  const RefinementOptions& its = options_.refinement;
+  match_options.start_kernel_m = its.start_kernel_m;
+  match_options.max_points = its.max_points;
   Prediction carried{row.patch_from_robot, Eigen::Matrix3d::Zero()};
-  carried.information.diagonal() << 1 / (carried_sigma_m * carried_sigma_m),
-      1 / (carried_sigma_m * carried_sigma_m), 1 / (carried_sigma_rad * carried_sigma_rad);
+  carried.information.diagonal() << 1 / (its.carried_sigma_m * its.carried_sigma_m),
+      1 / (its.carried_sigma_m * its.carried_sigma_m), 1 / (its.carried_sigma_rad * its.carried_sigma_rad);
   const Match match = match_scan(local, points, carried, match_options);
-  if (!match.ok || match.quality.score < least_score) return;
+  if (!match.ok || match.quality.score < its.min_score) return;
   row.patch_from_robot = match.local_from_robot;
   ++refined_;
 }

@@ -1,7 +1,6 @@
 #include "server/engine/rendezvous/meeting_plan.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,14 +8,6 @@
 
 namespace isthmus {
 namespace {
-
-constexpr double search_m = 5;  // places are looked for so far from the hypothesis' patches
-constexpr std::array<double, 3> distances_m = {1.75, 1.5, 2.0};  // from one another, the best first
-constexpr int bearings = 24;
-constexpr int rim_points = 8;
-constexpr double wall_margin_m = 0.15;  // beyond a robot's footprint, to the nearest wall
-constexpr double sight_step_m = 0.1;    // the line of sight is looked at so closely
-constexpr double sight_margin_m = 0.1;  // and must pass so far in front of what was seen
 
 // A patch of a chart and its pose in the plane of the hypothesis' first island.
 struct Placed {
@@ -38,13 +29,14 @@ std::string robot_on_chart(const Map& map, const std::map<std::string, Robot>& r
 }
 
 // The patches of a chart near one of it, by distance from there.
-std::vector<Placed> patches_near(const Map& map, PatchId centre, const Pose& plane_from_map) {
+std::vector<Placed> patches_near(const Map& map, PatchId centre, const Pose& plane_from_map,
+                                 const MeetingOptions& options) {
   const Pose& from = map.manifold().pose(centre);
   std::vector<std::pair<double, PatchId>> near;
   for (const PatchId id : map.graph().patches_of(map.graph().island(centre))) {
     const Pose& pose = map.manifold().pose(id);
     const double distance_m = std::hypot(pose.x - from.x, pose.y - from.y);
-    if (distance_m <= search_m && map.manifold().patch(id).tag < 0) near.emplace_back(distance_m, id);
+    if (distance_m <= options.search_m && map.manifold().patch(id).tag < 0) near.emplace_back(distance_m, id);
   }
   std::ranges::sort(near);
   std::vector<Placed> placed;
@@ -70,7 +62,8 @@ const Placed* patch_that_knows_free(const std::vector<Placed>& chart, const Eige
 }
 
 // Whether a chart knows a disc for free: its middle and its rim.
-bool is_roomy(const std::vector<Placed>& chart, const Eigen::Vector2d& centre, double radius_m) {
+bool is_roomy(const std::vector<Placed>& chart, const Eigen::Vector2d& centre, double radius_m,
+              int rim_points) {
   if (patch_that_knows_free(chart, centre, 0) == nullptr) return false;
   for (int k = 0; k < rim_points; ++k) {
     const double bearing = k * 2 * std::numbers::pi / rim_points;
@@ -80,11 +73,12 @@ bool is_roomy(const std::vector<Placed>& chart, const Eigen::Vector2d& centre, d
   return true;
 }
 
-bool is_clear_line(const std::vector<Placed>& chart, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  const int steps = std::max(1, static_cast<int>((to - from).norm() / sight_step_m));
+bool is_clear_line(const std::vector<Placed>& chart, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                   const MeetingOptions& options) {
+  const int steps = std::max(1, static_cast<int>((to - from).norm() / options.sight_step_m));
   for (int k = 0; k <= steps; ++k) {
     const Eigen::Vector2d at = from + static_cast<double>(k) / steps * (to - from);
-    if (patch_that_knows_free(chart, at, sight_margin_m) == nullptr) return false;
+    if (patch_that_knows_free(chart, at, options.sight_margin_m) == nullptr) return false;
   }
   return true;
 }
@@ -107,7 +101,8 @@ Pose first_map_from_second_map(const Map& map, const UndecidedHypothesis& hypoth
 }
 
 std::optional<MeetingPlan> plan_meeting(const Map& map, const std::map<std::string, Robot>& robots,
-                                        const UndecidedHypothesis& hypothesis) {
+                                        const UndecidedHypothesis& hypothesis,
+                                        const MeetingOptions& options) {
   const IslandId first_island = map.graph().island(hypothesis.first),
                  second_island = map.graph().island(hypothesis.second);
   if (first_island == second_island) return std::nullopt;
@@ -115,21 +110,23 @@ std::optional<MeetingPlan> plan_meeting(const Map& map, const std::map<std::stri
                     b = robot_on_chart(map, robots, hypothesis.second);
   if (a.empty() || b.empty() || !could_see_one_another(robots.at(a), robots.at(b))) return std::nullopt;
 
-  const std::vector<Placed> first = patches_near(map, hypothesis.first, Pose{}),
+  const std::vector<Placed> first = patches_near(map, hypothesis.first, Pose{}, options),
                             second = patches_near(map, hypothesis.second,
-                                                  first_map_from_second_map(map, hypothesis));
-  const double room_m = robots.at(b).declaration.footprint_radius_m + wall_margin_m;
+                                                  first_map_from_second_map(map, hypothesis), options);
+  const double room_m = robots.at(b).declaration.footprint_radius_m + options.wall_margin_m;
   // The first robot stands where one stood when it took a scan, the second somewhere around.
   for (const Placed& at : first) {
     const Eigen::Vector2d place_a = position(at.plane_from_patch);
-    for (const double distance_m : distances_m) {
-      for (int k = 0; k < bearings; ++k) {
-        const double bearing = at.plane_from_patch.yaw + k * 2 * std::numbers::pi / bearings;
+    for (const double distance_m :
+         {options.distance_m, options.shorter_distance_m, options.longer_distance_m}) {
+      for (int k = 0; k < options.bearings; ++k) {
+        const double bearing = at.plane_from_patch.yaw + k * 2 * std::numbers::pi / options.bearings;
         const Eigen::Vector2d place_b =
             place_a + distance_m * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
         const Placed* on = patch_that_knows_free(second, place_b, 0);
-        if (on == nullptr || !is_roomy(second, place_b, room_m) || !is_clear_line(first, place_a, place_b) ||
-            !is_clear_line(second, place_b, place_a))
+        if (on == nullptr || !is_roomy(second, place_b, room_m, options.rim_points) ||
+            !is_clear_line(first, place_a, place_b, options) ||
+            !is_clear_line(second, place_b, place_a, options))
           continue;
         return MeetingPlan{hypothesis, {a, facing(at, place_a, place_b)}, {b, facing(*on, place_b, place_a)}};
       }

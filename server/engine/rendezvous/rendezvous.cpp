@@ -3,26 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 namespace isthmus {
 namespace {
-
-constexpr std::int64_t choice_interval_us = 1'000'000;
-/// Where no meeting can be had for the most valuable few, the charts must grow first.
-constexpr std::int64_t retry_interval_us = 10'000'000;
-constexpr int most_plans = 3;  // tried at once
-/// A meeting under way is given up only for one worth so much more.
-constexpr double worth_turning_for = 2;
-constexpr double in_place_m = 1;
-constexpr double facing_rad = 20 * std::numbers::pi / 180;
-constexpr std::int64_t watch_us = 5'000'000;
-/// A watch with a longer gap between scans begins anew.
-constexpr std::int64_t longest_gap_us = 1'000'000;
-constexpr double beyond_m = 0.1;          // behind the middle of where the other would be
-constexpr double least_distance_m = 0.3;  // nearer than that the two would touch
 
 const UndecidedHypothesis* find(std::span<const UndecidedHypothesis> undecided, ClosureId id) {
   const auto found = std::ranges::find(undecided, id, &UndecidedHypothesis::id);
@@ -60,32 +45,37 @@ std::optional<double> nearest_hit_m(const Scan& scan, const Laser& laser, const 
 }  // namespace
 
 bool watches_for_the_other(const Map& map, const std::map<std::string, Robot>& robots,
-                           const MeetingPlan& meeting, const std::string& robot, const Scan& scan) {
+                           const MeetingPlan& meeting, const std::string& robot, const Scan& scan,
+                           const RendezvousOptions& options) {
   if (!is_on_chart(map, robots, meeting.a) || !is_on_chart(map, robots, meeting.b)) return false;
   const bool is_a = robot == meeting.a.robot;
   const MeetingPlace &own = is_a ? meeting.a : meeting.b, &others = is_a ? meeting.b : meeting.a;
   const Robot &watcher = robots.at(own.robot), &other = robots.at(others.robot);
   const Pose own_map = map.manifold().project(watcher.place->pose);
-  if ((position(own_map) - position(map.manifold().project(own.pose))).norm() > in_place_m) return false;
+  if ((position(own_map) - position(map.manifold().project(own.pose))).norm() > options.in_place_m)
+    return false;
 
   const Pose first_from_second = first_map_from_second_map(map, meeting.hypothesis);
   const Pose own_from_others = is_a ? first_from_second : inverse(first_from_second);
   const Eigen::Vector2d expected =
       inverse(own_map) * position(own_from_others * map.manifold().project(other.place->pose));
   const double distance_m = expected.norm();
-  if (distance_m < least_distance_m || std::abs(std::atan2(expected.y(), expected.x())) > facing_rad)
+  if (distance_m < options.min_distance_m ||
+      std::abs(std::atan2(expected.y(), expected.x())) > options.facing_rad)
     return false;
   const double radius_m = other.declaration.footprint_radius_m;
   const Laser& laser = watcher.declaration.laser;
-  const auto hit_m = nearest_hit_m(scan, laser, expected, 0.5 * radius_m);
+  const auto hit_m = nearest_hit_m(scan, laser, expected, options.seen_share * radius_m);
   const double from_laser_m = (inverse(laser.robot_from_laser) * expected).norm();
   // What ends there may be the other robot, its barcode unread.
-  return hit_m && *hit_m > from_laser_m + beyond_m;
+  return hit_m && *hit_m > from_laser_m + options.beyond_m;
 }
 
 void Rendezvous::choose(const Map& map, const std::map<std::string, Robot>& robots,
-                        std::span<const UndecidedHypothesis> undecided, std::int64_t now_utime) {
-  next_choice_utime_ = now_utime + choice_interval_us;
+                        std::span<const UndecidedHypothesis> undecided, const EngineOptions& options,
+                        std::int64_t now_utime) {
+  const RendezvousOptions& its = options.rendezvous;
+  next_choice_utime_ = now_utime + its.choice_interval_us;
   double kept_value = 0;
   if (meeting_) {
     const UndecidedHypothesis* still = find(undecided, meeting_->hypothesis.id);
@@ -105,32 +95,33 @@ void Rendezvous::choose(const Map& map, const std::map<std::string, Robot>& robo
   });
   int plans = 0;
   for (const UndecidedHypothesis& hypothesis : by_value) {
-    if (meeting_ && hypothesis.value <= worth_turning_for * kept_value) return;
+    if (meeting_ && hypothesis.value <= its.worth_turning_for * kept_value) return;
     if (meeting_ && hypothesis.id == meeting_->hypothesis.id) continue;
-    if (plans++ == most_plans) break;
-    std::optional<MeetingPlan> planned = plan_meeting(map, robots, hypothesis);
+    if (plans++ == its.max_plans) break;
+    std::optional<MeetingPlan> planned = plan_meeting(map, robots, hypothesis, options.meeting);
     if (!planned) continue;
     meeting_ = std::move(planned);
     watch_ = {};
     return;
   }
-  if (plans > 0) next_choice_utime_ = now_utime + retry_interval_us;
+  if (plans > 0) next_choice_utime_ = now_utime + its.retry_interval_us;
 }
 
 std::optional<ClosureId> Rendezvous::take_scan(const Map& map, const std::map<std::string, Robot>& robots,
                                                const std::string& robot, const Scan& scan,
-                                               std::int64_t now_utime) {
+                                               const RendezvousOptions& options, std::int64_t now_utime) {
   if (!meeting_ || (robot != meeting_->a.robot && robot != meeting_->b.robot)) return std::nullopt;
   Watch& watch = watch_[robot == meeting_->a.robot ? 0 : 1];
-  if (!watches_for_the_other(map, robots, *meeting_, robot, scan)) {
+  if (!watches_for_the_other(map, robots, *meeting_, robot, scan, options)) {
     watch = {};
     return std::nullopt;
   }
-  if (watch.since_utime == 0 || now_utime - watch.last_utime > longest_gap_us) watch.since_utime = now_utime;
+  if (watch.since_utime == 0 || now_utime - watch.last_utime > options.max_gap_us)
+    watch.since_utime = now_utime;
   watch.last_utime = now_utime;
   const bool both = std::ranges::all_of(watch_, [&](const Watch& one) {
-    return one.since_utime != 0 && now_utime - one.last_utime <= longest_gap_us &&
-           now_utime - one.since_utime >= watch_us;
+    return one.since_utime != 0 && now_utime - one.last_utime <= options.max_gap_us &&
+           now_utime - one.since_utime >= options.watch_us;
   });
   if (!both) return std::nullopt;
   const ClosureId refuted = meeting_->hypothesis.id;

@@ -8,6 +8,7 @@
 #include <string>
 #include <tuple>
 
+#include "server/engine/input/engine_options.hpp"
 #include "server/engine/rendezvous/meeting_plan.hpp"
 
 namespace isthmus {
@@ -20,14 +21,16 @@ class Rendezvous {
   /// Chooses a meeting, or drops one whose hypothesis is decided or whose robots have left. Looks at the
   /// hypotheses only now and then; see is_due.
   void choose(const Map& map, const std::map<std::string, Robot>& robots,
-              std::span<const UndecidedHypothesis> undecided, std::int64_t now_utime);
+              std::span<const UndecidedHypothesis> undecided, const EngineOptions& options,
+              std::int64_t now_utime);
   /// Whether it is time to choose again.
   bool is_due(std::int64_t now_utime) const { return now_utime >= next_choice_utime_; }
 
   /// A scan of a robot that has just been placed. Returns the hypothesis that nobody's presence refutes, if
   /// this scan completes the evidence.
   std::optional<ClosureId> take_scan(const Map& map, const std::map<std::string, Robot>& robots,
-                                     const std::string& robot, const Scan& scan, std::int64_t now_utime);
+                                     const std::string& robot, const Scan& scan,
+                                     const RendezvousOptions& options, std::int64_t now_utime);
   /// One robot saw another, rightly or wrongly: that evidence begins anew.
   void take_sighting(const std::string& observer, const std::string& target);
 
@@ -54,6 +57,7 @@ class Rendezvous {
 /// Whether a robot stands in its place and faces where the other would be, were the hypothesis true, and its
 /// scan shows nothing there nor in between.
 bool watches_for_the_other(const Map& map, const std::map<std::string, Robot>& robots,
-                           const MeetingPlan& meeting, const std::string& robot, const Scan& scan);
+                           const MeetingPlan& meeting, const std::string& robot, const Scan& scan,
+                           const RendezvousOptions& options = {});
 
 }  // namespace isthmus

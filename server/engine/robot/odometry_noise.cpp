@@ -7,63 +7,69 @@
 namespace isthmus {
 namespace {
 
-// Variances at scale 1. They grow with the way, as those of a random walk do, from a floor of what encoders
-// resolve.
 struct Variances {
   double translation;  // m², per axis
   double rotation;     // rad²
 };
 
-Variances base_variances(const Pose& step) {
+// At scale 1.
+Variances base_variances(const Pose& step, const OdometryNoiseOptions& options) {
   const double way_m = std::hypot(step.x, step.y);
   const double turn_rad = std::abs(step.yaw);
-  return {3.2e-4 * way_m + 1e-4 * turn_rad + 4e-6, 8e-5 * way_m + 5e-4 * turn_rad + 4e-6};
+  return {options.translation_per_m * way_m + options.translation_per_rad * turn_rad +
+              options.translation_floor_m2,
+          options.rotation_per_m * way_m + options.rotation_per_rad * turn_rad + options.rotation_floor_rad2};
 }
 
 }  // namespace
 
-Eigen::Matrix3d OdometryNoise::covariance(const Pose& step) const {
-  const Variances base = base_variances(step);
+OdometryNoise::OdometryNoise(const OdometryNoiseOptions& options)
+    : scale_{options.first_scale, options.first_scale}, path_variance_scale_(options.first_path_scale) {}
+
+Eigen::Matrix3d OdometryNoise::covariance(const Pose& step, const OdometryNoiseOptions& options) const {
+  const Variances base = base_variances(step, options);
   const double translation = base.translation * scale_[0] * scale_[0];
   const double rotation = base.rotation * scale_[1] * scale_[1];
   return Eigen::Vector3d(translation, translation, rotation).asDiagonal();
 }
 
 void OdometryNoise::learn(const Pose& odometry_step, const Pose& matched_step,
-                          const Eigen::Matrix2d& direction_trust) {
-  constexpr double forgetting = 0.005;
-  constexpr double least = 0.3;
-  constexpr double most = 20;
-  constexpr double well_known = 0.8;
+                          const Eigen::Matrix2d& direction_trust, const OdometryNoiseOptions& options) {
   // A robot at rest tells only how matching trembles.
-  if (std::hypot(odometry_step.x, odometry_step.y) < 0.01 && std::abs(odometry_step.yaw) < 0.005) return;
-  const Variances base = base_variances(odometry_step);
+  if (std::hypot(odometry_step.x, odometry_step.y) < options.rest_m &&
+      std::abs(odometry_step.yaw) < options.rest_rad)
+    return;
+  const Variances base = base_variances(odometry_step, options);
+  const double outlier = options.outlier_sigmas * options.outlier_sigmas;
   const auto update = [&](double& scale, double off, double base_variance) {
     const double variance = scale * scale;
-    const double seen = std::min(off * off / base_variance, 16 * variance);
-    scale = std::clamp(std::sqrt((1 - forgetting) * variance + forgetting * seen), least, most);
+    const double seen = std::min(off * off / base_variance, outlier * variance);
+    scale = std::clamp(std::sqrt((1 - options.forgetting) * variance + options.forgetting * seen),
+                       options.min_scale, options.max_scale);
   };
   update(scale_[1], wrap_angle(matched_step.yaw - odometry_step.yaw), base.rotation);
   const Eigen::Vector2d way(odometry_step.x, odometry_step.y);
-  if (way.norm() < 0.01) return;
+  if (way.norm() < options.rest_m) return;
   const Eigen::Vector2d along = way.normalized();
-  if (along.dot(direction_trust * along) < well_known) return;
+  if (along.dot(direction_trust * along) < options.well_known) return;
   update(scale_[0], along.dot(Eigen::Vector2d(matched_step.x, matched_step.y) - way), base.translation);
 }
 
 Eigen::Matrix3d OdometryNoise::path_covariance(const Pose& odometry_path,
                                                const Eigen::Matrix3d& summed_covariance,
-                                               const Pose& matched_path, bool well_seen) {
-  constexpr double forgetting = 0.05;
-  constexpr double plausible = 7.8;  // 95 % of chi² of three
+                                               const Pose& matched_path, bool well_seen,
+                                               const OdometryNoiseOptions& options) {
   Eigen::Vector3d off = to_vector(matched_path) - to_vector(odometry_path);
   off.z() = wrap_angle(off.z());
   const double squared = off.dot(summed_covariance.inverse() * off);
   if (well_seen) {
-    const double seen = std::min(squared / 3, 16 * path_variance_scale_);
-    path_variance_scale_ = std::max(0.25, (1 - forgetting) * path_variance_scale_ + forgetting * seen);
+    const double outlier = options.outlier_sigmas * options.outlier_sigmas;
+    const double seen = std::min(squared / 3, outlier * path_variance_scale_);
+    path_variance_scale_ =
+        std::max(options.min_path_scale,
+                 (1 - options.path_forgetting) * path_variance_scale_ + options.path_forgetting * seen);
   }
-  return summed_covariance * std::max(path_variance_scale_, squared / plausible);
+  return summed_covariance * std::max(path_variance_scale_, squared / options.plausible_path);
 }
 
 }  // namespace isthmus

@@ -9,13 +9,14 @@ namespace isthmus {
 namespace {
 
 // Places nearer than this to the one before them tell nothing new.
-bool near_by(const PastPlace& a, const PastPlace& b) {
+bool near_by(const PastPlace& a, const PastPlace& b, const PoseHistoryOptions& options) {
   const Pose step = ominus(b.odom_from_robot, a.odom_from_robot);
-  return a.session == b.session && a.pose.patch == b.pose.patch && b.utime - a.utime < 500'000 &&
-         std::hypot(step.x, step.y) < 0.05 && std::abs(step.yaw) < 0.05;
+  return a.session == b.session && a.pose.patch == b.pose.patch && b.utime - a.utime < options.near_us &&
+         std::hypot(step.x, step.y) < options.near_m && std::abs(step.yaw) < options.near_rad;
 }
 
-PastPlace moved_on(const PastPlace& from, const Pose& step, const OdometryNoise& noise, std::int64_t utime) {
+PastPlace moved_on(const PastPlace& from, const Pose& step, const OdometryNoise& noise,
+                   const OdometryNoiseOptions& noise_options, std::int64_t utime) {
   PastPlace place = from;
   const Pose& r = from.pose.patch_from_object;
   const ComposeJacobians j = compose_jacobians(r, step);
@@ -23,42 +24,42 @@ PastPlace moved_on(const PastPlace& from, const Pose& step, const OdometryNoise&
   place.pose.patch_from_object = r * step;
   place.odom_from_robot = from.odom_from_robot * step;
   place.covariance = j.by_left * from.covariance * j.by_left.transpose() +
-                     j.by_right * noise.covariance(step) * j.by_right.transpose();
+                     j.by_right * noise.covariance(step, noise_options) * j.by_right.transpose();
   return place;
 }
 
 }  // namespace
 
-void PoseHistory::add(const PastPlace& place) {
+void PoseHistory::add(const PastPlace& place, const PoseHistoryOptions& options) {
   // The newest is always kept; the one before it goes where it was near the one before that.
-  if (places_.size() > 1 && places_.back().utime < place.utime && near_by(places_[places_.size() - 2], place))
+  if (places_.size() > 1 && places_.back().utime < place.utime &&
+      near_by(places_[places_.size() - 2], place, options))
     places_.pop_back();
   auto after = places_.end();
   while (after != places_.begin() && std::prev(after)->utime > place.utime) --after;
   places_.insert(after, place);
   ++since_thinned_;
   if (places_.size() <= most_places) return;
-  if (since_thinned_ >= most_places / 4) thin();
+  if (since_thinned_ >= most_places / 4) thin(options);
   if (places_.size() > most_places) places_.pop_front();
 }
 
-// Leaves the newest minute as it is: most sightings are of it.
-void PoseHistory::thin() {
-  constexpr std::int64_t spacing_us = 400'000, newest_us = 60'000'000;
+void PoseHistory::thin(const PoseHistoryOptions& options) {
   since_thinned_ = 0;
   std::deque<PastPlace> kept;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const PastPlace& place = places_[i];
     const bool between = !kept.empty() && i + 1 < places_.size() && place.session == kept.back().session &&
                          place.session == places_[i + 1].session &&
-                         places_[i + 1].utime - kept.back().utime <= spacing_us;
-    if (!between || place.utime > places_.back().utime - newest_us) kept.push_back(place);
+                         places_[i + 1].utime - kept.back().utime <= options.spacing_us;
+    if (!between || place.utime > places_.back().utime - options.newest_us) kept.push_back(place);
   }
   places_ = std::move(kept);
 }
 
 std::optional<PastPlace> PoseHistory::at(std::int64_t utime, const OdometryTrack& odometry,
-                                         const OdometryNoise& noise) const {
+                                         const OdometryNoise& noise,
+                                         const OdometryNoiseOptions& noise_options) const {
   const auto after = std::upper_bound(places_.begin(), places_.end(), utime,
                                       [](std::int64_t time, const PastPlace& p) { return time < p.utime; });
   if (after == places_.begin()) return std::nullopt;
@@ -68,11 +69,11 @@ std::optional<PastPlace> PoseHistory::at(std::int64_t utime, const OdometryTrack
     const Pose step = ominus(after->odom_from_robot, before.odom_from_robot);
     const double share =
         static_cast<double>(utime - before.utime) / static_cast<double>(after->utime - before.utime);
-    return moved_on(before, {share * step.x, share * step.y, share * step.yaw}, noise, utime);
+    return moved_on(before, {share * step.x, share * step.y, share * step.yaw}, noise, noise_options, utime);
   }
   const std::optional<Pose> odom_from_robot = odometry.at(utime);
   if (!odom_from_robot) return std::nullopt;
-  return moved_on(before, ominus(*odom_from_robot, before.odom_from_robot), noise, utime);
+  return moved_on(before, ominus(*odom_from_robot, before.odom_from_robot), noise, noise_options, utime);
 }
 
 }  // namespace isthmus

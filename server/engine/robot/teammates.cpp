@@ -7,12 +7,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double margin_m = 0.15;
-constexpr double speed_mps = 0.7;     // how fast a robot may leave where it was seen
-constexpr double most_slack_m = 0.5;  // a wider circle would take walls away
-constexpr std::int64_t seen_us = 1'500'000;
-constexpr std::int64_t placed_us = 30'000'000;  // of event time: a robot unheard of for longer may be gone
-
 double age_s(std::int64_t a, std::int64_t b) { return std::abs(static_cast<double>(a - b)) * 1e-6; }
 
 double sigma_m(const Eigen::Matrix3d& covariance) {
@@ -36,27 +30,32 @@ void note_teammate(Robot& robot, const SightingEvent& sighting, const std::strin
 }
 
 std::vector<Body> teammates_around(const Map& map, const std::map<std::string, Robot>& robots,
-                                   const Robot& robot, const Pose& odom_from_robot, std::int64_t utime) {
+                                   const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
+                                   const TeammateOptions& options) {
+  const auto slack_m = [&](double sigma_m, double age_s) {
+    return std::min(options.max_slack_m, options.slack_sigmas * sigma_m + options.speed_m_per_s * age_s);
+  };
   std::vector<Body> bodies;
   const Pose robot_from_odom = inverse(odom_from_robot);
   for (const auto& [name, seen] : robot.seen) {
-    if (std::abs(seen.utime - utime) > seen_us) continue;
-    const double slack = std::min(most_slack_m, 2 * seen.sigma_m + speed_mps * age_s(seen.utime, utime));
-    bodies.push_back({robot_from_odom * seen.odom_position, footprint_m(robots, name) + margin_m + slack});
+    if (std::abs(seen.utime - utime) > options.seen_us) continue;
+    const double slack = slack_m(seen.sigma_m, age_s(seen.utime, utime));
+    bodies.push_back(
+        {robot_from_odom * seen.odom_position, footprint_m(robots, name) + options.margin_m + slack});
   }
   if (!robot.place) return bodies;
   const IslandId island = map.graph().island(robot.place->pose.patch);
   const Pose map_from_robot =
       map.manifold().project(robot.place->pose) * ominus(odom_from_robot, robot.place->odom_from_robot);
   for (const auto& [name, other] : robots) {
-    if (&other == &robot || !other.place || std::abs(other.place->utime - utime) > placed_us) continue;
+    if (&other == &robot || !other.place || std::abs(other.place->utime - utime) > options.placed_us)
+      continue;
     if (map.graph().island(other.place->pose.patch) != island) continue;
     const Pose its = map.manifold().project(other.place->pose);
-    const double age = std::min(0.5, age_s(other.place->utime, utime));
+    const double age = std::min(options.max_age_s, age_s(other.place->utime, utime));
     const double sigma = std::hypot(sigma_m(other.place->covariance), sigma_m(robot.place->covariance));
     bodies.push_back({inverse(map_from_robot) * Eigen::Vector2d(its.x, its.y),
-                      other.declaration.footprint_radius_m + margin_m +
-                          std::min(most_slack_m, 2 * sigma + speed_mps * age)});
+                      other.declaration.footprint_radius_m + options.margin_m + slack_m(sigma, age)});
   }
   return bodies;
 }

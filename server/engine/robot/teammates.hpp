@@ -22,7 +22,8 @@ void note_teammate(Robot& robot, const SightingEvent& sighting, const std::strin
 /// The bodies of the robots just seen, and of those that the map predicts, around a robot whose odometry at a
 /// stamp is given.
 std::vector<Body> teammates_around(const Map& map, const std::map<std::string, Robot>& robots,
-                                   const Robot& robot, const Pose& odom_from_robot, std::int64_t utime);
+                                   const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
+                                   const TeammateOptions& options = {});
 
 /// The scan without the beams that end on a body.
 Scan without_bodies(const Scan& scan, const Laser& laser, const std::vector<Body>& bodies);

@@ -9,8 +9,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double least_baseline_m = 0.4;
-
 // A residual of range and bearing, whitened, by (x, y, yaw) of first_from_second.
 struct Residual {
   int rows = 0;
@@ -35,7 +33,7 @@ Eigen::Matrix<double, 2, 3> by_charts(const ChartSighting& s, const Pose& first_
   return Eigen::Rotation2Dd(observer_from_chart_rad).toRotationMatrix() * by_pose;
 }
 
-Residual residual_of(const ChartSighting& s, const Pose& first_from_second) {
+Residual residual_of(const ChartSighting& s, const Pose& first_from_second, const AlignmentOptions& options) {
   const Pose chart_from_chart = s.observer_in_first ? first_from_second : inverse(first_from_second);
   const Pose observer_from_chart = inverse(s.chart_from_observer);
   const Eigen::Vector2d seen = observer_from_chart * (chart_from_chart * s.target);
@@ -48,7 +46,7 @@ Residual residual_of(const ChartSighting& s, const Pose& first_from_second) {
   Eigen::Matrix<double, 2, 3> by_observer;
   by_observer << -1, 0, seen.y(), 0, -1, -seen.x();
   Eigen::Matrix2d covariance = by_observer * s.observer_covariance * by_observer.transpose();
-  covariance.diagonal().array() += s.target_variance + sighting_floor_m * sighting_floor_m;
+  covariance.diagonal().array() += s.target_variance + options.floor_m * options.floor_m;
 
   Residual residual;
   const auto add = [&](const Eigen::Vector2d& direction, double off, double variance, double scale) {
@@ -60,7 +58,7 @@ Residual residual_of(const ChartSighting& s, const Pose& first_from_second) {
     add(radial, range - s.range_m, s.range_sigma_m * s.range_sigma_m + radial.dot(covariance * radial), 1);
   if (s.has_bearing())
     add(across, wrap_angle(std::atan2(seen.y(), seen.x()) - s.bearing_rad),
-        s.bearing_sigma_rad * s.bearing_sigma_rad + sighting_floor_rad * sighting_floor_rad +
+        s.bearing_sigma_rad * s.bearing_sigma_rad + options.floor_rad * options.floor_rad +
             across.dot(covariance * across) / (range * range),
         1 / range);
   return residual;
@@ -87,28 +85,30 @@ std::vector<Tie> ties_of(std::span<const ChartSighting> sightings) {
 }
 
 // Two points of the second chart laid on two of the first; nothing where their distances disagree.
-std::optional<Pose> lay(const Tie& a, const Tie& b) {
+std::optional<Pose> lay(const Tie& a, const Tie& b, const AlignmentOptions& options) {
   const Eigen::Vector2d first = b.first - a.first;
   const Eigen::Vector2d second = b.second - a.second;
   const double length = first.norm();
-  if (length < least_baseline_m || second.norm() < least_baseline_m) return std::nullopt;
-  if (std::abs(length - second.norm()) > 0.4 + 0.1 * length) return std::nullopt;
+  if (length < options.min_baseline_m || second.norm() < options.min_baseline_m) return std::nullopt;
+  if (std::abs(length - second.norm()) > options.length_slack_m + options.length_slack_share * length)
+    return std::nullopt;
   const double yaw = wrap_angle(std::atan2(first.y(), first.x()) - std::atan2(second.y(), second.x()));
   const Eigen::Vector2d middle = 0.5 * (a.first + b.first) - rotate(yaw, 0.5 * (a.second + b.second));
   return Pose{middle.x(), middle.y(), yaw};
 }
 
-std::vector<std::size_t> supporters_of(std::span<const ChartSighting> sightings, const Pose& pose) {
+std::vector<std::size_t> supporters_of(std::span<const ChartSighting> sightings, const Pose& pose,
+                                       const AlignmentOptions& options) {
   std::vector<std::size_t> supporters;
   for (std::size_t i = 0; i < sightings.size(); ++i)
-    if (agrees(sightings[i], pose)) supporters.push_back(i);
+    if (agrees(sightings[i], pose, options)) supporters.push_back(i);
   return supporters;
 }
 
 double cost(std::span<const ChartSighting> sightings, std::span<const std::size_t> supporters,
-            const Pose& pose) {
+            const Pose& pose, const AlignmentOptions& options) {
   double sum = 0;
-  for (const std::size_t i : supporters) sum += chi_squared(sightings[i], pose);
+  for (const std::size_t i : supporters) sum += chi_squared(sightings[i], pose, options);
   return sum;
 }
 
@@ -128,17 +128,19 @@ double widest(std::span<const Tie> ties, std::span<const std::size_t> supporters
 bool ChartSighting::has_range() const { return std::isfinite(range_sigma_m); }
 bool ChartSighting::has_bearing() const { return std::isfinite(bearing_sigma_rad); }
 
-double chi_squared(const ChartSighting& sighting, const Pose& first_from_second) {
-  return residual_of(sighting, first_from_second).e.squaredNorm();
+double chi_squared(const ChartSighting& sighting, const Pose& first_from_second,
+                   const AlignmentOptions& options) {
+  return residual_of(sighting, first_from_second, options).e.squaredNorm();
 }
 
-bool agrees(const ChartSighting& sighting, const Pose& first_from_second) {
-  const double most = sighting.has_range() && sighting.has_bearing() ? 13.8 : 10.8;
-  return chi_squared(sighting, first_from_second) <= most;
+bool agrees(const ChartSighting& sighting, const Pose& first_from_second, const AlignmentOptions& options) {
+  const bool both = sighting.has_range() && sighting.has_bearing();
+  return chi_squared(sighting, first_from_second, options) <=
+         (both ? options.max_disagreement_two : options.max_disagreement_one);
 }
 
 Alignment refine(std::span<const ChartSighting> sightings, std::vector<std::size_t> supporters,
-                 const Pose& start) {
+                 const Pose& start, const AlignmentOptions& options) {
   Alignment alignment;
   Pose pose = start;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -146,7 +148,7 @@ Alignment refine(std::span<const ChartSighting> sightings, std::vector<std::size
     information.setZero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     for (const std::size_t i : supporters) {
-      const Residual r = residual_of(sightings[i], pose);
+      const Residual r = residual_of(sightings[i], pose, options);
       information += r.by_pose.transpose() * r.by_pose;
       gradient += r.by_pose.transpose() * r.e;
     }
@@ -165,18 +167,19 @@ Alignment refine(std::span<const ChartSighting> sightings, std::vector<std::size
   return alignment;
 }
 
-std::optional<Alignment> best_alignment(std::span<const ChartSighting> sightings) {
+std::optional<Alignment> best_alignment(std::span<const ChartSighting> sightings,
+                                        const AlignmentOptions& options) {
   const std::vector<Tie> ties = ties_of(sightings);
   std::vector<std::size_t> best;
   Pose best_pose;
   double best_cost = 0;
   for (std::size_t i = 0; i < ties.size(); ++i) {
     for (std::size_t j = i + 1; j < ties.size(); ++j) {
-      const std::optional<Pose> pose = lay(ties[i], ties[j]);
+      const std::optional<Pose> pose = lay(ties[i], ties[j], options);
       if (!pose) continue;
-      std::vector<std::size_t> supporters = supporters_of(sightings, *pose);
+      std::vector<std::size_t> supporters = supporters_of(sightings, *pose, options);
       if (supporters.size() < 2 || supporters.size() < best.size()) continue;
-      const double its_cost = cost(sightings, supporters, *pose);
+      const double its_cost = cost(sightings, supporters, *pose, options);
       if (supporters.size() == best.size() && its_cost >= best_cost) continue;
       best = std::move(supporters);
       best_pose = *pose;
@@ -184,27 +187,23 @@ std::optional<Alignment> best_alignment(std::span<const ChartSighting> sightings
     }
   }
   if (best.size() < 2) return std::nullopt;
-  Alignment alignment = refine(sightings, best, best_pose);
+  Alignment alignment = refine(sightings, best, best_pose, options);
   // What agrees with the refined pose; twice is enough to settle.
   for (int round = 0; round < 2; ++round) {
-    std::vector<std::size_t> supporters = supporters_of(sightings, alignment.first_from_second);
+    std::vector<std::size_t> supporters = supporters_of(sightings, alignment.first_from_second, options);
     if (supporters == alignment.supporters || supporters.size() < alignment.supporters.size()) break;
-    alignment = refine(sightings, std::move(supporters), alignment.first_from_second);
+    alignment = refine(sightings, std::move(supporters), alignment.first_from_second, options);
   }
   // Its supporters are those that agree with it as it is now.
-  std::vector<std::size_t> still = supporters_of(sightings, alignment.first_from_second);
+  std::vector<std::size_t> still = supporters_of(sightings, alignment.first_from_second, options);
   if (still.size() < alignment.supporters.size())
-    alignment = refine(sightings, std::move(still), alignment.first_from_second);
+    alignment = refine(sightings, std::move(still), alignment.first_from_second, options);
   if (alignment.supporters.size() < 2) return std::nullopt;
   return alignment;
 }
 
 bool ready(const Alignment& alignment, std::span<const ChartSighting> sightings, std::int64_t now_utime,
-           bool no_more_waiting) {
-  constexpr std::int64_t rival_us = 10'000'000;
-  constexpr std::int64_t lone_pair_us = 3'000'000;
-  constexpr int enough_supporters = 3;
-  constexpr double one_way_baseline_m = 1;
+           bool no_more_waiting, const AlignmentOptions& options) {
   std::int64_t from = sightings[alignment.supporters.front()].utime;
   std::int64_t to = from;
   for (const std::size_t i : alignment.supporters) {
@@ -214,13 +213,15 @@ bool ready(const Alignment& alignment, std::span<const ChartSighting> sightings,
   int rivals = 0;
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     const bool supports = std::ranges::find(alignment.supporters, i) != alignment.supporters.end();
-    if (!supports && sightings[i].utime >= from - rival_us && sightings[i].utime <= to + rival_us) ++rivals;
+    const bool near =
+        sightings[i].utime >= from - options.rival_us && sightings[i].utime <= to + options.rival_us;
+    if (!supports && near) ++rivals;
   }
   const auto supporters = static_cast<int>(alignment.supporters.size());
   if (supporters <= rivals) return false;
   if (!alignment.two_way)
-    return supporters >= enough_supporters && alignment.baseline_m >= one_way_baseline_m;
-  return supporters >= enough_supporters || no_more_waiting || now_utime > to + lone_pair_us;
+    return supporters >= options.min_supporters && alignment.baseline_m >= options.one_way_baseline_m;
+  return supporters >= options.min_supporters || no_more_waiting || now_utime > to + options.lone_pair_us;
 }
 
 }  // namespace isthmus

@@ -6,12 +6,6 @@
 namespace isthmus {
 namespace {
 
-// Successive sightings err together (a camera's calibration, a blurred code, a late stamp), and each is a
-// relation of its own.
-constexpr double correlation = 2;  // factor on sigmas
-constexpr double robust_scale = 3;
-constexpr double no_yaw_sigma_rad = 100;  // a tag's yaw means nothing, but a fit needs one
-
 Eigen::Vector2d position(const Pose& pose) { return {pose.x, pose.y}; }
 
 // A covariance of (x, y, yaw) with its position turned into the pose's own axes.
@@ -25,21 +19,22 @@ double position_variance(const Eigen::Matrix3d& covariance) {
   return 0.5 * covariance.topLeftCorner<2, 2>().trace();
 }
 
-Vector5d yaw_row(bool sine) {
+Vector5d yaw_row(bool sine, double sigma_rad) {
   Vector5d row = Vector5d::Zero();
-  row(sine ? 1 : 0) = 1 / no_yaw_sigma_rad;
-  if (!sine) row(4) = -1 / no_yaw_sigma_rad;
+  row(sine ? 1 : 0) = 1 / sigma_rad;
+  if (!sine) row(4) = -1 / sigma_rad;
   return row;
 }
 
-Relation related(const Evidence& evidence, RelationKind kind, Measurement measurement, ClosureId closure) {
+Relation related(const Evidence& evidence, RelationKind kind, Measurement measurement, ClosureId closure,
+                 const EvidenceOptions& options) {
   Relation relation;
   relation.a = evidence.observer.pose.patch;
   relation.b = evidence.target_place->pose.patch;
   relation.kind = kind;
   relation.measurement = std::move(measurement);
   relation.origin = {OriginKind::sighting, closure, static_cast<std::int32_t>(evidence.record)};
-  relation.robust_scale = robust_scale;
+  relation.robust_scale = options.robust_scale;
   return relation;
 }
 
@@ -86,14 +81,13 @@ std::optional<Eigen::Vector2d> measured_point(const Map& map, const Evidence& ev
          Eigen::Vector2d(s.range_m * std::cos(s.bearing_rad), s.range_m * std::sin(s.bearing_rad));
 }
 
-bool PointConsensus::enough() const {
-  constexpr std::size_t enough_supporters = 3;
-  constexpr double enough_apart_m = 0.5;
-  return supporters.size() >= enough_supporters || (supporters.size() >= 2 && apart_m >= enough_apart_m);
+bool PointConsensus::enough(const EvidenceOptions& options) const {
+  return supporters.size() >= options.min_supporters ||
+         (supporters.size() >= 2 && apart_m >= options.min_apart_m);
 }
 
 PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& pool,
-                                const std::vector<std::size_t>& members) {
+                                const std::vector<std::size_t>& members, const AlignmentOptions& options) {
   PointConsensus best;
   for (const std::size_t i : members) {
     const std::optional<Eigen::Vector2d> point = measured_point(map, pool[i]);
@@ -102,7 +96,7 @@ PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& poo
     const double sigma = std::max(s.range_sigma_m, s.range_m * s.bearing_sigma_rad);
     std::vector<std::size_t> agreeing;
     for (const std::size_t j : members)
-      if (j == i || agrees(chart_sighting_of_point(map, pool[j], *point, sigma * sigma), Pose{}))
+      if (j == i || agrees(chart_sighting_of_point(map, pool[j], *point, sigma * sigma), Pose{}, options))
         agreeing.push_back(j);
     if (agreeing.size() > best.supporters.size()) best.supporters = std::move(agreeing);
   }
@@ -121,7 +115,8 @@ PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& poo
   return best;
 }
 
-std::optional<Relation> sighting_relation(const Map& map, const Evidence& evidence, ClosureId closure) {
+std::optional<Relation> sighting_relation(const Map& map, const Evidence& evidence, ClosureId closure,
+                                          const AlignmentOptions& alignment, const EvidenceOptions& options) {
   const SightingEvent& s = evidence.sighting;
   const PatchId a = evidence.observer.pose.patch;
   const PatchId b = evidence.target_place->pose.patch;
@@ -130,34 +125,35 @@ std::optional<Relation> sighting_relation(const Map& map, const Evidence& eviden
   const Eigen::Vector2d point_b = position(evidence.target_place->pose.patch_from_object);
   const Eigen::Matrix3d own = in_own_axes(evidence.observer.covariance, a_from_observer.yaw);
   const double variance = position_variance(evidence.target_place->covariance) + position_variance(own) +
-                          sighting_floor_m * sighting_floor_m;
-  const double yaw_variance = own(2, 2) + sighting_floor_rad * sighting_floor_rad;
+                          alignment.floor_m * alignment.floor_m;
+  const double yaw_variance = own(2, 2) + alignment.floor_rad * alignment.floor_rad;
   const bool has_range = std::isfinite(s.range_sigma_m);
   const bool has_bearing = std::isfinite(s.bearing_sigma_rad);
-  const double range_sigma = correlation * std::sqrt(s.range_sigma_m * s.range_sigma_m + variance);
-  const double range = std::max(has_range ? s.range_m : 1.0, 0.1);
+  const double range_sigma = options.correlation * std::sqrt(s.range_sigma_m * s.range_sigma_m + variance);
+  const double range = std::max(has_range ? s.range_m : options.no_range_m, options.min_range_m);
   const double bearing_variance = s.bearing_sigma_rad * s.bearing_sigma_rad + yaw_variance;
   if (!has_bearing) {
     return related(evidence, RelationKind::range,
-                   Range{position(a_from_observer), point_b, s.range_m, range_sigma}, closure);
+                   Range{position(a_from_observer), point_b, s.range_m, range_sigma}, closure, options);
   }
   if (!has_range) {
     return related(evidence, RelationKind::bearing,
                    Bearing{a_from_observer, point_b, s.bearing_rad,
-                           correlation * std::sqrt(bearing_variance + variance / (range * range))},
-                   closure);
+                           options.correlation * std::sqrt(bearing_variance + variance / (range * range))},
+                   closure, options);
   }
-  const double across_sigma = correlation * std::sqrt(bearing_variance * range * range + variance);
+  const double across_sigma = options.correlation * std::sqrt(bearing_variance * range * range + variance);
   const Eigen::Vector2d radial = rotate(a_from_observer.yaw + s.bearing_rad, Eigen::Vector2d(1, 0));
   const Eigen::Vector2d seen = position(a_from_observer) + s.range_m * radial;
   QuadraticFormBuilder form;
   form.point_on_line(point_b, seen, radial, range_sigma);
   form.point_on_line(point_b, seen, {-radial.y(), radial.x()}, across_sigma);
   if (map.manifold().patch(b).tag >= 0) {
-    form.row(yaw_row(true));
-    form.row(yaw_row(false));
+    form.row(yaw_row(true, options.no_yaw_sigma_rad));
+    form.row(yaw_row(false, options.no_yaw_sigma_rad));
   }
-  return related(evidence, RelationKind::range_bearing, Correspondences{form.build(), 1, {}}, closure);
+  return related(evidence, RelationKind::range_bearing, Correspondences{form.build(), 1, {}}, closure,
+                 options);
 }
 
 }  // namespace isthmus

@@ -59,7 +59,7 @@ Judgement MapJudge::judge(const Map& map, const Evidence& evidence, const Engine
   std::int64_t& weighed_utime = weighed_utime_[{evidence.sighting.robot, evidence.target}];
   if (fits && std::abs(evidence.sighting.utime - weighed_utime) < weighing_us) return Judgement::agrees;
   const std::optional<double> variance =
-      target_variance(map, evidence, scans ? options.confidence_patches : most_without_scans);
+      target_variance(map, evidence, scans ? options.surroundings.confidence_patches : most_without_scans);
   if (!variance) return Judgement::unknown;
   chart.target_variance += *variance;
   if (!agrees(chart, Pose{})) return Judgement::contradicts;

@@ -107,7 +107,7 @@ void MutualObservations::judge_again(World world) {
 
 void MutualObservations::refit_next(World world) {
   if (to_refit_.empty()) return;
-  world.map.refit_around(to_refit_.front(), world.options.window_patches);
+  world.map.refit_around(to_refit_.front(), world.options.map_fit.window_patches);
   to_refit_.pop_front();
 }
 

@@ -75,7 +75,7 @@ bool TagPlacer::place(World world, std::int32_t barcode, const std::vector<std::
     observations.set_verdict(std::span(&pool[i], 1), Verdict::accepted, Reason::placed_tag);
     used.insert(i);
   }
-  world.map.refit_around(id, world.options.window_patches);
+  world.map.refit_around(id, world.options.map_fit.window_patches);
   return true;
 }
 

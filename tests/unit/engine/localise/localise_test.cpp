@@ -143,7 +143,7 @@ TEST(Place, BelievesOdometryWhereWallsSayNothing) {
 TEST(Place, AddsTheInformationOfTheBeamsToThatOfOdometry) {
   const Expectation expectation = expecting({0.42, -0.3, 0.2});
   EngineOptions options;
-  options.match_trust = 3;
+  options.localise.match_trust = 3;
   const Placement placement = placed(robot_at({}), expectation, local_map_of(furnished_room()),
                                      furnished_room(), {0.4, -0.3, 0.2}, options);
   ASSERT_TRUE(placement.matched);
@@ -195,7 +195,7 @@ TEST(Place, SearchesAsFarAsItsCovarianceAllows) {
 
 TEST(Place, AsksForABetterScoreFarFromItsExpectation) {
   EngineOptions options;
-  options.restart_score = 1.01;  // more than any match has
+  options.localise.min_score_far = 1.01;  // more than any match has
   const Pose truth{0.4, -0.3, 0.2};
   const auto from = [&](const Pose& expectation) {
     return placed(robot_at({}), expecting(expectation, 0.01, 0.01), local_map_of(furnished_room()),
@@ -207,7 +207,7 @@ TEST(Place, AsksForABetterScoreFarFromItsExpectation) {
 
 TEST(Place, AsksForABetterScoreAfterOdometryThatCannotBeBelieved) {
   EngineOptions options;
-  options.found_score = 1.01;
+  options.localise.min_score_implausible = 1.01;
   const Pose truth{0.4, -0.3, 0.2};
   const auto with = [&](bool plausible, bool suspect) {
     Robot robot = robot_at(truth);
@@ -244,7 +244,7 @@ TEST(Place, GoesWhereAJumpLedToWhereWallsDoNotObject) {
 // Odometry that is off by more than is searched: the robot may have gone on as before, or stand still.
 TEST(Place, TriesMotionAsBeforeAndRest) {
   EngineOptions options;
-  options.match_score = options.restart_score = 0.7;
+  options.localise.min_score = options.localise.min_score_far = 0.7;
   const auto error_m = [&](const Pose& last_step, const Pose& expected, const Pose& truth) {
     Robot robot = robot_at({-1.2, -0.5, 0});
     robot.place->last_step = last_step;

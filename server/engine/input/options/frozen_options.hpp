@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace isthmus {
+
+/// Finding a robot that is somewhere on a finished map, see frozen/finder.hpp. Anchors and windows are those
+/// of place_candidates.
+struct FinderOptions {
+  double max_piece_way_m = 8;
+  double min_piece_way_m = 2;
+  double min_half_window_rad = 0.15;
+  double min_score = 0.6;
+  double agreeing_m = 0.5;
+  double agreeing_rad = 0.1;
+  double agreeing_way_m = 1;
+  std::size_t max_finds = 8;
+  std::size_t max_sketch_patches = 150;
+  std::int64_t step_price_us = 1'000;
+  double evaluation_price_us = 0.4;
+  double decision_steps = 5;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(max_piece_way_m, "max_piece_way_m", "m", "of a robot's way that is searched for");
+    option(min_piece_way_m, "min_piece_way_m", "m", "of its way before it is searched for");
+    option(min_half_window_rad, "min_half_window_rad", "rad",
+           "of a window: one that is too much for one step is searched in halves down to this");
+    option(min_score, "min_score", "share", "of the search at a place that is an answer");
+    option(agreeing_m, "agreeing_m", "m", "within which two finds say the same");
+    option(agreeing_rad, "agreeing_rad", "rad", "within which two finds say the same");
+    option(agreeing_way_m, "agreeing_way_m", "m", "between two finds: less is the same view twice");
+    option(max_finds, "max_finds", "count", "of a robot that wait for another that agrees");
+    option(max_sketch_patches, "max_sketch_patches", "count", "of its sketch, which then begins anew");
+    option(step_price_us, "step_price_us", "µs", "nominal, of one step at least");
+    option(evaluation_price_us, "evaluation_price_us", "µs", "nominal, of an evaluation of the search");
+    option(decision_steps, "decision_steps", "factor", "on step_price_us: of matching what was found");
+  }
+};
+
+/// Following robots over a finished map, see frozen/frozen.hpp.
+struct FrozenOptions {
+  double doubted_m = 2;
+  double doubted_sigma_m = 0.3;
+  double given_up_m = 10;
+  int max_tries = 8;
+  double guess_variance_m2 = 0.09;
+  double guess_variance_rad2 = 0.01;
+  double work_share = 0.3;
+  std::int64_t max_credit_us = 20'000;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(doubted_m, "doubted_m", "m",
+           "of odometry since the last match: the robot's place is a guess, it is looked for elsewhere too");
+    option(doubted_sigma_m, "doubted_sigma_m", "m", "standard deviation of that odometry, for the same");
+    option(given_up_m, "given_up_m", "m", "of it, after which it is looked for elsewhere only");
+    option(max_tries, "max_tries", "count", "of scans matched in vain where the robot was thought to be");
+    option(guess_variance_m2, "guess_variance_m2", "m²", "of each axis where a robot is thought to be");
+    option(guess_variance_rad2, "guess_variance_rad2", "rad²", "of its yaw there");
+    option(work_share, "work_share", "share", "of event time for the search: nothing else is to be done");
+    option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
+  }
+};
+
+}  // namespace isthmus

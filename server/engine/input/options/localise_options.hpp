@@ -1,0 +1,161 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace isthmus {
+
+/// Where a robot is at a scan (Howard et al. 2006, IV-A, steps 1 to 4), see localise/localise.hpp.
+struct LocaliseOptions {
+  double min_score = 0.25;
+  double min_score_far = 0.45;
+  double min_score_implausible = 0.6;
+  double match_trust = 5;
+  double max_speed_m_per_s = 5;
+  double max_turn_rad_per_s = 3.5;
+  double min_period_s = 0.1;
+  double slack_m = 0.3;
+  double slack_rad = 0.5;
+  double restart_jump_m = 0.5;
+  double origin_m = 0.05;
+  double origin_rad = 0.05;
+  double implausible_variance_m2 = 0.25;
+  double implausible_variance_rad2 = 0.1;
+  double match_variance_m2 = 4e-4;
+  double match_variance_rad2 = 1e-4;
+  double far_surprise = 25;
+  double doubted_surprise = 16;
+  double loose_share = 0.04;
+  double loose_gain = 0.02;
+  double other_start_gain = 0.05;
+  double claimed_start_loss = 0.02;
+  double window_sigmas = 3;
+  double min_window_m = 0.4;
+  double max_window_m = 1.5;
+  double min_window_rad = 0.3;
+  double max_window_rad = 1.2;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(min_score, "min_score", "share", "score below which a match is not believed");
+    option(min_score_far, "min_score_far", "share", "the same of one far from where odometry put the robot");
+    option(min_score_implausible, "min_score_implausible", "share",
+           "the same of one after odometry did what no robot does");
+    option(match_trust, "match_trust", "factor",
+           "on a match's information against odometry's, from scan to scan: a match with many patches errs "
+           "less than the nominal noise of its beams, odometry more than its steps say");
+    option(max_speed_m_per_s, "max_speed_m_per_s", "m/s", "of a robot; faster odometry is implausible");
+    option(max_turn_rad_per_s, "max_turn_rad_per_s", "rad/s", "of a robot; faster odometry is implausible");
+    option(min_period_s, "min_period_s", "s", "between scans, for this test: stamps are often coarse");
+    option(slack_m, "slack_m", "m", "that odometry may move beyond that speed");
+    option(slack_rad, "slack_rad", "rad", "that odometry may turn beyond that speed");
+    option(restart_jump_m, "restart_jump_m", "m",
+           "a longer step that ends at odometry's origin is a robot that was switched off and on");
+    option(origin_m, "origin_m", "m", "so near to it, odometry is at its origin,");
+    option(origin_rad, "origin_rad", "rad", "turned by no more than this");
+    option(implausible_variance_m2, "implausible_variance_m2", "m²",
+           "of each axis after implausible odometry, when only matching can tell where the robot is");
+    option(implausible_variance_rad2, "implausible_variance_rad2", "rad²", "the same of the yaw");
+    option(match_variance_m2, "match_variance_m2", "m²",
+           "what matching itself errs by, for the surprise at a match that ends away from the prediction");
+    option(match_variance_rad2, "match_variance_rad2", "rad²", "the same of the yaw");
+    option(far_surprise, "far_surprise", "χ² of 3", "beyond which a match is far from where it was expected");
+    option(doubted_surprise, "doubted_surprise", "χ² of 3", "beyond which other beginnings are tried");
+    option(loose_share, "loose_share", "factor", "on the information of the prediction from there");
+    option(loose_gain, "loose_gain", "share",
+           "that the score must be better by from the same beginning, held loosely");
+    option(other_start_gain, "other_start_gain", "share", "the same from another beginning");
+    option(claimed_start_loss, "claimed_start_loss", "share",
+           "that the score may be worse by where implausible odometry says that the robot is: odometry that "
+           "stood still and then jumps may well be right");
+    option(window_sigmas, "window_sigmas", "sigmas", "half width of the window that is searched at last,");
+    option(min_window_m, "min_window_m", "m", "which is at least this");
+    option(max_window_m, "max_window_m", "m", "and at most this");
+    option(min_window_rad, "min_window_rad", "rad", "the same in yaw: at least");
+    option(max_window_rad, "max_window_rad", "rad", "and at most");
+  }
+};
+
+/// Following a robot over the manifold (eq. 14), and when it is lost, see localise/follow.hpp and mapper.hpp.
+struct FollowOptions {
+  double reselect_m = 0.4;
+  double reselect_rad = 0.3;
+  double clearly_nearer_m = 0.2;
+  double well_seen = 0.8;
+  int max_lost_scans = 8;
+  int unmatched_lost_scans = 3;
+  double unmatched_points = 2;
+  double unmatched_spacing = 0.4;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(reselect_m, "reselect_m", "m", "of motion after which the local map is chosen anew");
+    option(reselect_rad, "reselect_rad", "rad", "or of rotation");
+    option(clearly_nearer_m, "clearly_nearer_m", "m",
+           "by which another patch must be nearer for the robot to change to it");
+    option(well_seen, "well_seen", "share",
+           "determinant of the trust in both directions of the plane, above which a match tells of both");
+    option(max_lost_scans, "max_lost_scans", "count",
+           "of scans in a row, unmatched after implausible odometry: the robot is somewhere else");
+    option(unmatched_lost_scans, "unmatched_lost_scans", "count",
+           "of unmatched scans in a row, after which one may become a patch that odometry alone joins");
+    option(unmatched_points, "unmatched_points", "factor", "on match.min_pairs: points that it must have");
+    option(unmatched_spacing, "unmatched_spacing", "factor",
+           "on the spacing of patches: way or rotation since the last patch");
+  }
+};
+
+/// Which scans become patches (eq. 15), see localise/extend.hpp.
+struct ExtendOptions {
+  double thin_score = 0.5;
+  double turned_score = 0.85;
+  double turned_uncovered_share = 0.05;
+  double here_share = 0.3;
+  double near_reaches = 2;
+  int same_place_hops = 2;
+  std::size_t sampled_beams = 36;
+  double max_sample_m = 8;
+  double min_sample_m = 0.3;
+  double first_sample = 0.4;
+  double second_sample = 0.7;
+  double third_sample = 0.92;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(thin_score, "thin_score", "share", "a match below this is on new ground: worth a patch");
+    option(turned_score, "turned_score", "share",
+           "a match below this, turned away from its neighbours, is worth a patch");
+    option(turned_uncovered_share, "turned_uncovered_share", "share",
+           "of the free area that none of them covers, above which one turned away is worth a patch");
+    option(here_share, "here_share", "factor",
+           "on the spacing of patches: nearer to one than this, a match on new ground adds none");
+    option(near_reaches, "near_reaches", "factor",
+           "on surroundings.reach_m: patches farther away cover nothing here");
+    option(same_place_hops, "same_place_hops", "count",
+           "of relations: so near in the graph, what lies together in the map does so in truth");
+    option(sampled_beams, "sampled_beams", "count", "of the free space, for the share that is covered");
+    option(max_sample_m, "max_sample_m", "m", "free space farther away is not looked at");
+    option(min_sample_m, "min_sample_m", "m", "beams no longer than this are left out");
+    option(first_sample, "first_sample", "share", "of a beam's length at which it is looked at,");
+    option(second_sample, "second_sample", "share", "and again,");
+    option(third_sample, "third_sample", "share", "and again");
+  }
+};
+
+/// Robots without a laser, see localise/footprints.hpp.
+struct FootprintOptions {
+  std::int64_t period_us = 100'000;
+  double way_step_m = 0.15;
+  double min_radius_m = 0.1;
+  int corners = 12;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(period_us, "period_us", "µs", "at least, between two poses that are told");
+    option(way_step_m, "way_step_m", "m", "between the points of the swept way");
+    option(min_radius_m, "min_radius_m", "m", "of the disc that sweeps, whatever the robot declares");
+    option(corners, "corners", "count", "of that disc");
+  }
+};
+
+}  // namespace isthmus

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace isthmus {
+
+/// Which places are searched for what a robot saw last, see places/place_candidates.hpp.
+struct PlaceCandidateOptions {
+  double spacing_m = 4;
+  double half_window_m = 4;
+  double window_margin_m = 1;
+  double reach_m = 5;
+  double min_way_m = 20;
+  double drift_per_way = 0.06;
+  double min_drift_m = 1;
+  double window_sigmas = 3;
+  double systematic_share = 0.012;
+  double systematic_m = 0.2;
+  double systematic_rad_per_m = 0.0004;
+  double systematic_rad = 0.03;
+  double known_half_width_m = 0.6;
+  double slack_rad = 0.1;
+  std::size_t max_places = 40;
+  std::size_t min_island = 6;
+  std::int64_t us_per_patch = 3'000;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(spacing_m, "spacing_m", "m", "between anchors of places");
+    option(half_window_m, "half_window_m", "m", "about an anchor: the next one has the rest");
+    option(window_margin_m, "window_margin_m", "m", "beyond that, on the robot's own island");
+    option(reach_m, "reach_m", "m", "so near, two views overlap");
+    option(min_way_m, "min_way_m", "m", "over the map: nearer, it is the same stretch of way");
+    option(drift_per_way, "drift_per_way", "share", "of the way: more than any map errs before loops close");
+    option(min_drift_m, "min_drift_m", "m", "of that, however short the way");
+    option(window_sigmas, "window_sigmas", "sigmas", "half width of a window");
+    option(systematic_share, "systematic_share", "share",
+           "of the way that maps err by beyond their covariance: no sensor errs at random only (standard "
+           "deviation)");
+    option(systematic_m, "systematic_m", "m", "and however short the way");
+    option(systematic_rad_per_m, "systematic_rad_per_m", "rad/m", "the same of the yaw");
+    option(systematic_rad, "systematic_rad", "rad", "and however short the way");
+    option(known_half_width_m, "known_half_width_m", "m",
+           "of a window: what is known so well is for local loops");
+    option(slack_rad, "slack_rad", "rad", "added to a window's half width in yaw");
+    option(max_places, "max_places", "count", "of one island that are searched");
+    option(min_island, "min_island", "count", "of patches: less is no place");
+    option(us_per_patch, "us_per_patch", "µs",
+           "of event time after which what was looked up is applied, per patch of the map: hardly ever late");
+  }
+};
+
+/// The search for a piece of a robot's way at a place, see places/place_search.hpp.
+struct PlaceSearchOptions {
+  double place_radius_m = 8;
+  std::size_t max_place_patches = 30;
+  double thin_m = 0.15;
+  double apart_m = 1;
+  double apart_rad = 0.26;
+  double reach_m = 14;
+  double coarse_cell_m = 0.2;
+  double coarse_yaw_step_rad = 0.035;
+  double coarse_blur_m = 0.2;
+  long coarse_evaluations = 60'000;
+  double fine_window_m = 0.3;
+  double fine_window_rad = 0.06;
+  double fine_second_share = 0.95;
+  double min_score = 0.45;
+  double min_bent_score = 0.33;
+  double sure_scan_score = 0.6;
+  double max_contradiction = 0.2;
+  double bent_kernel_m = 0.08;
+  int max_points = 250;
+  std::size_t max_carriers = 4;
+  double prediction_variance_m2 = 0.25;
+  double prediction_variance_rad2 = 0.01;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(place_radius_m, "place_radius_m", "m", "around its anchor");
+    option(max_place_patches, "max_place_patches", "count", "of a place");
+    option(thin_m, "thin_m", "m", "side of the cells that keep one point each");
+    option(apart_m, "apart_m", "m", "farther from the best, what fits about as well is another answer,");
+    option(apart_rad, "apart_rad", "rad", "or turned by more");
+    option(reach_m, "reach_m", "m", "points of the piece farther from its newest patch are not searched for");
+    option(coarse_cell_m, "coarse_cell_m", "m",
+           "correlative.cell_m of the first search, in the whole window");
+    option(coarse_yaw_step_rad, "coarse_yaw_step_rad", "rad", "correlative.yaw_step_rad of that");
+    option(coarse_blur_m, "coarse_blur_m", "m", "correlative.blur_m of that");
+    option(coarse_evaluations, "coarse_evaluations", "count", "correlative.max_evaluations of that");
+    option(fine_window_m, "fine_window_m", "m", "half width of the second search, about what was found");
+    option(fine_window_rad, "fine_window_rad", "rad", "the same in yaw");
+    option(fine_second_share, "fine_second_share", "share", "correlative.second_share of that");
+    option(min_score, "min_score", "share", "of a match of one scan and of the whole piece");
+    option(min_bent_score, "min_bent_score", "share", "of the whole piece, where one scan of it");
+    option(sure_scan_score, "sure_scan_score", "share", "fits as well as this");
+    option(max_contradiction, "max_contradiction", "share",
+           "of hits in the other's free space before the trial has laid the two together");
+    option(bent_kernel_m, "bent_kernel_m", "m",
+           "scale of the robust loss for the whole piece: some metres of way are not quite rigid");
+    option(max_points, "max_points", "count", "of the piece in the second search and the match");
+    option(max_carriers, "max_carriers", "count",
+           "of newest patches, the best of which carries the relations");
+    option(prediction_variance_m2, "prediction_variance_m2", "m²", "of what the search found, for the match");
+    option(prediction_variance_rad2, "prediction_variance_rad2", "rad²", "the same of the yaw");
+  }
+};
+
+/// Whether two finds agree around the loop that they form, see places/consistency.hpp.
+struct ConsistencyOptions {
+  double find_sigma_m = 0.12;
+  double find_sigma_rad = 0.02;
+  double max_off = 9;
+  double max_apart_m = 1.2;
+  double max_apart_rad = 0.25;
+  int max_steps = 20'000;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(find_sigma_m, "find_sigma_m", "m", "standard deviation of a find's position");
+    option(find_sigma_rad, "find_sigma_rad", "rad", "and of its yaw");
+    option(max_off, "max_off", "χ² of 1", "that the loop may be open by, in position and in yaw: 3 sigma");
+    option(max_apart_m, "max_apart_m", "m", "however little the map knows");
+    option(max_apart_rad, "max_apart_rad", "rad", "however little the map knows");
+    option(max_steps, "max_steps", "count", "of the search for the largest consistent set");
+  }
+};
+
+}  // namespace isthmus
