@@ -9,9 +9,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Shorter beams open nothing: their ends are one point with the laser.
-constexpr double min_free_m = 0.01;
-
 // The beams of a scan by rising bearing.
 struct Fan {
   double bearing0_rad = 0;
@@ -25,7 +22,7 @@ double free_range_m(float range_m, const Laser& laser, const FreeSpaceOptions& o
   if (kind == BeamKind::ignored) return 0;
   const double seen_m = kind == BeamKind::hit ? static_cast<double>(range_m) : options.no_return_range_m;
   const double free_m = std::min({seen_m, options.max_range_m, 0.5 * max_coordinate_m});
-  return free_m >= min_free_m ? free_m : 0;
+  return free_m >= options.outline.min_free_m ? free_m : 0;
 }
 
 bool is_usable(const Scan& scan, const Laser& laser, const FreeSpaceOptions& options) {
@@ -51,7 +48,7 @@ Fan fan_of(const Scan& scan, const Laser& laser, const FreeSpaceOptions& options
     fan.bearing0_rad += static_cast<double>(n - 1) * scan.bearing_step_rad;
   }
   const double gap_rad = 2 * std::numbers::pi - (static_cast<double>(n) - 1) * fan.step_rad;
-  fan.closed = n >= 3 && gap_rad < std::min(1.5 * fan.step_rad, std::numbers::pi);
+  fan.closed = n >= 3 && gap_rad < std::min(options.outline.closing_beams * fan.step_rad, std::numbers::pi);
   return fan;
 }
 
@@ -111,7 +108,7 @@ Ring ring_of(const Fan& fan, const Run& run, const Pose& robot_from_laser, doubl
 
 Polysolid free_space_of(const Scan& scan, const Laser& laser, const FreeSpaceOptions& options) {
   if (!is_usable(scan, laser, options)) return {};
-  const double tolerance_m = options.simplify_tolerance_m >= 0 ? options.simplify_tolerance_m : 0;
+  const double tolerance_m = std::max(0.0, options.outline.simplify_tolerance_m);
   const Fan fan = fan_of(scan, laser, options);
   std::vector<PolygonWithHoles> polygons;
   bool sound = true;

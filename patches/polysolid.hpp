@@ -35,10 +35,26 @@ class Polysolid {
   std::vector<PolygonWithHoles> polygons_;
 };
 
+struct OutlineOptions {
+  double min_free_m = 0.01;
+  double simplify_tolerance_m = 0.03;
+  double closing_beams = 1.5;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(min_free_m, "min_free_m", "m",
+           "of a beam: shorter ones open nothing, their ends are one point with the laser");
+    option(simplify_tolerance_m, "simplify_tolerance_m", "m",
+           "by which the simplified outline may differ: about 3 sigma of range noise");
+    option(closing_beams, "closing_beams", "factor",
+           "on the angle between beams: where the last and the first are nearer they are neighbours");
+  }
+};
+
 struct FreeSpaceOptions {
-  double max_range_m = 20;             ///< beams are cut here
-  double no_return_range_m = 0;        ///< a beam without return opens free space this far (0: none)
-  double simplify_tolerance_m = 0.03;  ///< about 3 sigma of range noise
+  double max_range_m = 20;       ///< beams are cut here
+  double no_return_range_m = 0;  ///< a beam without return opens free space this far (0: none)
+  OutlineOptions outline;
 };
 
 /// The free space seen by a scan, in the robot's frame: the star polygon of its beams, simplified. A scan of

@@ -125,7 +125,8 @@ Outcome Engine::State::take(const ScanEvent& event) {
   if (!robot) return {drop(event.robot, "unknown_robot"), {}};
   const Scan& scan = event.scan;
   robot->health.heard_stamp(scan.utime, counters.last_receive_utime);
-  robot->health.heard_scan(scan, robot->declaration.laser);
+  robot->health.heard_scan(scan, robot->declaration.laser, configuration.engine.match,
+                           configuration.engine.health);
   if (has_no_laser(*robot)) return {drop(event.robot, "no_laser"), {}};
   if (scan.ranges_m.empty() || scan.bearing_step_rad == 0) return {drop(event.robot, "zero_beams"), {}};
   const bool first = robot->last_scan_utime == 0;
@@ -432,7 +433,7 @@ MapCopy Engine::copy() const {
   copy.counters = state.counters;
   copy.hypotheses = state.hypotheses.counts();
   copy.meeting = state.rendezvous.record();
-  copy.health = health_records(state.robots, state.counters);
+  copy.health = health_records(state.robots, state.counters, state.configuration.engine);
   return copy;
 }
 

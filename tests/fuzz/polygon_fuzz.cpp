@@ -72,7 +72,7 @@ PatchPtr take_patch(Bytes& bytes) {
   laser.range_max_m = bytes.number();
   PatchOptions options;
   options.free_space.no_return_range_m = bytes.number();
-  options.free_space.simplify_tolerance_m = bytes.number() / 16;
+  options.free_space.outline.simplify_tolerance_m = bytes.number() / 16;
   return make_patch(PatchId{0}, "R1", take_scan(bytes), laser, options);
 }
 

@@ -56,6 +56,8 @@ struct EngineOptions {
   OdometryNoiseOptions odometry_noise;
   PoseHistoryOptions pose_history;
   TeammateOptions teammates;
+  HealthOptions health;
+  HealthWarningOptions health_warnings;
   PropagationOptions propagation;
   SeamOptions seam;
   TrialOptions trial;
@@ -76,6 +78,7 @@ struct EngineOptions {
   template <class Visitor>
   void visit_tuning(Visitor&& group) {
     group("normals", patch.normals);
+    group("outline", patch.free_space.outline);
     group("match", match);
     group("relations", relations);
     group("spread", spread);
@@ -92,6 +95,8 @@ struct EngineOptions {
     group("odometry_noise", odometry_noise);
     group("pose_history", pose_history);
     group("teammates", teammates);
+    group("health", health);
+    group("health_warnings", health_warnings);
     group("propagation", propagation);
     group("seam", seam);
     group("trial", trial);

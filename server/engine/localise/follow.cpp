@@ -60,7 +60,8 @@ void follow(const Map& map, Robot& robot, const Expectation& expectation, const 
   }
   if (placement.matched) {
     robot.health.matched(expectation.claimed_step, matched_step,
-                         placement.match.direction_trust.determinant() > options.follow.well_seen);
+                         placement.match.direction_trust.determinant() > options.follow.well_seen,
+                         options.health);
   } else {
     robot.health.unmatched();
   }

@@ -4,8 +4,8 @@
 
 namespace isthmus {
 
-std::vector<HealthRecord> health_records(const std::map<std::string, Robot>& robots,
-                                         const Counters& counters) {
+std::vector<HealthRecord> health_records(const std::map<std::string, Robot>& robots, const Counters& counters,
+                                         const EngineOptions& options) {
   std::vector<HealthRecord> records;
   for (const auto& [name, robot] : robots) {
     if (!robot.declared) continue;
@@ -13,8 +13,9 @@ std::vector<HealthRecord> health_records(const std::map<std::string, Robot>& rob
     const bool any = found != counters.dropped_by_robot.end();
     const std::map<std::string, std::int64_t> dropped =
         any ? found->second : std::map<std::string, std::int64_t>{};
-    HealthRecord record{name, robot.health.figures(), {}};
-    record.warnings = health_warnings(name, robot.declaration.laser, record.figures, dropped);
+    HealthRecord record{name, robot.health.figures(options.health), {}};
+    record.warnings =
+        health_warnings(name, robot.declaration.laser, record.figures, dropped, options.health_warnings);
     records.push_back(std::move(record));
   }
   return records;

@@ -8,23 +8,6 @@
 namespace isthmus {
 namespace {
 
-constexpr std::int64_t enough_messages = 20;
-constexpr double other_clock_s = 30;  // more than messages take
-constexpr double enough_way_m = 1;    // of the larger account
-constexpr double enough_turn_rad = 2;
-constexpr std::int64_t enough_changes = 10;
-constexpr double freezing_share = 0.1;    // of the scans that changed
-constexpr double poorly_explained = 0.5;  // odometry of recorded logs explains 0.87 of the way, 0.74 of turns
-constexpr double other_unit = 2.5;        // times too much or too little: no wheel wears off so far
-constexpr double other_scale = 1.3;
-constexpr double other_direction_rad = 25 * std::numbers::pi / 180;
-constexpr double backwards_rad = 135 * std::numbers::pi / 180;
-constexpr double steady = 0.6;        // of a direction; 0.96 in recorded logs
-constexpr double turned_over = -0.5;  // correlation of turns
-constexpr int late_scans = 2;
-constexpr double better_late = 0.5;  // of what is off where nothing is shifted
-constexpr double mostly = 0.5;       // of the scans
-
 template <class... Values>
 std::string text(const char* format, Values... values) {
   std::array<char, 512> buffer{};
@@ -42,14 +25,14 @@ bool is_off(double ratio, double factor) { return ratio > factor || ratio < 1 / 
 std::string rounded(double ratio) { return text(ratio >= 100 ? "%.0f" : "%.3g", ratio); }
 
 /// "millimetres" for a ratio of 1000; empty where no unit is near.
-std::string unit_of(double ratio) {
+std::string unit_of(double ratio, double near) {
   struct Unit {
     double per_metre;
     const char* name;
   };
   for (const Unit unit : {Unit{1000, "millimetres"}, Unit{100, "centimetres"}, Unit{39.37, "inches"},
                           Unit{3.281, "feet"}, Unit{0.001, "kilometres"}}) {
-    if (!is_off(ratio / unit.per_metre, 1.25)) return unit.name;
+    if (!is_off(ratio / unit.per_metre, near)) return unit.name;
   }
   return "";
 }
@@ -57,8 +40,9 @@ std::string unit_of(double ratio) {
 /// Collects the warnings of one robot.
 class Judge {
  public:
-  Judge(const std::string& robot, const Laser& laser, const HealthFigures& figures)
-      : robot_(robot), laser_(laser), f_(figures) {}
+  Judge(const std::string& robot, const Laser& laser, const HealthFigures& figures,
+        const HealthWarningOptions& options)
+      : robot_(robot), laser_(laser), f_(figures), o_(options) {}
 
   std::vector<HealthWarning> judge(const std::map<std::string, std::int64_t>& dropped) {
     judge_clock();
@@ -76,12 +60,12 @@ class Judge {
   void warn(const std::string& key, const std::string& sentence) { warnings_.push_back({key, sentence}); }
 
   void judge_clock() {
-    if (std::max(f_.odometry_messages, f_.scans) < enough_messages || !f_.clock_ahead_s) return;
+    if (std::max(f_.odometry_messages, f_.scans) < o_.min_messages || !f_.clock_ahead_s) return;
     const double ahead_s = *f_.clock_ahead_s;
-    if (ahead_s > other_clock_s) {
+    if (ahead_s > o_.other_clock_s) {
       warn("clock_ahead",
            text("%s's clock is ahead by %.0f s: its sightings cannot be paired", name(), ahead_s));
-    } else if (ahead_s < -other_clock_s) {
+    } else if (ahead_s < -o_.other_clock_s) {
       warn("clock_behind", text("%s's clock is behind by %.0f s, or all that it sent came so late: its "
                                 "sightings may not be paired",
                                 name(), -ahead_s));
@@ -92,44 +76,45 @@ class Judge {
     std::string why;
     for (const auto& [reason, count] : dropped)
       why += (why.empty() ? "; dropped: " : ", ") + reason + " " + std::to_string(count);
-    if (f_.scans == 0 && f_.odometry_messages >= enough_messages)
+    if (f_.scans == 0 && f_.odometry_messages >= o_.min_messages)
       warn("no_scans", text("%s declares a laser and no scan of it was taken%s", name(), why.c_str()));
-    if (f_.odometry_messages == 0 && f_.scans >= enough_messages)
+    if (f_.odometry_messages == 0 && f_.scans >= o_.min_messages)
       warn("no_odometry", text("%s sends scans and no odometry of it was taken%s", name(), why.c_str()));
   }
 
   void judge_scans() {
-    if (f_.scans < enough_messages) return;
-    if (f_.most_beams < 12) {
+    if (f_.scans < o_.min_messages) return;
+    if (f_.most_beams < o_.min_beams) {
       warn("few_beams", f_.most_beams == 1 ? text("%s's scans have one beam", name())
                                            : text("%s's scans have at most %lld beams", name(),
                                                   static_cast<long long>(f_.most_beams)));
     } else if (f_.scans_without_return == f_.scans) {
       warn("no_returns", text("no scan of %s had a return: wrong range limits, or a dead laser?", name()));
-    } else if (share(f_.scans_with_few_returns, f_.scans) > mostly) {
+    } else if (share(f_.scans_with_few_returns, f_.scans) > o_.mostly) {
       warn("few_returns", text("%.0f %% of %s's scans have too few returns to be matched",
                                100 * share(f_.scans_with_few_returns, f_.scans), name()));
-    } else if (share(f_.scans_matched, f_.scans_matched + f_.scans_unmatched) < mostly) {
+    } else if (share(f_.scans_matched, f_.scans_matched + f_.scans_unmatched) < o_.mostly) {
       warn("few_matches", text("%.0f %% of %s's scans could be matched",
                                100 * share(f_.scans_matched, f_.scans_matched + f_.scans_unmatched), name()));
     }
   }
 
   void judge_motion() {
-    const bool moved = std::max(f_.way.laser, f_.way.odometry) >= enough_way_m;
-    const bool turned = std::max(f_.turn.laser, f_.turn.odometry) >= enough_turn_rad;
-    if (f_.odometry_messages >= enough_messages && f_.odometry_way_m < 0.01 && f_.odometry_turn_rad < 0.01) {
-      if (f_.way.laser >= enough_way_m || f_.turn.laser >= enough_turn_rad ||
-          f_.scans_changed >= enough_changes)
+    const bool moved = std::max(f_.way.laser, f_.way.odometry) >= o_.min_way_m;
+    const bool turned = std::max(f_.turn.laser, f_.turn.odometry) >= o_.min_turn_rad;
+    if (f_.odometry_messages >= o_.min_messages && f_.odometry_way_m < o_.never_moved_m &&
+        f_.odometry_turn_rad < o_.never_turned_rad) {
+      if (f_.way.laser >= o_.min_way_m || f_.turn.laser >= o_.min_turn_rad ||
+          f_.scans_changed >= o_.min_changes)
         warn("odometry_still", text("%s's odometry never moved, while its scans did: %lld of them show other "
                                     "surroundings than those before",
                                     name(), static_cast<long long>(f_.scans_changed)));
       return;
     }
-    const bool another_unit =
-        (moved && is_off(f_.way.ratio(), other_unit)) || (turned && is_off(f_.turn.ratio(), other_unit));
-    if (!another_unit && f_.scans_changed_still >= enough_changes &&
-        share(f_.scans_changed_still, f_.scans_changed) > freezing_share) {
+    const bool another_unit = (moved && is_off(f_.way.ratio(), o_.other_unit)) ||
+                              (turned && is_off(f_.turn.ratio(), o_.other_unit));
+    if (!another_unit && f_.scans_changed_still >= o_.min_changes &&
+        share(f_.scans_changed_still, f_.scans_changed) > o_.freezing_share) {
       warn("odometry_freezes", text("%s's odometry stood still for half a second %lld times while its scans "
                                     "changed: does it freeze?",
                                     name(), static_cast<long long>(f_.scans_changed_still)));
@@ -139,17 +124,17 @@ class Judge {
     const bool turn_off = turned && judge_turns();
     const bool way_off = moved && judge_way(turn_off);
     if (moved && !way_off && !turn_off) judge_direction();
-    if (turned && f_.best_lag_scans != 0 && std::abs(f_.best_lag_scans) >= late_scans &&
-        f_.off_at_best_lag < better_late) {
+    if (turned && f_.best_lag_scans != 0 && std::abs(f_.best_lag_scans) >= o_.late_scans &&
+        f_.off_at_best_lag < o_.better_late) {
       warn("time_offset",
            text("%s's odometry fits its scans best %d scans %s: are their clocks apart?", name(),
                 std::abs(f_.best_lag_scans), f_.best_lag_scans > 0 ? "late" : "early"));
     }
     if (warnings_.size() != before) return;
-    if (moved && f_.way.explained() < poorly_explained)
+    if (moved && f_.way.explained() < o_.poorly_explained)
       warn("odometry_unrelated", text("%s's odometry explains %.0f %% of the motion seen by the laser",
                                       name(), 100 * f_.way.explained()));
-    if (turned && f_.turn.explained() < poorly_explained)
+    if (turned && f_.turn.explained() < o_.poorly_explained)
       warn("turns_unrelated", text("%s's odometry explains %.0f %% of the turns seen by the laser", name(),
                                    100 * f_.turn.explained()));
   }
@@ -157,17 +142,18 @@ class Judge {
   // A wrong heading spoils ways too: their scale then says nothing.
   bool judge_way(bool turn_off) {
     const double ratio = f_.way.ratio();
-    if (f_.way.laser < 0.02 * f_.way.odometry && unit_of(ratio).empty() && ratio > 10 * other_unit) {
+    if (f_.way.laser < o_.still_share * f_.way.odometry && unit_of(ratio, o_.near_unit).empty() &&
+        ratio > o_.still_units * o_.other_unit) {
       warn("laser_still",
            text("%s's odometry drove %.0f m while the laser saw %.1f m: the same scan again and "
                 "again, or a wrong unit?",
                 name(), f_.way.odometry, f_.way.laser));
-    } else if (is_off(ratio, other_unit)) {
-      const std::string unit = unit_of(ratio);
+    } else if (is_off(ratio, o_.other_unit)) {
+      const std::string unit = unit_of(ratio, o_.near_unit);
       warn("odometry_unit",
            text("%s's odometry's way is %s times the laser's: %s%s?", name(), rounded(ratio).c_str(),
                 unit.empty() ? "a wrong unit" : "is it in ", unit.c_str()));
-    } else if (!turn_off && f_.direction_steadiness >= steady && is_off(ratio, other_scale)) {
+    } else if (!turn_off && f_.direction_steadiness >= o_.steady && is_off(ratio, o_.other_scale)) {
       warn("odometry_scale", text("%s's odometry's way is %.2f times the laser's", name(), ratio));
     } else {
       return false;
@@ -177,16 +163,16 @@ class Judge {
 
   bool judge_turns() {
     const double ratio = f_.turn.ratio();
-    if (is_off(ratio, other_unit)) {
+    if (is_off(ratio, o_.other_unit)) {
       warn("turn_unit", text("%s's odometry turns %.3g times what the laser sees: degrees for radians, or a "
                              "heading that is not one?",
                              name(), ratio));
-    } else if (f_.turn_correlation < turned_over) {
+    } else if (f_.turn_correlation < -o_.turned_over) {
       warn("mount_mirrored",
            text("%s's laser turns against its odometry: mounted upside down, or its beams in "
                 "the other order?",
                 name()));
-    } else if (is_off(ratio, other_scale)) {
+    } else if (is_off(ratio, o_.other_scale)) {
       warn("turn_scale", text("%s's odometry turns %.2f times what the laser sees", name(), ratio));
     } else {
       return false;
@@ -196,9 +182,9 @@ class Judge {
 
   void judge_direction() {
     const double off_rad = std::abs(f_.direction_rad);
-    if (f_.direction_steadiness < steady || off_rad < other_direction_rad) return;
+    if (f_.direction_steadiness < o_.steady || off_rad < o_.other_direction_rad) return;
     const double degrees = f_.direction_rad * 180 / std::numbers::pi;
-    if (off_rad > backwards_rad) {
+    if (off_rad > o_.backwards_rad) {
       warn("mount_backwards",
            text("%s's laser moves at %.0f degrees to its odometry: mounted backwards?", name(), degrees));
     } else {
@@ -211,6 +197,7 @@ class Judge {
   const std::string& robot_;
   const Laser& laser_;
   const HealthFigures& f_;
+  const HealthWarningOptions& o_;
   std::vector<HealthWarning> warnings_;
 };
 
@@ -218,8 +205,9 @@ class Judge {
 
 std::vector<HealthWarning> health_warnings(const std::string& robot, const Laser& laser,
                                            const HealthFigures& figures,
-                                           const std::map<std::string, std::int64_t>& dropped) {
-  return Judge(robot, laser, figures).judge(dropped);
+                                           const std::map<std::string, std::int64_t>& dropped,
+                                           const HealthWarningOptions& options) {
+  return Judge(robot, laser, figures, options).judge(dropped);
 }
 
 }  // namespace isthmus

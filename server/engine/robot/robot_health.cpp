@@ -7,21 +7,6 @@
 namespace isthmus {
 namespace {
 
-constexpr int few_returns = 12;  // as MatchOptions::min_pairs: fewer cannot be matched
-constexpr double closing_way_m = 0.3;
-constexpr double closing_turn_rad = 0.1;
-constexpr double most_turn_in_way_rad = 0.5;
-constexpr int most_scans = 20;        // summed up
-constexpr double least_way_m = 0.05;  // less is the trembling of a robot at rest
-constexpr double least_turn_rad = 0.01;
-constexpr double enough_turn_rad = 10;  // to tell odometry's offset by
-constexpr std::int64_t reference_age_us = 500'000;
-constexpr double still_m = 1e-3;
-constexpr double still_rad = 1e-3;
-constexpr double changed_m = 0.06;  // of a beam's range, from one scan to another
-constexpr double changed_share_of_range = 0.02;
-constexpr double changed_share = 0.4;  // of the beams: more than people who walk by hide
-
 double length(const Pose& step) { return std::hypot(step.x, step.y); }
 
 }  // namespace
@@ -50,39 +35,43 @@ void RobotHealth::heard_odometry(const Pose& odom_from_robot) {
   ++sums_.odometry_messages;
 }
 
-void RobotHealth::heard_scan(const Scan& scan, const Laser& laser) {
+void RobotHealth::heard_scan(const Scan& scan, const Laser& laser, const MatchOptions& match,
+                             const HealthOptions& options) {
   const auto hits = std::ranges::count_if(
       scan.ranges_m, [&](float range_m) { return classify(range_m, laser) == BeamKind::hit; });
   ++sums_.scans;
   if (hits == 0) ++sums_.scans_without_return;
-  if (hits < few_returns) ++sums_.scans_with_few_returns;
+  if (hits < match.min_pairs) ++sums_.scans_with_few_returns;
   sums_.most_beams = std::max(sums_.most_beams, static_cast<std::int64_t>(scan.ranges_m.size()));
-  compare_with_reference(scan, laser);
+  compare_with_reference(scan, laser, match, options);
 }
 
-void RobotHealth::compare_with_reference(const Scan& scan, const Laser& laser) {
-  if (std::abs(scan.utime - reference_.utime) < reference_age_us) return;
+void RobotHealth::compare_with_reference(const Scan& scan, const Laser& laser, const MatchOptions& match,
+                                         const HealthOptions& options) {
+  if (std::abs(scan.utime - reference_.utime) < options.reference_age_us) return;
   int both = 0, changed = 0;
   for (std::size_t i = 0; i < std::min(scan.ranges_m.size(), reference_.ranges_m.size()); ++i) {
     const float now_m = scan.ranges_m[i], then_m = reference_.ranges_m[i];
     if (classify(now_m, laser) != BeamKind::hit || classify(then_m, laser) != BeamKind::hit) continue;
     ++both;
-    if (std::abs(now_m - then_m) > changed_m + changed_share_of_range * std::min(now_m, then_m)) ++changed;
+    const double allowed_m = options.changed_m + options.changed_range_share * std::min(now_m, then_m);
+    if (std::abs(now_m - then_m) > allowed_m) ++changed;
   }
   const Pose moved = ominus(last_odometry_, reference_odometry_);
   reference_ = scan;
   reference_odometry_ = last_odometry_;
-  if (both < few_returns || changed <= changed_share * both) return;
+  if (both < match.min_pairs || changed <= options.changed_share * both) return;
   ++sums_.scans_changed;
-  if (length(moved) < still_m && std::abs(moved.yaw) < still_rad) ++sums_.scans_changed_still;
+  if (length(moved) < options.still_m && std::abs(moved.yaw) < options.still_rad) ++sums_.scans_changed_still;
 }
 
-void RobotHealth::matched(const Pose& odometry_step, const Pose& laser_step, bool well_seen) {
+void RobotHealth::matched(const Pose& odometry_step, const Pose& laser_step, bool well_seen,
+                          const HealthOptions& options) {
   ++sums_.scans_matched;
-  add_turn(odometry_step.yaw, laser_step.yaw);
+  add_turn(odometry_step.yaw, laser_step.yaw, options);
   compare_lags(odometry_step.yaw, laser_step.yaw);
   if (well_seen) {
-    add_way(odometry_step, laser_step);
+    add_way(odometry_step, laser_step, options);
   } else {
     way_ = {};
   }
@@ -99,16 +88,17 @@ void RobotHealth::break_off() {
   turns_kept_ = 0;
 }
 
-void RobotHealth::add_way(const Pose& odometry_step, const Pose& laser_step) {
+void RobotHealth::add_way(const Pose& odometry_step, const Pose& laser_step, const HealthOptions& options) {
   way_.odometry = way_.odometry * odometry_step;
   way_.laser = way_.laser * laser_step;
   ++way_.scans;
-  const bool closes = std::max(length(way_.laser), length(way_.odometry)) >= closing_way_m ||
-                      std::abs(way_.laser.yaw) >= most_turn_in_way_rad || way_.scans >= most_scans;
+  const bool closes = std::max(length(way_.laser), length(way_.odometry)) >= options.closing_way_m ||
+                      std::abs(way_.laser.yaw) >= options.max_turn_in_way_rad ||
+                      way_.scans >= options.max_scans;
   if (!closes) return;
   const std::complex<double> odometry(way_.odometry.x, way_.odometry.y), laser(way_.laser.x, way_.laser.y);
   way_ = {};
-  if (std::max(std::abs(odometry), std::abs(laser)) < least_way_m) return;
+  if (std::max(std::abs(odometry), std::abs(laser)) < options.min_way_m) return;
   sums_.way.odometry += std::abs(odometry);
   sums_.way.laser += std::abs(laser);
   sums_.way.apart += std::abs(laser - odometry);
@@ -116,15 +106,15 @@ void RobotHealth::add_way(const Pose& odometry_step, const Pose& laser_step) {
   if (std::abs(turned) > 0) direction_ += std::abs(laser) / std::abs(turned) * turned;
 }
 
-void RobotHealth::add_turn(double odometry_rad, double laser_rad) {
+void RobotHealth::add_turn(double odometry_rad, double laser_rad, const HealthOptions& options) {
   turn_.odometry_rad += odometry_rad;
   turn_.laser_rad += laser_rad;
   ++turn_.scans;
   const double odometry = turn_.odometry_rad, laser = turn_.laser_rad;
   const double more = std::max(std::abs(odometry), std::abs(laser));
-  if (more < closing_turn_rad && turn_.scans < most_scans) return;
+  if (more < options.closing_turn_rad && turn_.scans < options.max_scans) return;
   turn_ = {};
-  if (more < least_turn_rad) return;
+  if (more < options.min_turn_rad) return;
   sums_.turn.odometry += std::abs(odometry);
   sums_.turn.laser += std::abs(laser);
   sums_.turn.apart += std::abs(laser - odometry);
@@ -161,7 +151,7 @@ void RobotHealth::compare_offsets() {
   }
 }
 
-HealthFigures RobotHealth::figures() const {
+HealthFigures RobotHealth::figures(const HealthOptions& options) const {
   HealthFigures figures = sums_;
   if (figures.way.laser > 0) figures.direction_steadiness = std::abs(direction_) / figures.way.laser;
   figures.direction_rad = std::arg(direction_);
@@ -172,7 +162,7 @@ HealthFigures RobotHealth::figures() const {
   const double off_at_none = off_at_lag_[most_lag_scans];
   figures.off_at_best_lag = off_at_none > 0 ? *best / off_at_none : 1;
   if (off_at_none <= *best) figures.best_lag_scans = 0;
-  if (turn_compared_rad_ < enough_turn_rad) return figures;
+  if (turn_compared_rad_ < options.enough_turn_rad) return figures;
   const auto offset = std::ranges::min_element(off_at_offset_);
   const auto tenths = static_cast<double>(offset - off_at_offset_.begin());
   figures.offset_scans =

@@ -7,6 +7,8 @@
 #include <tuple>
 
 #include "patches/scan.hpp"
+#include "scanmatch/match.hpp"
+#include "server/engine/input/options/robot_options.hpp"
 
 namespace isthmus {
 
@@ -81,15 +83,17 @@ class RobotHealth {
   /// Of any message of the robot, microseconds.
   void heard_stamp(std::int64_t utime, std::int64_t receive_utime);
   void heard_odometry(const Pose& odom_from_robot);
-  void heard_scan(const Scan& scan, const Laser& laser);
+  void heard_scan(const Scan& scan, const Laser& laser, const MatchOptions& match = {},
+                  const HealthOptions& options = {});
 
   /// A matched scan: the motion since the last scan by odometry and by the match, both in the robot's frame
   /// then. `well_seen`: the beams determine both directions of the plane.
-  void matched(const Pose& odometry_step, const Pose& laser_step, bool well_seen);
+  void matched(const Pose& odometry_step, const Pose& laser_step, bool well_seen,
+               const HealthOptions& options = {});
   /// A scan that was not matched, or one with which the robot began a new island.
   void unmatched();
 
-  HealthFigures figures() const;
+  HealthFigures figures(const HealthOptions& options = {}) const;
 
   auto members() {
     return std::tie(sums_, reference_, reference_odometry_, any_odometry_, last_odometry_, way_, turn_,
@@ -121,13 +125,14 @@ class RobotHealth {
     auto members() { return std::tie(odometry_rad, laser_rad, scans); }
   };
 
-  void add_way(const Pose& odometry_step, const Pose& laser_step);
-  void add_turn(double odometry_rad, double laser_rad);
+  void add_way(const Pose& odometry_step, const Pose& laser_step, const HealthOptions& options);
+  void add_turn(double odometry_rad, double laser_rad, const HealthOptions& options);
   void compare_lags(double odometry_rad, double laser_rad);
   void compare_offsets();
   void break_off();
 
-  void compare_with_reference(const Scan& scan, const Laser& laser);
+  void compare_with_reference(const Scan& scan, const Laser& laser, const MatchOptions& match,
+                              const HealthOptions& options);
 
   HealthFigures sums_;
   Scan reference_;  ///< of half a second ago

@@ -13,7 +13,7 @@ using testing::between;
 FreeSpaceOptions unsimplified() {
   FreeSpaceOptions options;
   options.no_return_range_m = 2;
-  options.simplify_tolerance_m = 0;
+  options.outline.simplify_tolerance_m = 0;
   return options;
 }
 
@@ -54,7 +54,7 @@ TEST(FreeSpaceProperty, SimplifyingMovesTheBoundaryByNoMoreThanTheTolerance) {
     const Laser laser = any_laser();
     FreeSpaceOptions options = unsimplified();
     const Polysolid full = free_space_of(scan, laser, options);
-    options.simplify_tolerance_m = 0.05;
+    options.outline.simplify_tolerance_m = 0.05;
     const Polysolid simple = free_space_of(scan, laser, options);
     for (int i = 0; i < 20; ++i) {
       const Eigen::Vector2d point(between(-10, 10), between(-10, 10));

@@ -49,7 +49,7 @@ inline Laser any_laser() {
 inline Polysolid any_free_space() {
   FreeSpaceOptions options;
   options.no_return_range_m = *rc::gen::element(0.0, 2.0);
-  options.simplify_tolerance_m = *rc::gen::element(0.0, 0.03, 0.2);
+  options.outline.simplify_tolerance_m = *rc::gen::element(0.0, 0.03, 0.2);
   return transformed(any_pose(8), free_space_of(any_scan(40), any_laser(), options));
 }
 

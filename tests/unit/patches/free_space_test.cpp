@@ -18,7 +18,7 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 FreeSpaceOptions exact() {
   FreeSpaceOptions options;
-  options.simplify_tolerance_m = 0;
+  options.outline.simplify_tolerance_m = 0;
   return options;
 }
 

@@ -94,4 +94,93 @@ struct TeammateOptions {
   }
 };
 
+/// What tells of a robot's sensors, see robot/robot_health.hpp. It decides nothing about the map.
+struct HealthOptions {
+  double closing_way_m = 0.3;
+  double closing_turn_rad = 0.1;
+  double max_turn_in_way_rad = 0.5;
+  int max_scans = 20;
+  double min_way_m = 0.05;
+  double min_turn_rad = 0.01;
+  double enough_turn_rad = 10;
+  std::int64_t reference_age_us = 500'000;
+  double still_m = 1e-3;
+  double still_rad = 1e-3;
+  double changed_m = 0.06;
+  double changed_range_share = 0.02;
+  double changed_share = 0.4;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(closing_way_m, "closing_way_m", "m", "of way that is summed up before it is compared");
+    option(closing_turn_rad, "closing_turn_rad", "rad", "of rotation that is summed up before");
+    option(max_turn_in_way_rad, "max_turn_in_way_rad", "rad", "of a way that is summed up");
+    option(max_scans, "max_scans", "count", "that are summed up");
+    option(min_way_m, "min_way_m", "m", "of such a way: less is the trembling of a robot at rest");
+    option(min_turn_rad, "min_turn_rad", "rad", "of such a rotation, for the same");
+    option(enough_turn_rad, "enough_turn_rad", "rad", "of rotation to tell odometry's offset in time by");
+    option(reference_age_us, "reference_age_us", "µs", "of the scan that one is compared with beam by beam");
+    option(still_m, "still_m", "m", "of way by which odometry says that nothing moved");
+    option(still_rad, "still_rad", "rad", "of rotation by which it says so");
+    option(changed_m, "changed_m", "m", "of a beam's range that has changed,");
+    option(changed_range_share, "changed_range_share", "share", "and of the range");
+    option(changed_share, "changed_share", "share",
+           "of the beams: a scan shows other surroundings; more than people who walk by hide");
+  }
+};
+
+/// What is warned of, see robot/health_warnings.hpp.
+struct HealthWarningOptions {
+  std::int64_t min_messages = 20;
+  std::int64_t min_beams = 12;
+  double other_clock_s = 30;
+  double min_way_m = 1;
+  double min_turn_rad = 2;
+  double never_moved_m = 0.01;
+  double never_turned_rad = 0.01;
+  std::int64_t min_changes = 10;
+  double freezing_share = 0.1;
+  double poorly_explained = 0.5;
+  double other_unit = 2.5;
+  double near_unit = 1.25;
+  double still_share = 0.02;
+  double still_units = 10;
+  double other_scale = 1.3;
+  double other_direction_rad = 0.4363323129985824;
+  double backwards_rad = 2.356194490192345;
+  double steady = 0.6;
+  double turned_over = 0.5;
+  int late_scans = 2;
+  double better_late = 0.5;
+  double mostly = 0.5;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(min_messages, "min_messages", "count", "of a kind before anything is said of it");
+    option(min_beams, "min_beams", "count", "of a scan: fewer cannot be matched");
+    option(other_clock_s, "other_clock_s", "s", "by which a clock is another: more than messages take");
+    option(min_way_m, "min_way_m", "m", "by the larger account, before ways are compared");
+    option(min_turn_rad, "min_turn_rad", "rad", "the same of rotations");
+    option(never_moved_m, "never_moved_m", "m", "of odometry that never moved");
+    option(never_turned_rad, "never_turned_rad", "rad", "of odometry that never turned");
+    option(min_changes, "min_changes", "count", "of scans that show other surroundings");
+    option(freezing_share, "freezing_share", "share", "of these while odometry stood still");
+    option(poorly_explained, "poorly_explained", "share",
+           "of the motion seen by the laser; odometry of recorded logs explains 0.87 of ways, 0.74 of turns");
+    option(other_unit, "other_unit", "factor", "too much or too little: no wheel wears off so far");
+    option(near_unit, "near_unit", "factor", "within which a ratio is that of a known unit");
+    option(still_share, "still_share", "share", "of odometry's way that the laser saw: it stood still");
+    option(still_units, "still_units", "factor", "on other_unit, for the same");
+    option(other_scale, "other_scale", "factor", "too much or too little of one unit");
+    option(other_direction_rad, "other_direction_rad", "rad", "between odometry's way and the laser's: 25°");
+    option(backwards_rad, "backwards_rad", "rad", "the same of a laser mounted backwards: 135°");
+    option(steady, "steady", "share", "of a direction that is always the same; 0.96 in recorded logs");
+    option(turned_over, "turned_over", "share",
+           "by which turns go against one another (negative correlation)");
+    option(late_scans, "late_scans", "count", "of scans that odometry is late");
+    option(better_late, "better_late", "share", "of what is off without a shift");
+    option(mostly, "mostly", "share", "of the scans");
+  }
+};
+
 }  // namespace isthmus
