@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "server/engine/input/tuning.hpp"
 #include "server/output/csv.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/text/finite_number.hpp"
@@ -67,12 +68,13 @@ void run(const Arguments& arguments) {
   std::fputs((arguments.json ? summary_json(result, map) : summary_text(result, map)).c_str(), stdout);
 }
 
-}  // namespace
+/// Prints them instead of mapping a log.
+[[noreturn]] void list_tuning() {
+  std::fputs(tuning_text().c_str(), stdout);
+  throw CLI::Success();
+}
 
-int main(int argc, char** argv) {
-  share_memory_among_threads();
-  CLI::App app("Maps a recorded log: the server's engine, reading as fast as it can.", "isthmus-replay");
-  Arguments arguments;
+void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("log", arguments.log, "an LCM event log, or a journal directory")->required();
   app.add_option("--output", arguments.output, "directory for the map, trajectories and report")->required();
   app.add_option("--config", arguments.config_file, "TOML configuration, instead of the log's own");
@@ -87,6 +89,17 @@ int main(int argc, char** argv) {
   app.add_flag("--refine", arguments.refine,
                "at the end, match and fit the whole map once more and match every scan with it");
   app.add_flag("--json", arguments.json, "print the summary as JSON");
+  app.add_flag_callback("--list-tuning", list_tuning,
+                        "only print the values that [tuning] of the configuration can set, for experiments");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  share_memory_among_threads();
+  CLI::App app("Maps a recorded log: the server's engine, reading as fast as it can.", "isthmus-replay");
+  Arguments arguments;
+  add_options(app, arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

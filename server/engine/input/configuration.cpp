@@ -8,6 +8,7 @@
 
 #include "server/engine/input/robot_name.hpp"
 #include "server/engine/input/settings.hpp"
+#include "server/engine/input/tuning.hpp"
 
 namespace isthmus {
 namespace {
@@ -177,6 +178,7 @@ Configuration read_configuration(const Setting& table) {
   configuration.any_tag = tags == "any";
   if (const Setting* engine = fields.table("engine")) read_engine(*engine, configuration.engine);
   if (const Setting* limits = fields.table("limits")) read_limits(*limits, configuration.engine);
+  if (const Setting* tuning = fields.table("tuning")) read_tuning(*tuning, configuration.engine);
   if (const Setting* robots = fields.table("robots")) read_robots(*robots, configuration);
   if (const Setting* auth = fields.table("auth")) configuration.authentication = read_authentication(*auth);
   fields.finish();
