@@ -12,6 +12,7 @@ namespace isthmus {
 namespace {
 
 constexpr double max_factor = 1000;
+constexpr double min_tail = 1e-9;  // of a probability
 
 /// Reads the values of one group.
 struct GroupReader {
@@ -20,6 +21,12 @@ struct GroupReader {
   void operator()(double& value, const char* name, const std::string& unit, const char*) const {
     const double max = value > 0 ? value * max_factor : max_factor;
     fields.read_within(name, value, value / max_factor, unit == "share" ? std::min(1.0, max) : max);
+  }
+
+  void operator()(ChiSquaredBound& bound, const char* name, const char*, const char*) const {
+    double probability = bound.probability();
+    fields.read_within(name, probability, min_tail, 1 - min_tail);
+    bound = ChiSquaredBound(probability, bound.degrees_of_freedom());
   }
 
   template <std::integral Integer>
@@ -42,6 +49,8 @@ std::string number_text(Number number) {
   return written;
 }
 
+std::string number_text(const ChiSquaredBound& bound) { return number_text(bound.probability()); }
+
 }  // namespace
 
 void read_tuning(const Setting& table, EngineOptions& options) {
@@ -59,7 +68,7 @@ void read_tuning(const Setting& table, EngineOptions& options) {
 std::string tuning_text(EngineOptions options) {
   std::string text = "[tuning]\n";
   options.visit_tuning([&](const std::string& group_name, auto& group) {
-    group.visit_options([&](auto value, const std::string& name, const std::string& unit,
+    group.visit_options([&](const auto& value, const std::string& name, const std::string& unit,
                             const char* meaning) {
       text +=
           "# " + unit + ": " + meaning + "\n" + group_name + "." + name + " = " + number_text(value) + "\n";

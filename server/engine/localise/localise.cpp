@@ -103,7 +103,7 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
   // Far from where it was expected, or where odometry cannot be believed, a match needs more to be.
   const bool doubtful = !expectation.plausible || robot.place->suspect;
   const auto fits = [&](const Match& match) {
-    const bool surprising = surprise(match.local_from_robot, expectation, its) > its.far_surprise;
+    const bool surprising = surprise(match.local_from_robot, expectation, its) > its.far_surprise.value();
     const double min_score = doubtful     ? its.min_score_implausible
                              : surprising ? its.min_score_far
                                           : its.min_score;
@@ -117,7 +117,7 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
     if (fits(match) && (!fits(best) || match.quality.score > best.quality.score + better_by)) best = match;
   };
   const Pose& r = robot.place->pose.patch_from_object;
-  if (!fits(best) || surprise(best.local_from_robot, expectation, its) > its.doubted_surprise) {
+  if (!fits(best) || surprise(best.local_from_robot, expectation, its) > its.doubted_surprise.value()) {
     try_from(expectation.local_from_robot, its.loose_gain);
     try_from(r * robot.place->last_step, its.other_start_gain);
     try_from(r, its.other_start_gain);

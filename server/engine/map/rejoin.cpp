@@ -137,7 +137,7 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
   if (!fits(match, query, its) || (!found.certain && match.quality.degenerate)) return found;
   Eigen::Vector3d innovation = to_vector(match.local_from_robot) - to_vector(anchor_from_robot);
   innovation.z() = wrap_angle(innovation.z());
-  if (innovation.dot(information * innovation) > its.max_surprise) return found;
+  if (innovation.dot(information * innovation) > its.max_surprise.value()) return found;
 
   const double spread_m = spread_of_match(local, query.points, match, std::min(widest_m, its.looked_along_m),
                                           options.match, options.spread);

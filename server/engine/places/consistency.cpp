@@ -93,8 +93,8 @@ Agreement agreement(const Map& map, const Find& first, const NearbyConfidence& o
   const double off_m = std::hypot(round.x, round.y);
   const double off_rad = std::abs(round.yaw);
   const bool closes = off_m < options.max_apart_m && off_rad < options.max_apart_rad &&
-                      squared(off_m) < options.max_off * variance &&
-                      squared(off_rad) < options.max_off * yaw_variance;
+                      squared(off_m) < options.max_off.value() * variance &&
+                      squared(off_rad) < options.max_off.value() * yaw_variance;
   return closes ? Agreement::consistent : Agreement::inconsistent;
 }
 

@@ -71,7 +71,7 @@ void Trial::end_fit() {
     jump.z() = wrap_angle(jump.z());
     Eigen::Matrix3d covariance = *result.covariance;
     covariance.diagonal() += proposal_.beyond_covariance;
-    if (jump.dot(covariance.inverse() * jump) > options_.trial.max_jump) {
+    if (jump.dot(covariance.inverse() * jump) > options_.trial.max_jump.value()) {
       refusal_ = Reason::implausible_jump;
       stage_ = Stage::done;
       return;

@@ -136,7 +136,7 @@ double chi_squared(const ChartSighting& sighting, const Pose& first_from_second,
 bool agrees(const ChartSighting& sighting, const Pose& first_from_second, const AlignmentOptions& options) {
   const bool both = sighting.has_range() && sighting.has_bearing();
   return chi_squared(sighting, first_from_second, options) <=
-         (both ? options.max_disagreement_two : options.max_disagreement_one);
+         (both ? options.max_disagreement_two : options.max_disagreement_one).value();
 }
 
 Alignment refine(std::span<const ChartSighting> sightings, std::vector<std::size_t> supporters,

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "relations/chi_squared.hpp"
+
 namespace isthmus {
 
 /// Where a robot is at a scan (Howard et al. 2006, IV-A, steps 1 to 4), see localise/localise.hpp.
@@ -23,8 +25,8 @@ struct LocaliseOptions {
   double implausible_variance_rad2 = 0.1;
   double match_variance_m2 = 4e-4;
   double match_variance_rad2 = 1e-4;
-  double far_surprise = 25;
-  double doubted_surprise = 16;
+  ChiSquaredBound far_surprise{0.999985, 3};
+  ChiSquaredBound doubted_surprise{0.999, 3};
   double loose_share = 0.04;
   double loose_gain = 0.02;
   double other_start_gain = 0.05;
@@ -59,8 +61,10 @@ struct LocaliseOptions {
     option(match_variance_m2, "match_variance_m2", "m²",
            "what matching itself errs by, for the surprise at a match that ends away from the prediction");
     option(match_variance_rad2, "match_variance_rad2", "rad²", "the same of the yaw");
-    option(far_surprise, "far_surprise", "χ² of 3", "beyond which a match is far from where it was expected");
-    option(doubted_surprise, "doubted_surprise", "χ² of 3", "beyond which other beginnings are tried");
+    option(far_surprise, "far_surprise", "probability",
+           "χ² of 3 beyond which a match is far from where it was expected");
+    option(doubted_surprise, "doubted_surprise", "probability",
+           "χ² of 3 beyond which other beginnings are tried");
     option(loose_share, "loose_share", "factor", "on the information of the prediction from there");
     option(loose_gain, "loose_gain", "share",
            "that the score must be better by from the same beginning, held loosely");

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "relations/chi_squared.hpp"
+
 namespace isthmus {
 
 /// What belongs to a robot's surroundings and local map (eq. 12), see map/surroundings.hpp.
@@ -40,7 +42,7 @@ struct RejoinOptions {
   double min_score = 0.55;
   double min_score_partly_known = 0.6;
   double min_paired = 0.35;
-  double max_surprise = 16;
+  ChiSquaredBound max_surprise{0.999, 3};
   double certain_half_width_m = 0.6;
   double max_window_m = 6;
   double max_window_rad = 0.7;
@@ -62,8 +64,8 @@ struct RejoinOptions {
     option(min_score_partly_known, "min_score_partly_known", "share",
            "the same over the beams that found something to pair with, where the rest may look elsewhere");
     option(min_paired, "min_paired", "share", "of the beams that must then have found something");
-    option(max_surprise, "max_surprise", "χ² of 3",
-           "of a match that ends away from where the map expected the robot: about 0.1 % of true ones");
+    option(max_surprise, "max_surprise", "probability",
+           "χ² of 3 of a match that ends away from where the map expected the robot");
     option(certain_half_width_m, "certain_half_width_m", "m",
            "a search window as narrow as this leaves nothing else that could be meant");
     option(max_window_m, "max_window_m", "m", "half width of the widest window that is searched at once");

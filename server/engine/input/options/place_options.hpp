@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "relations/chi_squared.hpp"
+
 namespace isthmus {
 
 /// Which places are searched for what a robot saw last, see places/place_candidates.hpp.
@@ -111,7 +113,7 @@ struct PlaceSearchOptions {
 struct ConsistencyOptions {
   double find_sigma_m = 0.12;
   double find_sigma_rad = 0.02;
-  double max_off = 9;
+  ChiSquaredBound max_off{0.9973, 1};
   double max_apart_m = 1.2;
   double max_apart_rad = 0.25;
   int max_steps = 20'000;
@@ -120,7 +122,8 @@ struct ConsistencyOptions {
   void visit_options(Visitor&& option) {
     option(find_sigma_m, "find_sigma_m", "m", "standard deviation of a find's position");
     option(find_sigma_rad, "find_sigma_rad", "rad", "and of its yaw");
-    option(max_off, "max_off", "χ² of 1", "that the loop may be open by, in position and in yaw: 3 sigma");
+    option(max_off, "max_off", "probability",
+           "χ² of 1 that the loop may be open by, in position and in yaw: 3 sigma");
     option(max_apart_m, "max_apart_m", "m", "however little the map knows");
     option(max_apart_rad, "max_apart_rad", "rad", "however little the map knows");
     option(max_steps, "max_steps", "count", "of the search for the largest consistent set");

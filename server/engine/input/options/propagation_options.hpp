@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "relations/chi_squared.hpp"
+
 namespace isthmus {
 
 /// A change passed on through the map (Howard et al. 2006, IV-B, steps 2 to 5), see
@@ -42,7 +44,7 @@ struct SeamOptions {
 
 /// The trial of a proposed closure, see propagation/trial.hpp.
 struct TrialOptions {
-  double max_jump = 25;
+  ChiSquaredBound max_jump{0.999985, 3};
   int strong_support = 6;
   double max_contradiction = 0.08;
   double max_sighting_cost = 0.75;
@@ -70,7 +72,8 @@ struct TrialOptions {
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(max_jump, "max_jump", "χ² of 3", "how far a loop may move the map, in the map's own sigmas");
+    option(max_jump, "max_jump", "probability",
+           "χ² of 3: how far a loop may move the map, in the map's own sigmas");
     option(strong_support, "strong_support", "count",
            "of sightings that may say that those sigmas were too small");
     option(max_contradiction, "max_contradiction", "share",

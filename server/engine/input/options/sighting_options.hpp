@@ -3,14 +3,16 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "relations/chi_squared.hpp"
+
 namespace isthmus {
 
 /// What sightings say of relative poses, see sightings/alignment.hpp.
 struct AlignmentOptions {
   double floor_m = 0.05;
   double floor_rad = 0.03;
-  double max_disagreement_two = 13.8;
-  double max_disagreement_one = 10.8;
+  ChiSquaredBound max_disagreement_two{0.999, 2};
+  ChiSquaredBound max_disagreement_one{0.999, 1};
   double min_baseline_m = 0.4;
   double length_slack_m = 0.4;
   double length_slack_share = 0.1;
@@ -24,9 +26,10 @@ struct AlignmentOptions {
     option(floor_m, "floor_m", "m",
            "standard deviation that stamps, mounts and odometry leave open in a sighting, whatever it says");
     option(floor_rad, "floor_rad", "rad", "the same of its bearing");
-    option(max_disagreement_two, "max_disagreement_two", "χ² of 2",
-           "of a sighting with range and bearing that agrees: 99.9 % of true ones");
-    option(max_disagreement_one, "max_disagreement_one", "χ² of 1", "the same of range or bearing alone");
+    option(max_disagreement_two, "max_disagreement_two", "probability",
+           "χ² of 2 of a sighting with range and bearing that agrees");
+    option(max_disagreement_one, "max_disagreement_one", "probability",
+           "χ² of 1, the same of range or bearing alone");
     option(min_baseline_m, "min_baseline_m", "m", "between two points that give a relative pose");
     option(length_slack_m, "length_slack_m", "m", "that two measures of this distance may differ by,");
     option(length_slack_share, "length_slack_share", "share", "and of the distance");

@@ -95,6 +95,11 @@ TEST(Tuning, AValueReachesItsMemberAndNoOther) {
   EXPECT_EQ(put_back, defaults);
 }
 
+TEST(Tuning, AProbabilityBecomesABoundOfItsDegreesOfFreedom) {
+  const EngineOptions options = options_of("[tuning]\nrejoin.max_surprise = 0.95\n");
+  EXPECT_EQ(options.rejoin.max_surprise.value(), chi2_quantile(0.95, 3));
+}
+
 TEST(Tuning, UnknownKeysAreErrorsThatNameFileAndLine) {
   EXPECT_TRUE(error_of("[tuning]\n\nmatch.sigma = 1\n")
                   .starts_with("test.toml:3: unknown key 'sigma' in [tuning.match]"));
@@ -119,6 +124,9 @@ TEST(Tuning, NumbersThatAreNotFiniteOrFarFromTheDefaultAreErrors) {
   EXPECT_TRUE(contains(error_of("[tuning]\nlocalise.min_score = 1.01"), "is not within"));
   EXPECT_TRUE(contains(error_of("[tuning]\nrelations.robust_scale = -0.1"), "is not within"));
   EXPECT_EQ(error_of("[tuning]\nrelations.robust_scale = 0"), "");
+  for (const char* value : {"0", "1", "-0.5", "nan"})
+    EXPECT_TRUE(contains(error_of(std::string("[tuning]\nrejoin.max_surprise = ") + value), "is not within"))
+        << value;
 }
 
 }  // namespace
