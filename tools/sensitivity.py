@@ -36,6 +36,10 @@ class Value:
     def __init__(self, table, key, default, unit):
         self.table, self.key, self.default, self.unit = table, key, default, unit
 
+    @property
+    def name(self):
+        return self.key if self.table == "tuning" else f"{self.table}.{self.key}"
+
     def times(self, factor):
         """As it is to be written; nothing where it stays as it is."""
         if re.fullmatch(r"-?\d+", self.default):
@@ -127,8 +131,7 @@ def cells(before, after):
 def runs_of(tools, arguments, logs):
     """(value, factor, changed, log) of all that is to be run."""
     for value in values_of(tools):
-        if arguments.only and not any(value.key == only or value.key.startswith(only + ".") or value.table == only
-                                      for only in arguments.only):
+        if arguments.only and not any(value.name == only or value.name.startswith(only + ".") for only in arguments.only):
             continue
         for factor in arguments.factors:
             changed = value.times(factor)
@@ -162,10 +165,10 @@ def main():
     others.sort(key=lambda row: -effect(defaults[row[0][3]], row[1]))
     header = ["value", "default", "factor", "log", "islands", *(f"{kind} {unit}" for kind, _, unit in ERRORS), "CPU s"]
     benchmark.table("Other maps", header,
-                    [[value.key, value.default, f"{factor:g}", log.name, *cells(defaults[log], after)]
+                    [[value.name, value.default, f"{factor:g}", log.name, *cells(defaults[log], after)]
                      for (value, factor, _, log), after in others])
-    changing = {run[0].key for run, _ in others}
-    same = sorted({run[0].key for run in runs} - changing)
+    changing = {run[0].name for run, _ in others}
+    same = sorted({run[0].name for run in runs} - changing)
     print(f"\n{len(runs)} runs of {len(same) + len(changing)} values; the same map with: {', '.join(same) or 'none'}")
     return 0
 

@@ -248,9 +248,8 @@ void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_fr
   if (done.predicted_reason.empty())
     weaving.stands_on(robot.declaration.robot, done.pose.pose.patch, configuration.engine.propagation);
   settle(robot, std::move(done), odom_from_robot, outcome);
-  const auto met_nobody =
-      rendezvous.take_scan(map, robots, robot.declaration.robot, scan, configuration.engine.rendezvous,
-                           counters.last_receive_utime);
+  const auto met_nobody = rendezvous.take_scan(map, robots, robot.declaration.robot, scan,
+                                               counters.last_receive_utime, configuration.engine.rendezvous);
   if (met_nobody) hypotheses.refute(*met_nobody, Reason::met_nobody);
 }
 
@@ -351,7 +350,7 @@ void Engine::State::map_changed(const std::vector<std::vector<PatchId>>& islands
 
 void Engine::State::arrange_meeting() {
   if (!rendezvous.is_due(counters.last_receive_utime)) return;
-  rendezvous.choose(map, robots, hypotheses.undecided(), configuration.engine, counters.last_receive_utime);
+  rendezvous.choose(map, robots, hypotheses.undecided(), counters.last_receive_utime, configuration.engine);
 }
 
 // What an event brings on beside the scans it answers.

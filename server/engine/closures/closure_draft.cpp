@@ -53,13 +53,14 @@ std::vector<std::string> robots_of(const std::vector<Evidence>& evidence) {
 
 ClosureDraft draft_of_sightings(const Map& map, ClosureId id, const SightingGroup& group,
                                 const GroupAgreement& agreement, const std::vector<Evidence>& supporters,
-                                std::int64_t now_utime) {
+                                std::int64_t now_utime, const EngineOptions& options) {
   Proposal proposal = proposal_between(id, group.older, group.younger);
   proposal.older_from_younger = agreement.older_from_younger;
+  proposal.beyond_covariance = slip_variances(options.trial);
   proposal.supporters = static_cast<int>(supporters.size());
   proposal.two_way = agreement.two_way;
   for (const Evidence& evidence : supporters)
-    if (auto relation = sighting_relation(map, evidence, id))
+    if (auto relation = sighting_relation(map, evidence, id, options.alignment, options.evidence))
       proposal.relations.push_back(std::move(*relation));
   ClosureDraft made = draft(std::move(proposal), agreement.joining, now_utime);
   made.record.utime = supporters.front().sighting.utime;
@@ -67,7 +68,8 @@ ClosureDraft draft_of_sightings(const Map& map, ClosureId id, const SightingGrou
   return made;
 }
 
-ClosureDraft draft_of_finds(const Map& map, ClosureId id, const ScanProposal& finds, std::int64_t now_utime) {
+ClosureDraft draft_of_finds(const Map& map, ClosureId id, const ScanProposal& finds, std::int64_t now_utime,
+                            const EngineOptions& options) {
   const Joining joining{finds.first, finds.second, finds.first_from_second, Eigen::Matrix3d::Zero()};
   Proposal proposal = proposal_between(map, id, joining);
   proposal.relations = finds.relations;
@@ -75,7 +77,7 @@ ClosureDraft draft_of_finds(const Map& map, ClosureId id, const ScanProposal& fi
   proposal.supporters = finds.finds;
   proposal.from_scans = true;
   proposal.cautious = finds.cautious;
-  proposal.beyond_covariance = systematic_variance(finds.way_m);
+  proposal.beyond_covariance = systematic_variance(finds.way_m, options.place_candidates);
   ClosureDraft made = draft(std::move(proposal), joining, now_utime);
   made.record.reason = Reason::on_trial;
   made.record.utime = map.manifold().patch(finds.second).utime;

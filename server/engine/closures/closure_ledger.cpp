@@ -53,9 +53,10 @@ void ClosureLedger::allow(Entry& entry) {
   }
 }
 
-std::optional<ClosureId> ClosureLedger::forbidden_by(const Map& map, const Map& tried) const {
+std::optional<ClosureId> ClosureLedger::forbidden_by(const Map& map, const Map& tried,
+                                                     const EngineOptions& options) const {
   const auto found = std::ranges::find_if(entries_, [&](const auto& entry) {
-    return entry.second.forbidden && brings_about(map, tried, entry.second.joining);
+    return entry.second.forbidden && brings_about(map, tried, entry.second.joining, options);
   });
   if (found == entries_.end()) return std::nullopt;
   return found->first;

@@ -25,7 +25,8 @@ void Closures::advance(World world) {
   if (!observations_.is_judging_again() && observations_.take_changed()) {
     tags_.place(world, observations_);
     const std::vector<Evidence>& pool = observations_.pool();
-    observations_.refuse(superfluous(pool, groups_of(world.map, pool), world.now_utime));
+    const std::vector<SightingGroup> groups = groups_of(world.map, pool, world.options.closures);
+    observations_.refuse(superfluous(pool, groups, world.now_utime, world.options.closures));
     propose(world);
   }
   if (trials_.work(world)) end_trial(world);
@@ -64,7 +65,7 @@ bool Closures::step_trial(World world) {
 
 void Closures::propose(World world) {
   if (on_trial()) return;
-  for (const SightingGroup& group : groups_of(world.map, observations_.pool())) {
+  for (const SightingGroup& group : groups_of(world.map, observations_.pool(), world.options.closures)) {
     const std::optional<GroupAgreement> agreement = proposer_.look_at(world, observations_.pool(), group);
     if (!agreement) continue;
     propose(world, group, *agreement);
@@ -76,8 +77,8 @@ void Closures::propose(World world) {
 void Closures::propose(World world, const SightingGroup& group, const GroupAgreement& agreement) {
   std::vector<Evidence> supporters = observations_.take_out(agreement.supporters);
   proposer_.note_trial(group.key, supporters.size());
-  const ClosureDraft draft =
-      draft_of_sightings(world.map, ledger_.take_id(), group, agreement, supporters, world.now_utime);
+  const ClosureDraft draft = draft_of_sightings(world.map, ledger_.take_id(), group, agreement, supporters,
+                                                world.now_utime, world.options);
   Entry& closure = ledger_.enter(draft, std::move(supporters));
   if (draft.proposal.relations.empty()) {
     ledger_.decide(closure, ClosureState::refused, Reason::no_relation);
@@ -90,7 +91,7 @@ void Closures::propose(World world, const SightingGroup& group, const GroupAgree
 
 ClosureId Closures::propose_from_scans(World world, const ScanProposal& finds) {
   const ClosureId id = finds.id.valid() ? finds.id : ledger_.take_id();
-  const ClosureDraft draft = draft_of_finds(world.map, id, finds, world.now_utime);
+  const ClosureDraft draft = draft_of_finds(world.map, id, finds, world.now_utime, world.options);
   ledger_.enter(draft);
   begin_trial(world, draft.proposal);
   return id;
@@ -218,7 +219,7 @@ bool Closures::refuse_if_forbidden(World world, Entry& closure, const Map& tried
 
 // What says once more what is forbidden already.
 bool Closures::refuse_as_forbidden(World world, Entry& closure, const Map& tried) {
-  const std::optional<ClosureId> forbidden = ledger_.forbidden_by(world.map, tried);
+  const std::optional<ClosureId> forbidden = ledger_.forbidden_by(world.map, tried, world.options);
   if (!forbidden) return false;
   if (closure.from_scans) {
     closure.forbidden_as = *forbidden;

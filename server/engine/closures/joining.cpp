@@ -11,12 +11,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double most_chi_squared = 25;  // of three: as far as a loop may jump (trial.cpp)
-// What is so near says the same however sharp both are: walls that repeat are farther apart.
-constexpr double alike_m = 1;
-constexpr double alike_rad = 0.35;
-constexpr double tells_apart = 1;  // log-odds by which a loop must make a joining likelier than it was
-
 bool on_one_island(const Map& map, const Joining& joining) {
   const auto size = static_cast<std::int32_t>(map.graph().patch_count());  // a trial's may be older
   return joining.first.value < size && joining.second.value < size &&
@@ -39,12 +33,14 @@ struct Distance {
   double log_density = 0;  ///< up to a constant
 };
 
-std::optional<Distance> distance(const Map& map, const Joining& joining) {
+std::optional<Distance> distance(const Map& map, const Joining& joining, const EngineOptions& options) {
   const std::optional<Eigen::Matrix3d> known = covariance(map, joining);
   if (!known) return std::nullopt;
   Eigen::Matrix3d sum = *known + joining.covariance;
-  sum.diagonal() +=
-      Eigen::Vector3d(alike_m * alike_m, alike_m * alike_m, alike_rad * alike_rad) / most_chi_squared;
+  const double alike_m = options.closures.alike_m;
+  const double alike_rad = options.closures.alike_rad;
+  sum.diagonal() += Eigen::Vector3d(alike_m * alike_m, alike_m * alike_m, alike_rad * alike_rad) /
+                    options.trial.max_jump.value();
   const Pose has = mapped(map, joining);
   const Eigen::Vector3d off(has.x - joining.first_from_second.x, has.y - joining.first_from_second.y,
                             wrap_angle(has.yaw - joining.first_from_second.yaw));
@@ -73,13 +69,13 @@ Joining as_mapped(const Map& map, Joining joining) {
   return joining;
 }
 
-bool brings_about(const Map& map, const Map& tried, const Joining& joining) {
+bool brings_about(const Map& map, const Map& tried, const Joining& joining, const EngineOptions& options) {
   if (!on_one_island(tried, joining)) return false;
-  const std::optional<Distance> then = distance(tried, joining);
-  if (!then || then->chi_squared > most_chi_squared) return false;
+  const std::optional<Distance> then = distance(tried, joining, options);
+  if (!then || then->chi_squared > options.trial.max_jump.value()) return false;
   if (!on_one_island(map, joining)) return true;
-  const std::optional<Distance> now = distance(map, joining);
-  return !now || then->log_density > now->log_density + tells_apart;
+  const std::optional<Distance> now = distance(map, joining, options);
+  return !now || then->log_density > now->log_density + options.closures.tells_apart;
 }
 
 }  // namespace isthmus

@@ -9,8 +9,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double most_surprise = 16;  // chi² of three: 0.1 %, as where a local loop closes (rejoin.cpp)
-
 Eigen::Vector3d gradient(const Measurement& measurement, const Pose& a_from_b) {
   constexpr double step = 1e-5;  // metres and radians: of what is smooth over centimetres
   Eigen::Vector3d gradient;
@@ -89,7 +87,8 @@ std::optional<bool> Rejudging::agrees(const Relation& relation) {
                                                                   options_.surroundings.rejoin_yaw_rad}))
     return std::nullopt;
   const Pose a_from_b = ominus(rest_.manifold().pose(relation.b), rest_.manifold().pose(relation.a));
-  return chi_squared(relation.measurement, a_from_b, covariance->second) < most_surprise;
+  return chi_squared(relation.measurement, a_from_b, covariance->second) <
+         options_.rejoin.max_surprise.value();
 }
 
 void Rejudging::fit() {

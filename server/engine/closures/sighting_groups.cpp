@@ -8,32 +8,32 @@
 namespace isthmus {
 namespace {
 
-constexpr std::int64_t encounter_us =
-    60'000'000;                            // sightings of a loop so far apart are different encounters
-constexpr std::size_t most_waiting = 400;  // sightings of one group, or of a tag that is nowhere
-
 /// Tells encounters of the same two apart.
 class Encounters {
  public:
+  explicit Encounters(std::int64_t encounter_us) : encounter_us_(encounter_us) {}
+
   Encounter of(const Evidence& evidence) {
     const auto [first, second] = std::minmax(evidence.sighting.robot, evidence.target);
     const auto [last, is_new] = last_.try_emplace({first, second});
     auto& [sighting, utime] = last->second;
-    if (is_new || std::abs(evidence.sighting.utime - utime) > encounter_us) sighting = evidence.record;
+    if (is_new || std::abs(evidence.sighting.utime - utime) > encounter_us_) sighting = evidence.record;
     utime = evidence.sighting.utime;
     return {first, second, sighting};
   }
 
  private:
+  std::int64_t encounter_us_;
   /// By pair: the first sighting of their last encounter, and the stamp of the last.
   std::map<std::pair<std::string, std::string>, std::pair<std::size_t, std::int64_t>> last_;
 };
 
 }  // namespace
 
-std::vector<SightingGroup> groups_of(const Map& map, const std::vector<Evidence>& pool) {
+std::vector<SightingGroup> groups_of(const Map& map, const std::vector<Evidence>& pool,
+                                     const ClosureOptions& options) {
   std::map<GroupKey, SightingGroup> groups;
-  Encounters encounters;
+  Encounters encounters(options.encounter_us);
   for (std::size_t i = 0; i < pool.size(); ++i) {
     if (!pool[i].target_place) continue;
     const IslandId a = map.graph().island(pool[i].observer.pose.patch);
@@ -49,7 +49,8 @@ std::vector<SightingGroup> groups_of(const Map& map, const std::vector<Evidence>
 }
 
 std::set<std::size_t> superfluous(const std::vector<Evidence>& pool, const std::vector<SightingGroup>& groups,
-                                  std::int64_t now_utime) {
+                                  std::int64_t now_utime, const ClosureOptions& options) {
+  const std::size_t most_waiting = options.max_waiting;
   std::set<std::size_t> gone;
   std::map<std::int32_t, std::size_t> of_unplaced_tag;
   for (std::size_t i = pool.size(); i-- > 0;)
@@ -58,7 +59,7 @@ std::set<std::size_t> superfluous(const std::vector<Evidence>& pool, const std::
     const std::size_t size = group.members.size();
     for (std::size_t k = 0; k < size; ++k) {
       const std::size_t i = group.members[k];
-      const bool old = !group.is_merge() && now_utime - pool[i].receive_utime > 2 * encounter_us;
+      const bool old = !group.is_merge() && now_utime - pool[i].receive_utime > 2 * options.encounter_us;
       if (old || k + most_waiting < size) gone.insert(i);
     }
   }

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/engine/input/options/closure_options.hpp"
 #include "server/engine/sightings/evidence.hpp"
 
 namespace isthmus {
@@ -46,10 +47,11 @@ struct SightingGroup {
 };
 
 /// The groups of all sightings in a pool whose targets have places, by key.
-std::vector<SightingGroup> groups_of(const Map& map, const std::vector<Evidence>& pool);
+std::vector<SightingGroup> groups_of(const Map& map, const std::vector<Evidence>& pool,
+                                     const ClosureOptions& options = {});
 
 /// What of a pool is too much, or has waited for too long in vain.
 std::set<std::size_t> superfluous(const std::vector<Evidence>& pool, const std::vector<SightingGroup>& groups,
-                                  std::int64_t now_utime);
+                                  std::int64_t now_utime, const ClosureOptions& options = {});
 
 }  // namespace isthmus

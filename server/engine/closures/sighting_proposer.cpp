@@ -6,8 +6,6 @@
 namespace isthmus {
 namespace {
 
-constexpr std::size_t most_compared = 24;  // of a group's sightings, spread evenly, each with each
-
 bool observer_is_first(const Map& map, const Evidence& evidence, const SightingGroup& group) {
   if (group.is_merge()) return map.graph().island(evidence.observer.pose.patch) == group.older;
   return evidence.sighting.robot < evidence.target;
@@ -67,24 +65,25 @@ Joining joining_of_tag(const Map& map, const Evidence& first, const Eigen::Vecto
 
 // A tag that the map has far from where it is seen now: a loop. One point does not tell how the two charts
 // lie to each other, but where the point is in this one.
-std::optional<GroupAgreement> agreement_on_tag(const Map& map, const std::vector<Evidence>& pool,
+std::optional<GroupAgreement> agreement_on_tag(World world, const std::vector<Evidence>& pool,
                                                const SightingGroup& group, std::size_t least) {
-  const PointConsensus consensus = agree_on_a_point(map, pool, group.members);
-  if (!consensus.enough() || consensus.supporters.size() < least ||
+  const PointConsensus consensus = agree_on_a_point(world.map, pool, group.members, world.options.alignment);
+  if (!consensus.enough(world.options.evidence) || consensus.supporters.size() < least ||
       2 * consensus.supporters.size() <= group.members.size())
     return std::nullopt;
   return GroupAgreement{{consensus.supporters.begin(), consensus.supporters.end()},
                         {},
                         false,
-                        joining_of_tag(map, pool[consensus.supporters.front()], consensus.point)};
+                        joining_of_tag(world.map, pool[consensus.supporters.front()], consensus.point)};
 }
 
 std::optional<GroupAgreement> agreement_on_charts(World world, const std::vector<Evidence>& pool,
                                                   const SightingGroup& group, std::size_t least) {
   const std::vector<ChartSighting> sightings = charts(world.map, pool, group);
-  const std::optional<Alignment> alignment = best_alignment(sightings);
+  const std::optional<Alignment> alignment = best_alignment(sightings, world.options.alignment);
   if (!alignment || alignment->supporters.size() < least) return std::nullopt;
-  if (!ready(*alignment, sightings, world.now_utime, world.no_more_waiting)) return std::nullopt;
+  if (!ready(*alignment, sightings, world.now_utime, world.no_more_waiting, world.options.alignment))
+    return std::nullopt;
   const Evidence& first = pool[group.members[alignment->supporters.front()]];
   GroupAgreement agreement;
   for (const std::size_t k : alignment->supporters) agreement.supporters.insert(group.members[k]);
@@ -106,9 +105,9 @@ std::optional<GroupAgreement> SightingProposer::look_at(World world, const std::
   const auto tried = tried_.find(group.key);
   const std::size_t least = tried == tried_.end() ? 2 : tried->second * 3 / 2 + 1;
   if (group.members.size() < least) return std::nullopt;
-  const SightingGroup some = spread(group, most_compared);
+  const SightingGroup some = spread(group, world.options.closures.max_compared);
   if (!group.is_merge() && pool[some.members.front()].is_tag)
-    return agreement_on_tag(world.map, pool, some, least);
+    return agreement_on_tag(world, pool, some, least);
   return agreement_on_charts(world, pool, some, least);
 }
 

@@ -39,7 +39,7 @@ std::vector<PatchId> take_back(World world, ClosureId id, ClosureLedger& ledger,
   joining = as_mapped(world.map, joining);
   const Map together = world.map;
   Withdrawal withdrawal = withdraw(world.map, id, world.robots, world.options);
-  tags.displace(world.map, withdrawal.gone);
+  tags.displace(world.map, withdrawal.gone, world.options.evidence);
   put_on_own_ground(world, together, ledger, observations);
   for (const ClosureId fallen : withdrawal.fallen) fall(ledger.at(fallen), ledger, observations);
   std::set<IslandId> islands;

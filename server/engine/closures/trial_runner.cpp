@@ -1,27 +1,21 @@
 #include "server/engine/closures/trial_runner.hpp"
 
 namespace isthmus {
-namespace {
-
-constexpr std::int64_t step_price_us = 5'000;  // nominal
-constexpr CreditRate trial_rate = {0.5, 10'000};
-
-}  // namespace
-
 void TrialRunner::begin(World world, Proposal proposal) {
   trial_ = std::make_unique<Trial>(world.map, std::move(proposal), world.options, world.now_utime);
 }
 
 bool TrialRunner::work(World world) {
-  credit_.earn(world.now_utime, trial_rate);
+  const ClosureOptions& its = world.options.closures;
+  credit_.earn(world.now_utime, {its.work_share, its.max_credit_us});
   // A new patch is the dearest thing a scan can bring: the trial's turn is at the next event.
   const bool grown = std::exchange(patches_, world.map.manifold().size()) != world.map.manifold().size();
   if (!trial_ || grown) return false;
   if (trial_->done()) return true;
   trial_->advance(world.now_utime);
-  while (!trial_->done() && credit_.left_us() >= step_price_us) {
+  while (!trial_->done() && credit_.left_us() >= its.step_price_us) {
     if (!trial_->step(world.now_utime)) break;
-    credit_.spend(step_price_us);
+    credit_.spend(its.step_price_us);
   }
   return false;
 }

@@ -8,16 +8,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double query_every_m = 2;
-constexpr double piece_way_m = 8;
-constexpr double least_piece_way_m = 5;
-constexpr std::size_t most_queries = 8;
-constexpr double least_score = 0.5;
-constexpr double least_score_anywhere = 0.6;  // on islands where nothing says where to look
-constexpr CreditRate search_rate = {0.02, 10'000};
-constexpr std::int64_t least_price_us = 1'000;  // nominal, of one step
-constexpr double price_per_evaluation_us = 0.1;
-
 bool share_a_patch(const RigidPiece& a, const RigidPiece& b) {
   return std::ranges::any_of(a.local.patches, [&](const LocalPatch& of_a) {
     return std::ranges::any_of(b.local.patches,
@@ -70,6 +60,7 @@ void Hypotheses::follow(World world) {
 }
 
 void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch) {
+  const HypothesisOptions& options = world.options.hypotheses;
   Way& way = ways_[robot];
   const Manifold& manifold = world.map.manifold();
   double step_m = 0;
@@ -85,19 +76,19 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
   for (double& from_newest : way.from_newest_m) from_newest += step_m;
   way.newest_first.push_front(patch);
   way.from_newest_m.push_front(0);
-  while (way.from_newest_m.back() > piece_way_m) {
+  while (way.from_newest_m.back() > options.max_piece_way_m) {
     way.newest_first.pop_back();
     way.from_newest_m.pop_back();
   }
   way.since_query_m += step_m;
-  if (way.since_query_m < query_every_m || way.from_newest_m.back() < least_piece_way_m) return;
+  if (way.since_query_m < options.query_every_m || way.from_newest_m.back() < options.min_piece_way_m) return;
   way.since_query_m = 0;
   PlaceQuery query;
   query.newest_first.assign(way.newest_first.begin(), way.newest_first.end());
   query.robot = robot;
   queue_.push_back(std::move(query));
   ++counts_.queries;
-  if (queue_.size() > most_queries) {
+  if (queue_.size() > options.max_queries) {
     queue_.pop_front();
     ++counts_.queries_dropped;
   }
@@ -126,7 +117,8 @@ void Hypotheses::end_look_up() {
 }
 
 void Hypotheses::work(World world) {
-  credit_.earn(world.now_utime, search_rate);
+  const HypothesisOptions& its = world.options.hypotheses;
+  credit_.earn(world.now_utime, {its.work_share, its.max_credit_us});
   // A new patch is the dearest thing a scan can bring: the search's turn is at the next event.
   const bool grown = std::exchange(patches_, world.map.manifold().size()) != world.map.manifold().size();
   if (credit_.left_us() > 0 && !grown && can_step()) credit_.spend(step(world));
@@ -149,15 +141,16 @@ std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
   std::ranges::copy(places_on_other_islands(world.map, query.newest_first.front(), options.place_candidates),
                     std::back_inserter(query.places));
   if (!query.places.empty()) query.piece = piece_of_way(world.map, query.newest_first, options.place_search);
-  return least_price_us;
+  return options.hypotheses.step_price_us;
 }
 
 std::int64_t Hypotheses::search_next(World world, PlaceQuery& query) {
+  const HypothesisOptions& its = world.options.hypotheses;
   const PlaceCandidate& place = query.places[query.next++];
   ++counts_.places_searched;
   const PlaceSearch search =
       search_place(place_around(world.map, place.anchor, world.options), query.piece, place.window,
-                   std::max(place.way_m > 0 ? least_score : least_score_anywhere,
+                   std::max(place.way_m > 0 ? its.min_score : its.min_score_anywhere,
                             world.options.ambiguity.share * query.best_score),
                    world.options);
   query.exhausted = query.exhausted || search.exhausted;
@@ -167,8 +160,8 @@ std::int64_t Hypotheses::search_next(World world, PlaceQuery& query) {
     query.answers.back().way_m = place.way_m;
     query.answers.back().sigma_m = place.sigma_m;
   }
-  return least_price_us +
-         static_cast<std::int64_t>(price_per_evaluation_us * static_cast<double>(search.evaluations));
+  return its.step_price_us +
+         static_cast<std::int64_t>(its.evaluation_price_us * static_cast<double>(search.evaluations));
 }
 
 // Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
@@ -185,7 +178,8 @@ std::int64_t Hypotheses::decide(World world, PlaceQuery& query) {
   if (share_a_patch(place, query.piece)) return 0;
   std::optional<Find> find = refine(place, query.piece, best, world.options);
   if (find) take(world, query.robot, std::move(*find));
-  return 5 * least_price_us;
+  const HypothesisOptions& its = world.options.hypotheses;
+  return static_cast<std::int64_t>(its.decision_steps * static_cast<double>(its.step_price_us));
 }
 
 }  // namespace isthmus

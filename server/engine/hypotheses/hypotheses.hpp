@@ -110,7 +110,7 @@ class Hypotheses {
   void take(World world, const std::string& robot, Find find);
   bool propose(World world, Closures& closures);
   bool propose(World world, Closures& closures, const std::vector<std::size_t>& set);
-  std::size_t rivals(const Map& map, const std::vector<std::size_t>& set) const;
+  std::size_t rivals(const Map& map, const std::vector<std::size_t>& set, double rival_m) const;
   void hear(World world, Closures& closures);
   void remove(const std::vector<bool>& gone);
 

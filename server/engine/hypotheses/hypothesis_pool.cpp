@@ -9,22 +9,12 @@
 namespace isthmus {
 namespace {
 
-constexpr std::size_t most_waiting = 64;
-constexpr std::size_t enough_finds = 3;
-constexpr double enough_way_m = 3;
-constexpr std::size_t agreement_patches = 200;  // nearest in the graph, to know how ends lie to each other
-constexpr double surely_near_m = 4;  // a map less sure than this of where a find is asks for caution
-constexpr double rival_m = 6;
-constexpr double mapped_m = 0.15;  // so near to what the map says, a find has nothing to add
-constexpr double mapped_rad = 0.03;
-constexpr std::size_t more_finds = 3;  // before what was undecided is tried again
-
 // Whether the map, as it is now, has the patches about where the find has them.
-bool agrees_with_map(const Map& map, const Find& find) {
+bool agrees_with_map(const Map& map, const Find& find, const HypothesisOptions& options) {
   if (map.graph().island(find.query) != map.graph().island(find.anchor)) return false;
   const Pose mapped = ominus(map.manifold().pose(find.query), map.manifold().pose(find.anchor));
   const Pose off = ominus(find.anchor_from_query, mapped);
-  return std::hypot(off.x, off.y) < mapped_m && std::abs(off.yaw) < mapped_rad;
+  return std::hypot(off.x, off.y) < options.mapped_m && std::abs(off.yaw) < options.mapped_rad;
 }
 
 }  // namespace
@@ -32,8 +22,9 @@ bool agrees_with_map(const Map& map, const Find& find) {
 // A find joins the pool with its agreements with those that wait there.
 void Hypotheses::take(World world, const std::string& robot, Find find) {
   ++counts_.finds;
-  const NearbyConfidence of_anchor(world.map, find.anchor, agreement_patches);
-  const NearbyConfidence of_query(world.map, find.query, agreement_patches);
+  const HypothesisOptions& options = world.options.hypotheses;
+  const NearbyConfidence of_anchor(world.map, find.anchor, options.agreement_patches);
+  const NearbyConfidence of_query(world.map, find.query, options.agreement_patches);
   std::vector<Agreement> with_earlier;
   for (const Waiting& earlier : pool_) {
     with_earlier.push_back(
@@ -43,7 +34,7 @@ void Hypotheses::take(World world, const std::string& robot, Find find) {
   }
   pool_.push_back({std::move(find), robot, {}});
   agreements_.add(std::move(with_earlier));
-  if (pool_.size() > most_waiting) {
+  if (pool_.size() > options.max_finds) {
     std::vector<bool> gone(pool_.size(), false);
     gone.front() = true;
     remove(gone);
@@ -71,7 +62,9 @@ bool Hypotheses::propose(World world, Closures& closures) {
 }
 
 bool Hypotheses::propose(World world, Closures& closures, const std::vector<std::size_t>& set) {
-  if (set.size() < enough_finds || 2 * rivals(world.map, set) > set.size()) return false;
+  const HypothesisOptions& options = world.options.hypotheses;
+  if (set.size() < options.min_finds || 2 * rivals(world.map, set, options.rival_m) > set.size())
+    return false;
   const Map& map = world.map;
   const Find& first = pool_[set.front()].find;
   const Manifold& manifold = map.manifold();
@@ -85,12 +78,12 @@ bool Hypotheses::propose(World world, Closures& closures, const std::vector<std:
         std::max(way_m, std::min(std::hypot(moved.x, moved.y), std::hypot(anchor_moved.x, anchor_moved.y)));
     if (!id.valid()) id = pool_[i].hypothesis;
   }
-  if (way_m < enough_way_m) return false;
+  if (way_m < options.min_way_m) return false;
   const auto before = hypotheses_.find(id);
   const bool known = before != hypotheses_.end();
   if (known) {
     const auto tried = static_cast<std::size_t>(before->second.tried);
-    if (tried > 0 && set.size() < tried + std::max(more_finds, tried / 2)) return false;
+    if (tried > 0 && set.size() < tried + std::max(options.more_finds, tried / 2)) return false;
   }
 
   ScanProposal proposal;
@@ -107,7 +100,7 @@ bool Hypotheses::propose(World world, Closures& closures, const std::vector<std:
   for (const std::size_t i : set) {
     const Find& find = pool_[i].find;
     proposal.way_m = std::max(proposal.way_m, find.way_m);
-    proposal.cautious = proposal.cautious || find.sigma_m > surely_near_m;
+    proposal.cautious = proposal.cautious || find.sigma_m > options.surely_near_m;
     std::ranges::copy(find.relations, std::back_inserter(proposal.relations));
     robots.insert(map.manifold().patch(find.query).robot);
     robots.insert(map.manifold().patch(find.anchor).robot);
@@ -124,7 +117,7 @@ bool Hypotheses::propose(World world, Closures& closures, const std::vector<std:
 }
 
 // Finds from about the same stretch of way that say otherwise.
-std::size_t Hypotheses::rivals(const Map& map, const std::vector<std::size_t>& set) const {
+std::size_t Hypotheses::rivals(const Map& map, const std::vector<std::size_t>& set, double rival_m) const {
   const auto near = [&](std::size_t rival, std::size_t member) {
     const Pose apart =
         ominus(map.manifold().pose(pool_[rival].find.query), map.manifold().pose(pool_[member].find.query));
@@ -163,7 +156,7 @@ void Hypotheses::hear(World world, Closures& closures) {
     }
     if (ruling.state == ClosureState::accepted) {
       for (std::size_t i = 0; i < pool_.size(); ++i)
-        gone[i] = gone[i] || agrees_with_map(world.map, pool_[i].find);
+        gone[i] = gone[i] || agrees_with_map(world.map, pool_[i].find, world.options.hypotheses);
     }
     remove(gone);
     hypotheses_.erase(found);

@@ -6,7 +6,9 @@
 #include "scanmatch/match.hpp"
 #include "scanmatch/match_relations.hpp"
 #include "scanmatch/score_profile.hpp"
+#include "server/engine/input/options/closure_options.hpp"
 #include "server/engine/input/options/frozen_options.hpp"
+#include "server/engine/input/options/hypothesis_options.hpp"
 #include "server/engine/input/options/intake_options.hpp"
 #include "server/engine/input/options/localise_options.hpp"
 #include "server/engine/input/options/map_options.hpp"
@@ -67,6 +69,8 @@ struct EngineOptions {
   ConsistencyOptions consistency;
   AlignmentOptions alignment;
   EvidenceOptions evidence;
+  ClosureOptions closures;
+  HypothesisOptions hypotheses;
   IntakeOptions intake;
   FinderOptions finder;
   FrozenOptions frozen;
@@ -106,6 +110,8 @@ struct EngineOptions {
     group("consistency", consistency);
     group("alignment", alignment);
     group("evidence", evidence);
+    group("closures", closures);
+    group("hypotheses", hypotheses);
     group("intake", intake);
     group("finder", finder);
     group("frozen", frozen);

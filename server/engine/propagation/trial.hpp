@@ -11,6 +11,11 @@
 
 namespace isthmus {
 
+/// What the map may err by beyond its covariance where sightings close a loop: variances of x, y, yaw.
+inline Eigen::Vector3d slip_variances(const TrialOptions& options) {
+  return {options.slip_variance_m2, options.slip_variance_m2, options.slip_variance_rad2};
+}
+
 /// A closure that several sightings, or finds of scans, propose: how the patches of one chart lie to those of
 /// another.
 struct Proposal {
@@ -24,7 +29,7 @@ struct Proposal {
   bool two_way = false;
   bool from_scans = false;  ///< relations are of scans that agree, nobody has seen anybody
   /// What the map may err by beyond its covariance, where the loop closes: variances of x, y, yaw.
-  Eigen::Vector3d beyond_covariance = {0.01, 0.01, 0.001};
+  Eigen::Vector3d beyond_covariance = slip_variances({});
   bool cautious = false;  ///< only where much agrees, and not along one corridor
   bool measured = false;  ///< placed by the operators themselves: no test can refuse it
 

@@ -72,8 +72,8 @@ bool watches_for_the_other(const Map& map, const std::map<std::string, Robot>& r
 }
 
 void Rendezvous::choose(const Map& map, const std::map<std::string, Robot>& robots,
-                        std::span<const UndecidedHypothesis> undecided, const EngineOptions& options,
-                        std::int64_t now_utime) {
+                        std::span<const UndecidedHypothesis> undecided, std::int64_t now_utime,
+                        const EngineOptions& options) {
   const RendezvousOptions& its = options.rendezvous;
   next_choice_utime_ = now_utime + its.choice_interval_us;
   double kept_value = 0;
@@ -109,7 +109,7 @@ void Rendezvous::choose(const Map& map, const std::map<std::string, Robot>& robo
 
 std::optional<ClosureId> Rendezvous::take_scan(const Map& map, const std::map<std::string, Robot>& robots,
                                                const std::string& robot, const Scan& scan,
-                                               const RendezvousOptions& options, std::int64_t now_utime) {
+                                               std::int64_t now_utime, const RendezvousOptions& options) {
   if (!meeting_ || (robot != meeting_->a.robot && robot != meeting_->b.robot)) return std::nullopt;
   Watch& watch = watch_[robot == meeting_->a.robot ? 0 : 1];
   if (!watches_for_the_other(map, robots, *meeting_, robot, scan, options)) {

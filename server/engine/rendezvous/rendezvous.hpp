@@ -21,16 +21,16 @@ class Rendezvous {
   /// Chooses a meeting, or drops one whose hypothesis is decided or whose robots have left. Looks at the
   /// hypotheses only now and then; see is_due.
   void choose(const Map& map, const std::map<std::string, Robot>& robots,
-              std::span<const UndecidedHypothesis> undecided, const EngineOptions& options,
-              std::int64_t now_utime);
+              std::span<const UndecidedHypothesis> undecided, std::int64_t now_utime,
+              const EngineOptions& options = {});
   /// Whether it is time to choose again.
   bool is_due(std::int64_t now_utime) const { return now_utime >= next_choice_utime_; }
 
   /// A scan of a robot that has just been placed. Returns the hypothesis that nobody's presence refutes, if
   /// this scan completes the evidence.
   std::optional<ClosureId> take_scan(const Map& map, const std::map<std::string, Robot>& robots,
-                                     const std::string& robot, const Scan& scan,
-                                     const RendezvousOptions& options, std::int64_t now_utime);
+                                     const std::string& robot, const Scan& scan, std::int64_t now_utime,
+                                     const RendezvousOptions& options = {});
   /// One robot saw another, rightly or wrongly: that evidence begins anew.
   void take_sighting(const std::string& observer, const std::string& target);
 

@@ -10,13 +10,6 @@
 namespace isthmus {
 namespace {
 
-constexpr std::int64_t weighing_us = 2'000'000;
-constexpr int near_hops = 3;                    // so near in the graph, the map knows better
-constexpr double sure_m = 0.3;                  // a map less sure than this of where the target is,
-constexpr double sure_without_scans_m = 0.6;    // learns from a sighting only when others agree
-constexpr std::size_t most_without_scans = 60;  // tags tie everything to everything: a dense graph
-constexpr double informative = 1;               // of a sighting's own sigma
-
 double largest_variance(const Eigen::Matrix2d& covariance) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(1);
 }
@@ -52,20 +45,21 @@ Judgement MapJudge::judge(const Map& map, const Evidence& evidence, const Engine
   const PatchId b = evidence.target_place->pose.patch;
   if (map.graph().island(a) != map.graph().island(b)) return Judgement::unknown;
   ChartSighting chart = chart_sighting(map, evidence);
-  const bool fits = agrees(chart, Pose{});
+  const ClosureOptions& its = options.closures;
+  const bool fits = agrees(chart, Pose{}, options.alignment);
   const bool scans = sees_walls(map, evidence.observer) && sees_walls(map, *evidence.target_place);
-  if (scans && fits && map.graph().hops(a, b, near_hops)) return Judgement::agrees;
+  if (scans && fits && map.graph().hops(a, b, its.near_hops)) return Judgement::agrees;
   // Sightings close in time err alike: one of them tells what they all tell.
   std::int64_t& weighed_utime = weighed_utime_[{evidence.sighting.robot, evidence.target}];
-  if (fits && std::abs(evidence.sighting.utime - weighed_utime) < weighing_us) return Judgement::agrees;
-  const std::optional<double> variance =
-      target_variance(map, evidence, scans ? options.surroundings.confidence_patches : most_without_scans);
+  if (fits && std::abs(evidence.sighting.utime - weighed_utime) < its.weighing_us) return Judgement::agrees;
+  const std::optional<double> variance = target_variance(
+      map, evidence, scans ? options.surroundings.confidence_patches : its.patches_without_scans);
   if (!variance) return Judgement::unknown;
   chart.target_variance += *variance;
-  if (!agrees(chart, Pose{})) return Judgement::contradicts;
-  if (std::sqrt(*variance) > (scans ? sure_m : sure_without_scans_m)) return Judgement::unknown;
+  if (!agrees(chart, Pose{}, options.alignment)) return Judgement::contradicts;
+  if (std::sqrt(*variance) > (scans ? its.sure_m : its.sure_without_scans_m)) return Judgement::unknown;
   weighed_utime = evidence.sighting.utime;
-  const bool says_more = !scans && std::sqrt(*variance) > informative * own_sigma_m(chart);
+  const bool says_more = !scans && std::sqrt(*variance) > its.informative * own_sigma_m(chart);
   return says_more ? Judgement::teaches : Judgement::agrees;
 }
 

@@ -6,13 +6,6 @@
 #include "server/engine/sightings/placing.hpp"
 
 namespace isthmus {
-namespace {
-
-constexpr std::int64_t placing_wait_us = 2'000'000;  // a sighting waits so long for odometry
-constexpr int most_judged_again = 4;                 // in one event: each may ask for a covariance
-
-}  // namespace
-
 void MutualObservations::take(const SightingEvent& sighting, const std::string& target, bool is_tag,
                               std::int64_t now_utime) {
   Evidence evidence;
@@ -33,8 +26,10 @@ void MutualObservations::place(World world, const TagPatches& tags) {
   std::deque<Evidence> still;
   std::vector<Evidence> placed;
   for (Evidence& evidence : unplaced_) {
-    const bool waited = world.no_more_waiting || world.now_utime > evidence.receive_utime + placing_wait_us;
-    const Placing placing = place_on_manifold(world.robots, tags, waited, evidence);
+    const bool waited = world.no_more_waiting ||
+                        world.now_utime > evidence.receive_utime + world.options.closures.placing_wait_us;
+    const Placing placing =
+        place_on_manifold(world.robots, tags, waited, evidence, world.options.odometry_noise);
     switch (placing.state) {
       case Placing::State::waits:
         still.push_back(std::move(evidence));
@@ -69,7 +64,8 @@ bool MutualObservations::is_settled_by_map(World world, Evidence& evidence) {
 }
 
 void MutualObservations::add_to_map(World world, const Evidence& evidence) {
-  const std::optional<Relation> relation = sighting_relation(world.map, evidence, {});
+  const std::optional<Relation> relation =
+      sighting_relation(world.map, evidence, {}, world.options.alignment, world.options.evidence);
   if (!relation) return;
   world.map.relate(*relation);
   const PatchId patch = evidence.observer.pose.patch;
@@ -91,7 +87,7 @@ void MutualObservations::judge_again(World world) {
   int judged = 0;
   std::vector<Evidence> kept;
   for (Evidence& evidence : pool_) {
-    const bool now = evidence.judge_again && judged < most_judged_again;
+    const bool now = evidence.judge_again && judged < world.options.closures.max_judged_again;
     if (now) {
       ++judged;
       evidence.judge_again = false;
@@ -139,7 +135,7 @@ void MutualObservations::reopen(World world, const TagPatches& tags, std::size_t
   });
   evidence.is_tag = worn == world.robots.end();
   evidence.target = evidence.is_tag ? tag_name(evidence.sighting.barcode) : worn->first;
-  const Placing placing = place_on_manifold(world.robots, tags, true, evidence);
+  const Placing placing = place_on_manifold(world.robots, tags, true, evidence, world.options.odometry_noise);
   if (placing.state != Placing::State::placed) return set_verdict(evidence, Verdict::refused, placing.reason);
   set_verdict(evidence, Verdict::waiting, evidence.doubt);
   pool_.push_back(std::move(evidence));

@@ -8,13 +8,13 @@ namespace {
 Placing impossible(Reason reason) { return {Placing::State::impossible, reason}; }
 
 Placing place_robot(const std::map<std::string, Robot>& robots, const std::string& name, std::int64_t utime,
-                    bool waited, std::optional<PastPlace>& place) {
+                    bool waited, const OdometryNoiseOptions& noise, std::optional<PastPlace>& place) {
   const auto found = robots.find(name);
   if (found == robots.end()) return impossible(Reason::unknown_robot);
   const Robot& robot = found->second;
   if (!robot.history.empty() && robot.history.oldest_utime() > utime)
     return impossible(Reason::before_first_scan);
-  place = robot.history.at(utime, robot.odometry, robot.noise);
+  place = robot.history.at(utime, robot.odometry, robot.noise, noise);
   if (place) return {};
   if (!waited) return {Placing::State::waits, Reason::none};
   if (robot.history.empty()) return impossible(Reason::before_first_scan);
@@ -29,13 +29,15 @@ PastPlace place_of_tag(PatchId patch, std::int64_t utime) {
 }
 
 Placing place_on_manifold(const std::map<std::string, Robot>& robots,
-                          const std::map<std::int32_t, PatchId>& tags, bool waited, Evidence& evidence) {
+                          const std::map<std::int32_t, PatchId>& tags, bool waited, Evidence& evidence,
+                          const OdometryNoiseOptions& noise) {
   const std::int64_t utime = evidence.sighting.utime;
   std::optional<PastPlace> observer;
-  const Placing placing = place_robot(robots, evidence.sighting.robot, utime, waited, observer);
+  const Placing placing = place_robot(robots, evidence.sighting.robot, utime, waited, noise, observer);
   if (placing.state != Placing::State::placed) return placing;
   evidence.observer = *observer;
-  if (!evidence.is_tag) return place_robot(robots, evidence.target, utime, waited, evidence.target_place);
+  if (!evidence.is_tag)
+    return place_robot(robots, evidence.target, utime, waited, noise, evidence.target_place);
   const auto tag = tags.find(evidence.sighting.barcode);
   if (tag != tags.end()) evidence.target_place = place_of_tag(tag->second, utime);
   return {};

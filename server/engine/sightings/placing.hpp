@@ -27,6 +27,7 @@ PastPlace place_of_tag(PatchId patch, std::int64_t utime);
 /// patch is, if it has one. `tags`: by barcode. `waited`: nothing more will come for it, what is not known of
 /// that time never will be.
 Placing place_on_manifold(const std::map<std::string, Robot>& robots,
-                          const std::map<std::int32_t, PatchId>& tags, bool waited, Evidence& evidence);
+                          const std::map<std::int32_t, PatchId>& tags, bool waited, Evidence& evidence,
+                          const OdometryNoiseOptions& noise = {});
 
 }  // namespace isthmus

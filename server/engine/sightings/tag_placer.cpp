@@ -10,20 +10,15 @@
 namespace isthmus {
 namespace {
 
-constexpr double another_tag_m = 0.3;
-constexpr std::size_t enough_beside_another = 6;
-constexpr double apart_beside_another_m = 1;
-constexpr std::size_t most_for_tag = 30;  // newest sightings of a tag that is nowhere yet
-
 // Whether the sightings of a tag that are left would have placed it.
-bool is_still_placed(const Map& map, const std::vector<Relation>& left) {
+bool is_still_placed(const Map& map, const std::vector<Relation>& left, const EvidenceOptions& options) {
   PointConsensus consensus;
   consensus.supporters.resize(left.size());
   for (const Relation& relation : left) {
     const Pose apart = ominus(map.manifold().pose(relation.a), map.manifold().pose(left.front().a));
     consensus.apart_m = std::max(consensus.apart_m, std::hypot(apart.x, apart.y));
   }
-  return consensus.enough();
+  return consensus.enough(options);
 }
 
 std::vector<Relation> relations_of(const RelationGraph& graph, PatchId patch) {
@@ -46,7 +41,8 @@ void TagPlacer::place(World world, MutualObservations& observations) {
   bool any = false;
   for (const auto& [key, members] : sightings) {
     if (members.size() < 2 || patches_.contains(key.first)) continue;
-    const auto newest = static_cast<std::ptrdiff_t>(std::min(members.size(), most_for_tag));
+    const auto newest =
+        static_cast<std::ptrdiff_t>(std::min(members.size(), world.options.closures.max_for_tag));
     any = place(world, key.first, {members.end() - newest, members.end()}, observations, used) || any;
   }
   if (!any) return;
@@ -57,10 +53,11 @@ void TagPlacer::place(World world, MutualObservations& observations) {
 bool TagPlacer::place(World world, std::int32_t barcode, const std::vector<std::size_t>& members,
                       MutualObservations& observations, std::set<std::size_t>& used) {
   const std::vector<Evidence>& pool = observations.pool();
-  const PointConsensus consensus = agree_on_a_point(world.map, pool, members);
-  if (!consensus.enough()) return false;
+  const EngineOptions& options = world.options;
+  const PointConsensus consensus = agree_on_a_point(world.map, pool, members, options.alignment);
+  if (!consensus.enough(options.evidence)) return false;
   const Evidence& first = pool[consensus.supporters.front()];
-  if (is_beside_another(world.map, world.map.graph().island(first.observer.pose.patch), consensus)) {
+  if (is_beside_another(world, world.map.graph().island(first.observer.pose.patch), consensus)) {
     for (const std::size_t i : consensus.supporters) observations.doubt(i, Reason::another_tag_is_there);
     return false;
   }
@@ -71,33 +68,36 @@ bool TagPlacer::place(World world, std::int32_t barcode, const std::vector<std::
   for (const std::size_t i : consensus.supporters) {
     Evidence seen = pool[i];
     seen.target_place = place_of_tag(id, seen.sighting.utime);
-    world.map.relate(*sighting_relation(world.map, seen, {}));
+    world.map.relate(*sighting_relation(world.map, seen, {}, options.alignment, options.evidence));
     observations.set_verdict(std::span(&pool[i], 1), Verdict::accepted, Reason::placed_tag);
     used.insert(i);
   }
-  world.map.refit_around(id, world.options.map_fit.window_patches);
+  world.map.refit_around(id, options.map_fit.window_patches);
   return true;
 }
 
 // A misread barcode repeats itself where another tag hangs: so near one, a tag needs more to be believed.
-bool TagPlacer::is_beside_another(const Map& map, IslandId island, const PointConsensus& consensus) const {
-  if (consensus.supporters.size() >= enough_beside_another && consensus.apart_m >= apart_beside_another_m)
+bool TagPlacer::is_beside_another(World world, IslandId island, const PointConsensus& consensus) const {
+  const Map& map = world.map;
+  const ClosureOptions& options = world.options.closures;
+  if (consensus.supporters.size() >= options.min_beside_another &&
+      consensus.apart_m >= options.min_apart_beside_another_m)
     return false;
   return std::ranges::any_of(patches_, [&](const auto& tag) {
     const Pose& pose = map.manifold().pose(tag.second);
     return map.graph().island(tag.second) == island &&
-           std::hypot(pose.x - consensus.point.x(), pose.y - consensus.point.y()) < another_tag_m;
+           std::hypot(pose.x - consensus.point.x(), pose.y - consensus.point.y()) < options.another_tag_m;
   });
 }
 
-void TagPlacer::displace(Map& map, std::vector<Relation>& gone) {
+void TagPlacer::displace(Map& map, std::vector<Relation>& gone, const EvidenceOptions& options) {
   std::set<PatchId> touched;
   for (const Relation& relation : gone) touched.insert({relation.a, relation.b});
   for (auto tag = patches_.begin(); tag != patches_.end();) {
     const std::vector<Relation> left = relations_of(map.graph(), tag->second);
     const bool of_closures =
         std::ranges::any_of(left, [](const Relation& relation) { return relation.origin.closure.valid(); });
-    if (!touched.contains(tag->second) || of_closures || is_still_placed(map, left)) {
+    if (!touched.contains(tag->second) || of_closures || is_still_placed(map, left, options)) {
       ++tag;
       continue;
     }

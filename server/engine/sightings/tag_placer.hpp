@@ -15,7 +15,7 @@ class TagPlacer {
   void place(World world, MutualObservations& observations);
   /// Tags that too little is left of are nowhere again. `gone`: relations that are no longer in the map;
   /// takes what was left of these tags, which is taken out too.
-  void displace(Map& map, std::vector<Relation>& gone);
+  void displace(Map& map, std::vector<Relation>& gone, const EvidenceOptions& options = {});
 
   const TagPatches& patches() const { return patches_; }
 
@@ -24,7 +24,7 @@ class TagPlacer {
  private:
   bool place(World world, std::int32_t barcode, const std::vector<std::size_t>& members,
              MutualObservations& observations, std::set<std::size_t>& used);
-  bool is_beside_another(const Map& map, IslandId island, const PointConsensus& consensus) const;
+  bool is_beside_another(World world, IslandId island, const PointConsensus& consensus) const;
 
   TagPatches patches_;
 };

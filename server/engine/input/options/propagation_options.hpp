@@ -45,6 +45,8 @@ struct SeamOptions {
 /// The trial of a proposed closure, see propagation/trial.hpp.
 struct TrialOptions {
   ChiSquaredBound max_jump{0.999985, 3};
+  double slip_variance_m2 = 0.01;
+  double slip_variance_rad2 = 0.001;
   int strong_support = 6;
   double max_contradiction = 0.08;
   double max_sighting_cost = 0.75;
@@ -74,6 +76,9 @@ struct TrialOptions {
   void visit_options(Visitor&& option) {
     option(max_jump, "max_jump", "probability",
            "χ² of 3: how far a loop may move the map, in the map's own sigmas");
+    option(slip_variance_m2, "slip_variance_m2", "m²",
+           "of each axis that the map may err by beyond its covariance where sightings close a loop");
+    option(slip_variance_rad2, "slip_variance_rad2", "rad²", "the same of the yaw");
     option(strong_support, "strong_support", "count",
            "of sightings that may say that those sigmas were too small");
     option(max_contradiction, "max_contradiction", "share",

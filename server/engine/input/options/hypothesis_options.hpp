@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace isthmus {
+
+/// Searching for what robots saw last wherever it may have been before, see hypotheses/hypotheses.hpp.
+struct HypothesisOptions {
+  double query_every_m = 2;
+  double max_piece_way_m = 8;
+  double min_piece_way_m = 5;
+  std::size_t max_queries = 8;
+  double min_score = 0.5;
+  double min_score_anywhere = 0.6;
+  double work_share = 0.02;
+  std::int64_t max_credit_us = 10'000;
+  std::int64_t step_price_us = 1'000;
+  double evaluation_price_us = 0.1;
+  double decision_steps = 5;
+  std::size_t max_finds = 64;
+  std::size_t min_finds = 3;
+  double min_way_m = 3;
+  std::size_t agreement_patches = 200;
+  double surely_near_m = 4;
+  double rival_m = 6;
+  double mapped_m = 0.15;
+  double mapped_rad = 0.03;
+  std::size_t more_finds = 3;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(query_every_m, "query_every_m", "m", "of a robot's way between two searches");
+    option(max_piece_way_m, "max_piece_way_m", "m", "of its way that is searched for");
+    option(min_piece_way_m, "min_piece_way_m", "m", "of its way before it is searched for");
+    option(max_queries, "max_queries", "count", "that wait; the oldest goes");
+    option(min_score, "min_score", "share", "of the search at a place that is an answer");
+    option(min_score_anywhere, "min_score_anywhere", "share",
+           "the same on islands where nothing says where to look");
+    option(work_share, "work_share", "share", "of event time for the search");
+    option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
+    option(step_price_us, "step_price_us", "µs", "nominal, of one step at least");
+    option(evaluation_price_us, "evaluation_price_us", "µs", "nominal, of an evaluation of the search");
+    option(decision_steps, "decision_steps", "factor", "on step_price_us: of matching what was found");
+    option(max_finds, "max_finds", "count", "that wait for others that agree; the oldest goes");
+    option(min_finds, "min_finds", "count", "of agreeing finds that are proposed");
+    option(min_way_m, "min_way_m", "m", "of way between two of them");
+    option(agreement_patches, "agreement_patches", "count",
+           "of patches, nearest in the graph, to know how ends of finds lie to each other");
+    option(surely_near_m, "surely_near_m", "m",
+           "standard deviation: a map less sure than this of where a find is asks for caution");
+    option(rival_m, "rival_m", "m", "between finds of the same stretch of way that say otherwise");
+    option(mapped_m, "mapped_m", "m", "so near to what the map says, a find has nothing to add");
+    option(mapped_rad, "mapped_rad", "rad", "the same of its yaw");
+    option(more_finds, "more_finds", "count", "before what was undecided is tried again");
+  }
+};
+
+}  // namespace isthmus
