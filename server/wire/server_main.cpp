@@ -45,18 +45,18 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--lcm-url", arguments.lcm_url, "LCM network, or file://LOG for a log")
       ->capture_default_str();
   app.add_option("--journal", arguments.journal_directory,
-                 "directory for the record of all events; what it holds already is mapped again first");
-  app.add_option("--segment-mb", arguments.segment_mb,
-                 "size of the journal's files, after which the next begins")
+                 "directory for the record of all events; one that exists is continued");
+  app.add_option("--segment-mb", arguments.segment_mb, "size of one file of the journal")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   app.add_flag("--no-snapshots", arguments.no_snapshots,
-               "do not run isthmus-snapshot beside this program: a restart maps the whole journal again");
+               "do not run isthmus-snapshot: a restart then maps the whole journal again");
   app.add_option("--keep-segments", arguments.keep_segments,
-                 "how many files of the journal stay that a snapshot holds too; without it all do")
+                 "number of files of the journal to keep that snapshots already cover (default: all)")
       ->check(CLI::Range(0, 1'000'000));
-  app.add_option("--journal-waiting-mb", arguments.journal_waiting_mb,
-                 "so much of what a full disk refuses waits in memory; what comes beyond is refused")
+  app.add_option(
+         "--journal-waiting-mb", arguments.journal_waiting_mb,
+         "megabytes of events kept in memory while the disk refuses writes; further ones are rejected")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   app.add_flag("--frozen", arguments.frozen,
@@ -66,16 +66,17 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "directory for maps and trajectories, written at the end");
   app.add_option(
          "--stop-timeout", arguments.stop_timeout_s,
-         "time to stop in: results are written at once, and again when the map is finished, or at the "
-         "end of that time as far as it is")
+         "time limit for stopping: results are written at once, and again when the map is finished or "
+         "this time is over")
       ->type_name("SECONDS")
       ->check(CLI::Range(1, 86'400))
       ->capture_default_str();
   app.add_option("--metrics-port", arguments.metrics_port,
                  "Prometheus metrics at http://127.0.0.1:PORT/metrics; 0: none")
       ->check(CLI::Range(0, 65535));
-  app.add_option("--check-config", arguments.checked_file, "only say whether this configuration is right");
-  app.add_option("--log-level", arguments.log_level, "least level of what is logged on stderr")
+  app.add_option("--check-config", arguments.checked_file,
+                 "check this configuration, report errors, and exit");
+  app.add_option("--log-level", arguments.log_level, "lowest level that is logged on stderr")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
       ->capture_default_str();
 }

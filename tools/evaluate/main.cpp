@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
   auto* truth =
       app.add_option("--truth", arguments.truth, "a directory with ROBOT.tum, relations.csv and tags.csv");
   auto* output = app.add_option("--output", arguments.output, "what isthmus-replay or isthmus-server wrote");
-  app.add_option("--robot", arguments.robot, "whose relations these are, where the map has several robots");
+  app.add_option("--robot", arguments.robot, "the robot that the relations are of, if the map has several");
   auto* g2o = app.add_option("--g2o", arguments.g2o, "a pose graph to fit in one batch, plain or gz");
   app.add_flag("--json", arguments.json, "print JSON");
   relations->needs(output);

@@ -67,12 +67,11 @@ Command carmen_command(CLI::App& app, CarmenImport& what, std::string& output) {
   carmen->add_option("--robot", *robots, "a robot and its log, NAME=FILE; repeat for a team")->required();
   carmen->add_option("--robots", what.robots_csv, "robots.csv: barcodes and laser mounts");
   carmen->add_option("--sightings", what.sightings_csv, "sightings.csv: who saw which barcode");
-  carmen->add_option("--laser-x", what.laser_x_m, "laser position on the robot, m, forward");
-  carmen->add_option("--laser-y", what.laser_y_m, "laser position on the robot, m, left");
+  carmen->add_option("--laser-x", what.laser_x_m, "laser position on the robot, metres forward");
+  carmen->add_option("--laser-y", what.laser_y_m, "laser position on the robot, metres left");
   carmen->add_option("--laser-yaw", what.laser_yaw_rad, "laser direction on the robot, rad");
-  carmen->add_option("--range-max", what.range_max_m, "ranges from here on are no return, m");
-  carmen->add_flag("--skip-bad-lines", what.skip_bad_lines,
-                   "pass over lines that cannot be read, and count them");
+  carmen->add_option("--range-max", what.range_max_m, "ranges of this and more are no return, metres");
+  carmen->add_flag("--skip-bad-lines", what.skip_bad_lines, "skip and count lines that cannot be read");
   carmen->add_option("-o,--output", output, "the LCM event log to write")->required();
   carmen->parse_complete_callback([robots, &what] {
     for (const std::string& robot : *robots) what.logs.push_back(parse_robot(robot));
@@ -90,8 +89,8 @@ Command mrclam_command(CLI::App& app, MrclamImport& what, std::string& output, s
   mrclam->add_option("directory", what.directory, "the set's files, plain or gz")->required();
   mrclam->add_option("-o,--output", output, "the LCM event log to write")->required();
   mrclam->add_option("--truth", truth, "write the true ROBOT.tum and tags.csv into this directory");
-  number("--range-std", what.range_std_m, "sigma of a range of 0 m, m", sigma);
-  number("--range-std-share", what.range_std_share, "what is added to it, of the range",
+  number("--range-std", what.range_std_m, "standard deviation of a range of 0 m, metres", sigma);
+  number("--range-std-share", what.range_std_share, "standard deviation added per metre of range",
          finite_number & CLI::Range(0.0, 1.0));
   number("--bearing-std", what.bearing_std_rad, "sigma of a bearing, rad", sigma);
   number("--odometry-lag", what.odometry_lag_s, "a robot moves so much after its odometry's stamp, s",

@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   app.add_option("journal", arguments.journal, "a journal's directory")->required();
   app.add_option("--keep-segments", arguments.keep_segments,
-                 "how many closed segments stay that a snapshot holds too; without it all do")
+                 "number of closed segments to keep that snapshots already cover (default: all)")
       ->check(CLI::Range(0, 1'000'000));
   try {
     app.parse(argc, argv);

@@ -93,8 +93,8 @@ Dependencies::Dependencies(const RelationGraph& graph) : sets_(1) {
     if (!any_closure) continue;
     std::set<ClosureId> closures;
     if (relation.origin.closure.valid()) closures.insert(relation.origin.closure);
-    const auto independent = [&](const Relation& link) {
-      return set_of_[index(link.id)] == 0 && carries(link, relation);
+    const auto independent = [&, &measured = relation](const Relation& link) {
+      return set_of_[index(link.id)] == 0 && carries(link, measured);
     };
     if (!needs_no_map(relation) && !past.way(relation, known_near_hops, independent)) {
       const auto anything = [](const Relation&) { return true; };
