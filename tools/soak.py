@@ -3,7 +3,7 @@
 
     tools/soak.py [--robots 10] [--hours 6] [--restarts 0] [--most 1.0] [--build DIR] [--keep DIR]
 
-The run is simulated (isthmus-simulate --scenario floor; scans once a second) and replayed with the memory sampled by
+The run is simulated (isthmus-simulate --scenario floor) and replayed with the memory sampled by
 minutes of event time (isthmus-replay --memory). The growth is the slope of a line through the last half.
 
 With --restarts N the log is cut into N + 1 parts of equal event time. isthmus-server maps each part from file and is
@@ -27,7 +27,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 def simulate(arguments, log):
     seconds = 3600 * arguments.hours  # at 0.5 m/s at most, the tours are long enough
     settings = [f"floor.robots={arguments.robots}", f"floor.area_m2={arguments.area}", f"floor.tour_m={seconds}",
-                "laser.rate_hz=1", "odometry.rate_hz=4", f"camera.rate_hz={arguments.camera_rate}",
+                f"laser.rate_hz={arguments.scan_rate}", "odometry.rate_hz=4", f"camera.rate_hz={arguments.camera_rate}",
                 f"duration_s={seconds}"]
     overrides = [word for setting in settings for word in ("--set", setting)]
     subprocess.run([program(arguments, "simulate"), "--scenario", "floor", "--seed",
@@ -121,6 +121,7 @@ def main():
     parser.add_argument("--hours", type=float, default=6)
     parser.add_argument("--restarts", type=int, default=0, help="of the server, evenly spread")
     parser.add_argument("--area", type=float, default=1000, help="of the building, square metres")
+    parser.add_argument("--scan-rate", type=float, default=1, help="scans of each robot a second")
     parser.add_argument("--camera-rate", type=float, default=0.2, help="looks for barcodes a second")
     parser.add_argument("--most", type=float, default=1.0, help="MB an hour; more is a failure")
     parser.add_argument("--seed", type=int, default=1)
