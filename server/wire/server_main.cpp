@@ -87,9 +87,7 @@ void say(const std::string& text) { std::cerr << ("isthmus-server: " + text + "\
 std::string read_configuration(const std::string& file) {
   if (file.empty()) return "";
   std::string toml = read_text_file(file);
-  const auto parsed = parse_configuration(toml, file);
-  if (const std::string* error = std::get_if<std::string>(&parsed)) throw std::runtime_error(*error);
-  const Authentication& keys = std::get<Configuration>(parsed).authentication;
+  const Authentication keys = parse_server_configuration(toml, file).authentication;
   if (keys.withheld) throw std::runtime_error(file + ": a key in [auth] is empty");
   if (!keys.is_required()) return toml;
   if (const std::string warning = check_key_file(file); !warning.empty()) say("warning: " + warning);
@@ -172,9 +170,9 @@ void serve(const Arguments& arguments, const std::string& toml) {
   LiveServer server(options, inbox,
                     [&](const auto& channel, const auto& bytes) { link.publish(channel, bytes); });
 
-  const Configuration configuration = server.engine().configuration();
+  const ChannelNames channels = server.channels();
   auto running = std::async(std::launch::async, [&] { server.run(); });
-  link.receive_into(inbox, configuration, server.authenticator());
+  link.receive_into(inbox, channels, server.authenticator());
   log(LogLevel::info, "listening", {{"url", url}});
   const std::chrono::seconds stop_timeout(arguments.stop_timeout_s);
   wait_for_end(signals, running, server, stop_timeout, log, [&] { return link.ended(); });

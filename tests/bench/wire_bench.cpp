@@ -87,9 +87,9 @@ class LiblcmReceiver {
 /// Channel, byte check, generated decoder and value checks.
 void decode_scan(benchmark::State& state) {
   const Message message = scan_message(static_cast<std::size_t>(state.range(0)));
-  const Configuration configuration;
+  const ChannelNames configured;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(decode(configuration, message.channel, message.bytes, message.utime));
+    benchmark::DoNotOptimize(decode(configured, message.channel, message.bytes, message.utime));
   }
 }
 BENCHMARK(decode_scan)->Arg(180)->Arg(1081);
@@ -97,9 +97,9 @@ BENCHMARK(decode_scan)->Arg(180)->Arg(1081);
 void refuse_scan_of_wrong_length(benchmark::State& state) {
   Message message = scan_message(1081);
   message.bytes.pop_back();
-  const Configuration configuration;
+  const ChannelNames configured;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(decode(configuration, message.channel, message.bytes, message.utime));
+    benchmark::DoNotOptimize(decode(configured, message.channel, message.bytes, message.utime));
   }
 }
 BENCHMARK(refuse_scan_of_wrong_length);
@@ -129,13 +129,13 @@ void open_envelope(benchmark::State& state) {
   Authentication keys;
   keys.robots["R1"] = key;
   Authenticator authenticator(keys);
-  const Configuration configuration;
+  const ChannelNames configured;
   std::int64_t counter = 0;
   for (auto _ : state) {
     state.PauseTiming();
     const Message sealed = seal(key, "R1", ++counter, message);
     state.ResumeTiming();
-    Opened opened = authenticator.open(configuration, 1, sealed.bytes);
+    Opened opened = authenticator.open(configured, 1, sealed.bytes);
     if (!opened.message) state.SkipWithError("refused");
     benchmark::DoNotOptimize(opened);
   }
@@ -155,8 +155,8 @@ void refuse_forgery(benchmark::State& state) {
   Authentication keys;
   keys.robots["R1"] = {1, 2, 3};
   Authenticator authenticator(keys);
-  const Configuration configuration;
-  for (auto _ : state) benchmark::DoNotOptimize(authenticator.open(configuration, 1, sealed.bytes));
+  const ChannelNames configured;
+  for (auto _ : state) benchmark::DoNotOptimize(authenticator.open(configured, 1, sealed.bytes));
 }
 BENCHMARK(refuse_forgery)->Arg(180)->Arg(1081);
 

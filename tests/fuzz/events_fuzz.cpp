@@ -18,10 +18,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     isthmus::EventLogReader reader(path);
     isthmus::Engine engine;
+    isthmus::ChannelNames channels;
     while (const auto message = reader.next()) {
-      const auto decoded =
-          isthmus::decode(engine.configuration(), message->channel, message->bytes, message->utime);
-      if (decoded.event) engine.handle(*decoded.event);
+      const auto decoded = isthmus::decode(channels, message->channel, message->bytes, message->utime);
+      if (!decoded.event) continue;
+      engine.handle(*decoded.event);
+      if (std::holds_alternative<isthmus::ConfigurationEvent>(decoded.event->body))
+        channels = isthmus::channels_of(engine.configuration());
     }
     engine.finish();
     engine.copy();

@@ -13,12 +13,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       "R1_ROBOT",        "R1_ODOMETRY",           "R1_SCAN",     "R1_SIGHTING", "ISTHMUS_TAG",
       "ISTHMUS_COMMAND", "ISTHMUS_CONFIGURATION", "ISTHMUS_TICK"};
   if (size == 0) return 0;
-  const isthmus::Configuration configuration;
+  const isthmus::ChannelNames configured;
   const std::span bytes(data + 1, size - 1);
-  const auto decoded = isthmus::decode(configuration, channels[data[0] % channels.size()], bytes, 1);
+  const auto decoded = isthmus::decode(configured, channels[data[0] % channels.size()], bytes, 1);
   if (decoded.event.has_value() != decoded.reason.empty()) std::abort();
   if (!decoded.event) return 0;
   const isthmus::Message again = isthmus::encode(*decoded.event);
-  if (!isthmus::decode(configuration, again.channel, again.bytes, again.utime).event) std::abort();
+  if (!isthmus::decode(configured, again.channel, again.bytes, again.utime).event) std::abort();
   return 0;
 }

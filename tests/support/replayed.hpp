@@ -26,7 +26,8 @@ inline Replayed replay(const std::string& journal) {
       count_drops(engine, *drops);
       continue;
     }
-    const Decoded decoded = decode(engine.configuration(), message.channel, message.bytes, message.utime);
+    const Decoded decoded =
+        decode(channels_of(engine.configuration()), message.channel, message.bytes, message.utime);
     EXPECT_TRUE(decoded.event) << message.channel << " " << decoded.reason;
     if (decoded.event) engine.handle(*decoded.event);
   }

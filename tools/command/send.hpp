@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "server/engine/input/configuration.hpp"
 #include "server/engine/input/event.hpp"
+#include "server/wire/message/server_configuration.hpp"
 
 namespace lcm {
 class LCM;

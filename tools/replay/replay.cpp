@@ -30,14 +30,6 @@ double now_s(clockid_t clock) {
 /// Of all threads.
 double cpu_now_s() { return now_s(CLOCK_PROCESS_CPUTIME_ID); }
 
-Configuration parsed(const std::string& toml, const std::string& file) {
-  auto result = parse_configuration(toml, file);
-  if (const std::string* error = std::get_if<std::string>(&result)) throw std::runtime_error(*error);
-  return std::get<Configuration>(std::move(result));
-}
-
-Configuration read_configuration(const std::string& file) { return parsed(read_text_file(file), file); }
-
 /// A path, once it is known that no events are missing at its beginning.
 const std::string& whole(const std::string& path) {
   std::error_code error;
@@ -61,7 +53,11 @@ class Replay {
         path_(whole(path)),
         reader_(path),
         own_configuration_(options.config_file.empty()) {
-    if (!own_configuration_) result_.engine = Engine(read_configuration(options.config_file));
+    if (own_configuration_) return;
+    ServerConfiguration given =
+        parse_server_configuration(read_text_file(options.config_file), options.config_file);
+    channels_ = std::move(given.channels);
+    result_.engine = Engine(std::move(given.engine));
   }
 
   ReplayResult run() {
@@ -107,8 +103,7 @@ class Replay {
   void take(const Message& message) {
     ++result_.messages;
     if (const std::optional<Drops> drops = read_drops(message)) return count_drops(result_.engine, *drops);
-    const Decoded decoded =
-        decode(result_.engine.configuration(), message.channel, message.bytes, message.utime);
+    const Decoded decoded = decode(channels_, message.channel, message.bytes, message.utime);
     if (!decoded.ours) {
       ++result_.ignored;
     } else if (!decoded.event) {
@@ -127,8 +122,9 @@ class Replay {
     const std::string where = reader_.file() + ": configuration at event " +
                               std::to_string(reader_.event_number()) + ", offset " +
                               std::to_string(reader_.offset());
-    parsed(configuration.toml, where);
+    parse_server_configuration(configuration.toml, where);
     handle(event);
+    channels_ = channels_of(result_.engine.configuration());
   }
 
   /// Before the first event: what must not happen.
@@ -153,8 +149,7 @@ class Replay {
     for (std::int64_t i = 0; i < result_.messages; ++i) {
       const std::optional<Message> message = reader.next();
       if (!message) break;
-      const Decoded decoded =
-          decode(result_.engine.configuration(), message->channel, message->bytes, message->utime);
+      const Decoded decoded = decode(channels_, message->channel, message->bytes, message->utime);
       if (decoded.event) refinement.take(*decoded.event);
       if (options_.progress) options_.progress(reader.progress());
     }
@@ -195,6 +190,7 @@ class Replay {
   const std::string& path_;
   EventLogReader reader_;
   bool own_configuration_;
+  ChannelNames channels_;
   bool begun_ = false;
   std::optional<std::int64_t> first_utime_;  ///< of the first event
   std::int64_t last_receive_utime_ = 0;

@@ -104,7 +104,7 @@ Unruly unruly_one(const std::vector<Message>& team, HostileNames names) {
   std::set<std::string> robots;
   std::set<std::int32_t> barcodes;
   for (const Message& message : team) {
-    const auto event = decode(Configuration{}, message.channel, message.bytes, message.utime).event;
+    const auto event = decode(ChannelNames{}, message.channel, message.bytes, message.utime).event;
     if (!event) continue;
     if (const auto* robot = std::get_if<RobotEvent>(&event->body)) {
       robots.insert(robot->robot);

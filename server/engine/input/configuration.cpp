@@ -1,9 +1,6 @@
 #include "server/engine/input/configuration.hpp"
 
-#include <toml++/toml.h>
-#include <charconv>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include "server/engine/input/robot_name.hpp"
@@ -39,17 +36,6 @@ void read_laser(const Setting& table, Laser& laser) {
   fields.read_within("x_m", laser.robot_from_laser.x, -100, 100);
   fields.read_within("y_m", laser.robot_from_laser.y, -100, 100);
   fields.read_within("yaw_rad", laser.robot_from_laser.yaw, -6.3, 6.3);
-  fields.finish();
-}
-
-void read_channels(const Setting& table, RobotConfiguration& robot) {
-  Fields fields(table, " in channels");
-  for (const auto& [key, channel] : {std::pair{"odometry", &robot.odometry_channel},
-                                     {"scan", &robot.scan_channel},
-                                     {"sighting", &robot.sighting_channel}}) {
-    if (fields.read(key, *channel) && (channel->empty() || channel->size() > 63))
-      fail_at(fields.where(key), "a channel has 1 to 63 characters");
-  }
   fields.finish();
 }
 
@@ -95,35 +81,15 @@ RobotConfiguration read_robot(const Setting& table, const std::string& name) {
     read_laser(*laser, robot.laser);
     described = true;
   }
-  if (const Setting* channels = fields.table("channels")) read_channels(*channels, configuration);
+  fields.find("channels");  // the wire's
   if (const Setting* start = fields.table("start")) configuration.start = read_start(*start, name);
   fields.finish();
   configuration.declared = described || std::get<Setting::Table>(table.value).empty();
   return configuration;
 }
 
-/// Refuses barcodes and channels that two robots claim.
-class UniqueClaims {
- public:
-  void add(const RobotConfiguration& robot, const Setting& at) {
-    if (robot.robot.barcode >= 0) claim("barcode " + std::to_string(robot.robot.barcode), robot, at);
-    for (const std::string& channel : {robot.odometry_channel, robot.scan_channel, robot.sighting_channel}) {
-      if (!channel.empty()) claim("channel '" + channel + "'", robot, at);
-    }
-  }
-
- private:
-  void claim(const std::string& thing, const RobotConfiguration& robot, const Setting& at) {
-    const auto [owner, is_new] = owners_.emplace(thing, robot.robot.robot);
-    if (!is_new)
-      fail_at(at.where, thing + " of robot " + robot.robot.robot + " is given already to " + owner->second);
-  }
-
-  std::map<std::string, std::string> owners_;
-};
-
 void read_robots(const Setting& robots, Configuration& configuration) {
-  UniqueClaims claims;
+  std::map<std::int32_t, std::string> wearers;
   for (const auto& [key, setting] : std::get<Setting::Table>(robots.value)) {
     const std::string name = upper_case(key);
     if (!is_robot_name(name))
@@ -132,40 +98,12 @@ void read_robots(const Setting& robots, Configuration& configuration) {
       fail_at(setting.where, "robot " + name + " must be a table: [robots." + name + "]");
     const auto [robot, is_new] = configuration.robots.emplace(name, read_robot(setting, name));
     if (!is_new) fail_at(setting.where, "robot " + name + " is given twice (names compare without case)");
-    claims.add(robot->second, setting);
+    const std::int32_t barcode = robot->second.robot.barcode;
+    const auto [wearer, is_free] = wearers.emplace(barcode, name);
+    if (barcode >= 0 && !is_free)
+      fail_at(setting.where, "barcode " + std::to_string(barcode) + " of robot " + name +
+                                 " is given already to " + wearer->second);
   }
-}
-
-std::map<std::string, AuthKey> read_keys(const Setting& keys, bool& withheld) {
-  std::map<std::string, AuthKey> read;
-  for (const auto& [name, setting] : std::get<Setting::Table>(keys.value)) {
-    const std::string upper = upper_case(name);
-    if (!is_robot_name(upper))
-      fail_at(setting.where, "'" + name + "' is no name: letters, digits, '_' and '-', at most 48");
-    const auto* text = std::get_if<std::string>(&setting.value);
-    const bool empty = text != nullptr && text->empty();
-    const std::optional<AuthKey> key = empty ? AuthKey{} : parse_auth_key(text != nullptr ? *text : "");
-    if (!key) fail_at(setting.where, "the key of " + upper + " must be 64 hexadecimal digits in quotes");
-    if (!read.emplace(upper, *key).second)
-      fail_at(setting.where, upper + " is given twice (names compare without case)");
-    withheld |= empty;
-  }
-  return read;
-}
-
-Authentication read_authentication(const Setting& table) {
-  Fields fields(table, " in [auth]");
-  Authentication authentication;
-  if (const Setting* robots = fields.table("robots"))
-    authentication.robots = read_keys(*robots, authentication.withheld);
-  if (const Setting* operators = fields.table("operators"))
-    authentication.operators = read_keys(*operators, authentication.withheld);
-  fields.finish();
-  for (const auto& [name, key] : authentication.operators) {
-    if (authentication.robots.contains(name)) fail_at(table.where, name + " is both a robot and an operator");
-  }
-  if (!authentication.is_required()) fail_at(table.where, "[auth] without a key");
-  return authentication;
 }
 
 Configuration read_configuration(const Setting& table) {
@@ -180,15 +118,9 @@ Configuration read_configuration(const Setting& table) {
   if (const Setting* limits = fields.table("limits")) read_limits(*limits, configuration.engine);
   if (const Setting* tuning = fields.table("tuning")) read_tuning(*tuning, configuration.engine);
   if (const Setting* robots = fields.table("robots")) read_robots(*robots, configuration);
-  if (const Setting* auth = fields.table("auth")) configuration.authentication = read_authentication(*auth);
+  fields.find("auth");  // the wire's
   fields.finish();
   return configuration;
-}
-
-std::string text_of(const toml::table& table) {
-  std::ostringstream text;
-  text << table << "\n";
-  return text.str();
 }
 
 }  // namespace
@@ -205,38 +137,6 @@ std::variant<Configuration, std::string> parse_configuration(const std::string& 
   } catch (const SettingError& error) {
     return error.what();
   }
-}
-
-std::string without_keys(const std::string& toml) {
-  toml::table table = toml::parse(toml);
-  toml::table* auth = table["auth"].as_table();
-  if (auth == nullptr) return toml;
-  for (auto&& [group, node] : *auth) {
-    if (!node.is_table()) continue;
-    for (auto&& [name, key] : *node.as_table()) {
-      if (key.is_string()) *key.as_string() = "";
-    }
-  }
-  return text_of(table);
-}
-
-bool map_alike(const std::string& toml, const std::string& other) {
-  toml::table table = toml::parse(toml);
-  toml::table other_table = toml::parse(other);
-  table.erase("auth");
-  other_table.erase("auth");
-  return text_of(table) == text_of(other_table);
-}
-
-std::optional<AuthKey> parse_auth_key(const std::string& text) {
-  AuthKey key{};
-  if (text.size() != 2 * key.size()) return std::nullopt;
-  for (std::size_t i = 0; i < key.size(); ++i) {
-    const char* digits = text.data() + 2 * i;
-    const auto [end, error] = std::from_chars(digits, digits + 2, key[i], 16);
-    if (error != std::errc() || end != digits + 2) return std::nullopt;
-  }
-  return key;
 }
 
 }  // namespace isthmus

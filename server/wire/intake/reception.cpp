@@ -21,9 +21,9 @@ bool is_for_us(const std::optional<Channel>& channel) {
 
 }  // namespace
 
-Reception::Reception(Inbox& inbox, const Configuration& configuration, Authenticator authenticator, Log log)
+Reception::Reception(Inbox& inbox, ChannelNames configured, Authenticator authenticator, Log log)
     : inbox_(inbox),
-      configuration_(configuration),
+      configured_(std::move(configured)),
       authenticator_(std::move(authenticator)),
       log_(std::move(log)) {}
 
@@ -33,13 +33,13 @@ LcmSink Reception::sink() {
             take(utime, std::string(channel), bytes);
           },
           [this](std::string_view channel, std::string_view reason) {
-            const std::optional<Channel> found = find_channel(configuration_, std::string(channel));
+            const std::optional<Channel> found = find_channel(configured_, std::string(channel));
             inbox_.count_drop(found ? found->robot : "", std::string(reason));
           }};
 }
 
 bool Reception::wants(const std::string& channel) const {
-  return channel == signed_channel || is_for_us(find_channel(configuration_, channel));
+  return channel == signed_channel || is_for_us(find_channel(configured_, channel));
 }
 
 void Reception::take(std::int64_t utime, const std::string& name,
@@ -49,11 +49,11 @@ void Reception::take(std::int64_t utime, const std::string& name,
     if (name == signed_channel) {
       const std::optional<Message> message = opened(utime, bytes);
       if (!message) return;
-      if (const std::optional<Channel> channel = find_channel(configuration_, message->channel))
+      if (const std::optional<Channel> channel = find_channel(configured_, message->channel))
         push(*channel, message->utime, message->channel, message->bytes, message->signature);
       return;
     }
-    const std::optional<Channel> channel = find_channel(configuration_, name);
+    const std::optional<Channel> channel = find_channel(configured_, name);
     if (!channel) return;
     if (authenticator_.is_required()) {
       inbox_.count_drop(channel->robot, "unsigned");
@@ -71,7 +71,7 @@ void Reception::push(const Channel& channel, std::int64_t utime, const std::stri
                      std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature) {
   if (has_owner(channel.input) && inbox_.is_stranger(channel.robot)) return refuse_stranger(channel.robot);
   const bool introduces = channel.input == Input::robot && inbox_.is_stranger(channel.robot) &&
-                          decode(configuration_, name, bytes, utime).event;
+                          decode(configured_, name, bytes, utime).event;
   if (introduces) inbox_.introduce(channel.robot);
   inbox_.push(channel.robot, channel.input == Input::scan, utime, name, bytes, signature);
 }
@@ -89,7 +89,7 @@ bool Reception::take_waiting(const Message& logged) {
     const std::optional<Message> message = opened(logged.utime, logged.bytes);
     return !message || take_waiting(*message);
   }
-  const std::optional<Channel> channel = find_channel(configuration_, logged.channel);
+  const std::optional<Channel> channel = find_channel(configured_, logged.channel);
   if (!is_for_us(channel)) return true;
   return inbox_.push_waiting(channel->robot, channel->input == Input::scan, logged.utime, logged.channel,
                              logged.bytes, logged.signature);
@@ -97,7 +97,7 @@ bool Reception::take_waiting(const Message& logged) {
 
 /// What an envelope holds; counts those that are refused.
 std::optional<Message> Reception::opened(std::int64_t utime, std::span<const std::uint8_t> bytes) {
-  Opened envelope = authenticator_.open(configuration_, utime, bytes);
+  Opened envelope = authenticator_.open(configured_, utime, bytes);
   if (!envelope.message) inbox_.count_drop(envelope.robot, envelope.reason);
   return std::move(envelope.message);
 }

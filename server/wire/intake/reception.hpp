@@ -18,7 +18,7 @@ namespace isthmus {
 /// reason. Envelopes are opened. One thread.
 class Reception {
  public:
-  Reception(Inbox& inbox, const Configuration& configuration, Authenticator authenticator = Authenticator(),
+  Reception(Inbox& inbox, ChannelNames configured, Authenticator authenticator = Authenticator(),
             Log log = {});
 
   /// A network's message. Where keys are configured, those without an envelope are refused.
@@ -38,7 +38,7 @@ class Reception {
   void refuse_stranger(const std::string& robot);
 
   Inbox& inbox_;
-  Configuration configuration_;
+  ChannelNames configured_;
   Authenticator authenticator_;
   Log log_;
   std::set<std::string> strangers_told_;

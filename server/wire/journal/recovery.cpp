@@ -71,11 +71,10 @@ ServedMap Recovery::begin() {
     return map;
   }
   if (!first_) return map;
-  const Decoded decoded = decode(map.engine.configuration(), first_->channel, first_->bytes, first_->utime);
+  const Decoded decoded = decode(map.channels, first_->channel, first_->bytes, first_->utime);
   if (!decoded.event || !std::holds_alternative<ConfigurationEvent>(decoded.event->body)) return map;
-  const auto parsed = parse_configuration(std::get<ConfigurationEvent>(decoded.event->body).toml,
-                                          reader_.file() + ": its configuration");
-  if (const std::string* error = std::get_if<std::string>(&parsed)) throw std::runtime_error(*error);
+  parse_server_configuration(std::get<ConfigurationEvent>(decoded.event->body).toml,
+                             reader_.file() + ": its configuration");
   take(map, *std::exchange(first_, std::nullopt));
   return map;
 }
@@ -94,7 +93,7 @@ void Recovery::take(ServedMap& map, const Message& message) {
     if (set_aside_.contains(message.sequence)) map.set_aside.push_back(message.sequence);
     return count_drops(map.engine, *drops);
   }
-  const Decoded decoded = decode(map.engine.configuration(), message.channel, message.bytes, message.utime);
+  const Decoded decoded = decode(map.channels, message.channel, message.bytes, message.utime);
   if (decoded.event && options_.guard && options_.guard->is_condemned(message.sequence)) {
     set_aside(map, message, decoded.robot);
   } else if (decoded.event) {
@@ -102,6 +101,8 @@ void Recovery::take(ServedMap& map, const Message& message) {
     const Outcome outcome =
         handle_guarded(options_.guard, message.sequence, map.engine, *decoded.event, options_.before_event);
     for (const RobotPose& pose : outcome.poses) map.monitor.answered(pose);
+    if (std::holds_alternative<ConfigurationEvent>(decoded.event->body))
+      map.channels = channels_of(map.engine.configuration());
   } else if (decoded.ours) {
     map.engine.count_dropped(decoded.robot, decoded.reason);
   }

@@ -78,6 +78,7 @@ Snapshot read_snapshot(const std::string& path) {
   } catch (const std::exception& error) {
     throw std::runtime_error(path + ": " + error.what());
   }
+  snapshot.map.channels = channels_of(snapshot.map.engine.configuration());
   snapshot.place = content.place;
   snapshot.map.monitor = std::move(content.monitor);
   snapshot.map.events = content.events;

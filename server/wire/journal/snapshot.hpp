@@ -8,6 +8,7 @@
 #include "server/engine/engine.hpp"
 #include "server/wire/file/digest.hpp"
 #include "server/wire/journal/segment_header.hpp"
+#include "server/wire/message/server_configuration.hpp"
 #include "server/wire/watch/robot_monitor.hpp"
 
 namespace isthmus {
@@ -15,6 +16,7 @@ namespace isthmus {
 /// What the events of a journal made, up to the end of a segment.
 struct ServedMap {
   Engine engine;
+  ChannelNames channels = {};  ///< of its configuration
   RobotMonitor monitor;
   std::int64_t events = 0;                   ///< of the journal, those too damaged to be read included
   std::int64_t last_utime = 0;               ///< receive time of the last one; 0: none

@@ -29,10 +29,10 @@ std::string quoted(const std::string& channel) {
 
 /// All inputs in one subscription, or a message on a channel that two of them match would come twice. liblcm
 /// puts the anchors around it.
-std::string input_expression(const Configuration& configuration) {
+std::string input_expression(const ChannelNames& configured) {
   std::string expression = "((?i:.+_(ROBOT|ODOMETRY|SCAN|SIGHTING)|ISTHMUS_(TAG|COMMAND|SIGNED))";
-  for (const auto& [name, robot] : configuration.robots) {
-    for (const std::string& channel : {robot.odometry_channel, robot.scan_channel, robot.sighting_channel}) {
+  for (const auto& [name, robot] : configured) {
+    for (const std::string& channel : {robot.odometry, robot.scan, robot.sighting}) {
       if (!channel.empty()) expression += "|" + quoted(channel);
     }
   }
@@ -75,9 +75,9 @@ LcmLink::LcmLink(const std::string& url, Log log) : log_(std::move(log)), log_fi
 
 LcmLink::~LcmLink() { stop(); }
 
-void LcmLink::receive_into(Inbox& inbox, const Configuration& configuration, Authenticator authenticator) {
+void LcmLink::receive_into(Inbox& inbox, ChannelNames configured, Authenticator authenticator) {
   subscriber_ = std::make_unique<LcmSubscriber>(
-      LcmSubscriber{Reception(inbox, configuration, std::move(authenticator), log_)});
+      LcmSubscriber{Reception(inbox, configured, std::move(authenticator), log_)});
   if (!lcm_) {
     thread_ = std::jthread([this](const std::stop_token& stop) { receive_log(stop); });
     return;
@@ -87,7 +87,7 @@ void LcmLink::receive_into(Inbox& inbox, const Configuration& configuration, Aut
     return;
   }
   lcm::Subscription* subscription =
-      lcm_->subscribe(input_expression(configuration), &LcmSubscriber::handle, subscriber_.get());
+      lcm_->subscribe(input_expression(configured), &LcmSubscriber::handle, subscriber_.get());
   if (!subscription) throw std::runtime_error("cannot subscribe to the input channels");
   subscription->setQueueCapacity(queue_messages);
   thread_ = std::jthread([this](const std::stop_token& stop) { receive_queue(stop); });

@@ -29,8 +29,7 @@ class LcmLink {
   /// Starts a thread that copies messages on input channels into the inbox, until `stop` or the log's end. A
   /// log waits for the inbox; a network does not. Envelopes are opened; where keys are configured, a
   /// network's messages without one are refused; a log's are taken: who may write to it may do worse.
-  void receive_into(Inbox& inbox, const Configuration& configuration,
-                    Authenticator authenticator = Authenticator());
+  void receive_into(Inbox& inbox, ChannelNames configured, Authenticator authenticator = Authenticator());
   /// Whether the log's end has been reached.
   bool ended() const { return ended_; }
   /// Waits for the thread. A log that waits for room in the inbox goes on only when the inbox is closed or

@@ -59,13 +59,10 @@ LiveServer::LiveServer(LiveOptions options, Inbox& inbox, Publish publish)
       inbox_(inbox),
       publish_(std::move(publish)),
       admission_(options_.admission) {
-  const auto parsed = parse_configuration(options_.toml, "configuration");
-  if (const std::string* error = std::get_if<std::string>(&parsed)) throw std::runtime_error(*error);
-  authentication_ = std::get<Configuration>(parsed).authentication;
+  authentication_ = parse_server_configuration(options_.toml, "configuration").authentication;
   if (authentication_.withheld) throw std::runtime_error("configuration: a key in [auth] is empty");
   options_.toml = without_keys(options_.toml);
-  const auto shown = parse_configuration(options_.toml, "configuration without its keys");
-  if (const std::string* error = std::get_if<std::string>(&shown)) throw std::runtime_error(*error);
+  parse_server_configuration(options_.toml, "configuration without its keys");
   start_ = last_event_ = last_status_ = drops_recorded_ = Clock::now();
   if (options_.frozen) {
     recovery_ = std::make_unique<Recovery>(options_.journal_directory, recovery_options());
@@ -95,6 +92,7 @@ void LiveServer::begin() {
   if (!journal(encode(configuration)) || (journal_ && journal_->waiting() > 0))
     throw std::runtime_error(options_.journal_directory + ": the disk refuses the journal's first event");
   take(configuration);
+  map_.channels = channels_of(map_.engine.configuration());
 }
 
 void LiveServer::begin_guard() {
@@ -136,7 +134,7 @@ void LiveServer::begin_spool() {
   }
   for (Message& message : found) {
     if (options_.clock) options_.clock->go_on_from(message.utime);
-    const std::optional<Channel> channel = find_channel(map_.engine.configuration(), message.channel);
+    const std::optional<Channel> channel = find_channel(map_.channels, message.channel);
     if (channel && channel->input == Input::robot && channel->valid) inbox_.introduce(channel->robot);
     inbox_.put_back(channel ? channel->robot : "", channel && channel->input == Input::scan,
                     std::move(message));
@@ -172,13 +170,15 @@ void LiveServer::begin_recovery() {
   know_robots();
   if (journal_ && options_.clock)
     go_on_in_time(std::max(map_.last_utime, newest_utime(journal_->earlier_segments())));
-  const Configuration& configuration = map_.engine.configuration();
-  if (!options_.toml.empty() && !map_alike(options_.toml, configuration.toml)) {
+  const std::string& journalled = map_.engine.configuration().toml;
+  if (!options_.toml.empty() && !map_alike(options_.toml, journalled)) {
     throw std::runtime_error(options_.journal_directory +
                              ": this journal was begun with another configuration; give that or none, or "
                              "another directory");
   }
-  if (!authentication_.is_required() && (configuration.authentication.withheld || has_signed_segments())) {
+  const bool withheld =
+      parse_server_configuration(journalled, "the journal's configuration").authentication.withheld;
+  if (!authentication_.is_required() && (withheld || has_signed_segments())) {
     throw std::runtime_error(
         options_.journal_directory +
         ": this journal's senders sign; give the configuration with their keys ([auth]), "
@@ -268,7 +268,7 @@ void LiveServer::freeze() {
 
 void LiveServer::handle(Message message) {
   message.utime = std::max(message.utime, map_.last_utime);
-  const Decoded decoded = decode(map_.engine.configuration(), message.channel, message.bytes, message.utime);
+  const Decoded decoded = decode(map_.channels, message.channel, message.bytes, message.utime);
   Dropped one{1, {}};
   if (message.received >= 0) one.received.push_back(message.received);
   if (!decoded.ours) return drop("", "bad_channel", {0, one.received});  // not counted

@@ -72,6 +72,8 @@ class LiveServer {
   void stop_within(std::chrono::steady_clock::duration time);
 
   const Engine& engine() const { return map_.engine; }
+  /// Of the robots, by the configuration; they stay.
+  const ChannelNames& channels() const { return map_.channels; }
 
   /// Knows the configuration's keys, and what the journal that was found has taken already.
   Authenticator authenticator() const { return Authenticator(authentication_, counters_); }

@@ -32,8 +32,7 @@ void LiveServer::count_left_over() {
       ++kept;
       continue;
     }
-    const Decoded decoded =
-        decode(map_.engine.configuration(), message->channel, message->bytes, message->utime);
+    const Decoded decoded = decode(map_.channels, message->channel, message->bytes, message->utime);
     if (decoded.ours) map_.engine.count_dropped(decoded.robot, "stopped");
   }
   if (kept > 0)

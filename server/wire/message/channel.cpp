@@ -21,31 +21,31 @@ constexpr std::array<std::pair<std::string_view, Input>, 4> common_channels = {
      {"ISTHMUS_TICK", Input::tick}}};
 
 /// The channel that the configuration gives a robot's input; empty: the default.
-const std::string& configured_channel(const RobotConfiguration& robot, Input input) {
+const std::string& configured_channel(const RobotChannels& robot, Input input) {
   static const std::string none;
   switch (input) {
     case Input::odometry:
-      return robot.odometry_channel;
+      return robot.odometry;
     case Input::scan:
-      return robot.scan_channel;
+      return robot.scan;
     case Input::sighting:
-      return robot.sighting_channel;
+      return robot.sighting;
     default:
       return none;
   }
 }
 
-bool has_other_channel(const Configuration& configuration, const Channel& channel) {
-  const auto robot = configuration.robots.find(channel.robot);
-  return robot != configuration.robots.end() && !configured_channel(robot->second, channel.input).empty();
+bool has_other_channel(const ChannelNames& configured, const Channel& channel) {
+  const auto robot = configured.find(channel.robot);
+  return robot != configured.end() && !configured_channel(robot->second, channel.input).empty();
 }
 
 }  // namespace
 
-std::optional<Channel> find_channel(const Configuration& configuration, const std::string& name) {
-  for (const auto& [robot, settings] : configuration.robots) {
+std::optional<Channel> find_channel(const ChannelNames& configured, const std::string& name) {
+  for (const auto& [robot, channels] : configured) {
     for (const Input input : {Input::odometry, Input::scan, Input::sighting}) {
-      if (!name.empty() && configured_channel(settings, input) == name) return Channel{input, robot, true};
+      if (!name.empty() && configured_channel(channels, input) == name) return Channel{input, robot, true};
     }
   }
   const std::string upper = upper_case(name);
@@ -57,7 +57,7 @@ std::optional<Channel> find_channel(const Configuration& configuration, const st
     Channel channel{input, upper.substr(0, upper.size() - suffix.size()), true};
     channel.valid = is_robot_name(channel.robot);
     if (!channel.valid) channel.robot.clear();
-    if (has_other_channel(configuration, channel)) return std::nullopt;
+    if (has_other_channel(configured, channel)) return std::nullopt;
     return channel;
   }
   return std::nullopt;

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/engine/input/configuration.hpp"
+#include "server/wire/message/server_configuration.hpp"
 
 namespace isthmus {
 
@@ -21,7 +21,7 @@ struct Channel {
 
 /// Nothing for a channel that is not an input. A channel named in the configuration is that robot's, as
 /// written; its default channel is then not read. Otherwise case does not count.
-std::optional<Channel> find_channel(const Configuration& configuration, const std::string& name);
+std::optional<Channel> find_channel(const ChannelNames& configured, const std::string& name);
 
 /// The channel an input has when the configuration says nothing else.
 std::string default_channel(Input input, const std::string& robot);

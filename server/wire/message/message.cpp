@@ -154,10 +154,10 @@ struct Encoder {
 
 }  // namespace
 
-Decoded decode(const Configuration& configuration, const std::string& channel,
+Decoded decode(const ChannelNames& configured, const std::string& channel,
                std::span<const std::uint8_t> bytes, std::int64_t receive_utime) {
   Decoded decoded;
-  const std::optional<Channel> found = find_channel(configuration, channel);
+  const std::optional<Channel> found = find_channel(configured, channel);
   if (!found) {
     decoded.ours = false;
     return decoded;

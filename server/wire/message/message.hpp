@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "server/engine/input/configuration.hpp"
 #include "server/engine/input/event.hpp"
+#include "server/wire/message/server_configuration.hpp"
 
 namespace isthmus {
 
@@ -38,7 +38,7 @@ struct Decoded {
 
 /// Checks the bytes (fingerprint, counts and string lengths within bounds, exact length) before any decode,
 /// then the values (finite, within reason), and makes an event.
-Decoded decode(const Configuration& configuration, const std::string& channel,
+Decoded decode(const ChannelNames& configured, const std::string& channel,
                std::span<const std::uint8_t> bytes, std::int64_t receive_utime);
 
 /// Whether these can be the first bytes of an input message of so many, on whatever channel: by its

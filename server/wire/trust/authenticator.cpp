@@ -32,7 +32,7 @@ Authenticator::Authenticator(Authentication keys, SignatureCounters counters)
   }
 }
 
-Opened Authenticator::open(const Configuration& configuration, std::int64_t utime,
+Opened Authenticator::open(const ChannelNames& configured, std::int64_t utime,
                            std::span<const std::uint8_t> bytes) {
   Envelope envelope;
   if (!is_required()) return {{}, "", "no_keys"};
@@ -43,7 +43,7 @@ Opened Authenticator::open(const Configuration& configuration, std::int64_t utim
   if (signer == signers_.end()) return {{}, "", "unknown_sender"};
   const std::string robot = keys_.robots.contains(sender) ? sender : "";
   if (!is_genuine(signer->second.key, bytes)) return {{}, robot, "forged"};
-  const std::optional<Channel> channel = find_channel(configuration, envelope.channel);
+  const std::optional<Channel> channel = find_channel(configured, envelope.channel);
   if (!channel || !may_send(keys_, sender, *channel)) return {{}, robot, "foreign_channel"};
   const std::string stream = default_channel(channel->input, channel->robot);
   if (!counts_on(sender, stream, signer->second, envelope.counter)) return {{}, robot, "replayed"};

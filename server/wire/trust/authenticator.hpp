@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "server/engine/input/configuration.hpp"
 #include "server/wire/journal/signature.hpp"
+#include "server/wire/message/server_configuration.hpp"
 
 namespace isthmus {
 
@@ -29,7 +29,7 @@ class Authenticator {
 
   bool is_required() const { return keys_.is_required(); }
 
-  Opened open(const Configuration& configuration, std::int64_t utime, std::span<const std::uint8_t> bytes);
+  Opened open(const ChannelNames& configured, std::int64_t utime, std::span<const std::uint8_t> bytes);
 
  private:
   struct Signer {

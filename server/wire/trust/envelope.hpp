@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "server/engine/input/configuration.hpp"
 #include "server/wire/message/message.hpp"
 
 namespace isthmus {

@@ -57,7 +57,7 @@ struct Server {
   }
 
   void take(const std::string& channel, std::span<const std::uint8_t> bytes_of_order) {
-    const Decoded decoded = decode(Configuration{}, channel, bytes_of_order, 1);
+    const Decoded decoded = decode(ChannelNames{}, channel, bytes_of_order, 1);
     ASSERT_TRUE(decoded.event) << decoded.reason;
     orders.push_back(std::get<CommandEvent>(decoded.event->body));
     const auto bytes = encoded(status_t{});

@@ -153,7 +153,7 @@ struct SameBody {
 };
 
 Decoded decode_message(const Message& message) {
-  return decode(Configuration{}, message.channel, message.bytes, message.utime);
+  return decode(ChannelNames{}, message.channel, message.bytes, message.utime);
 }
 
 TEST(MessageProperty, EveryPlausibleEventComesBackAsItWas) {
@@ -191,7 +191,7 @@ TEST(MessageProperty, RandomBytesAreRefused) {
     const auto channel =
         *rc::gen::element<std::string>("R1_ROBOT", "R1_SCAN", "R1_ODOMETRY", "R1_SIGHTING", "ISTHMUS_TAG",
                                        "ISTHMUS_COMMAND", "ISTHMUS_CONFIGURATION");
-    RC_ASSERT(!decode(Configuration{}, channel, bytes, 0).event);
+    RC_ASSERT(!decode(ChannelNames{}, channel, bytes, 0).event);
   }));
 }
 

@@ -82,7 +82,7 @@ TEST(Configuration, ExampleShowsEveryKey) {
   const std::string text = example();
   for (const char* wrong :
        {"x_ = 1", "[engine]\nx_ = 1", "[robots.R1]\nx_ = 1", "[robots.R1]\nlaser = {x_ = 1}",
-        "[robots.R1]\nchannels = {x_ = 1}", "[robots.R1]\nstart = {with = \"R2\", x_ = 1}"}) {
+        "[robots.R1]\nstart = {with = \"R2\", x_ = 1}"}) {
     const std::string error = error_in(wrong);
     const std::size_t from = error.find("(known: ");
     ASSERT_NE(from, std::string::npos) << error;
@@ -120,7 +120,6 @@ channels = { odometry = "WHEELS" }
   EXPECT_EQ(robot.robot.barcode, 5);
   EXPECT_EQ(robot.robot.laser.robot_from_laser, (Pose{0.1, -0.2, 3.1}));
   EXPECT_EQ(robot.robot.laser.range_max_m, 8);
-  EXPECT_EQ(robot.scan_channel, "HOKUYO");
   ASSERT_TRUE(robot.start);
   EXPECT_EQ(robot.start->with, "R2");
   EXPECT_EQ(robot.start->with_from_robot, (Pose{1, 0, 0.5}));
@@ -175,51 +174,6 @@ TEST(Configuration, FitsTheJournal) {
   const std::string longest = "#" + std::string(64 * 1024 - 2, 'x');
   EXPECT_EQ(error_in(longest), "");
   EXPECT_EQ(error_in(longest + "x"), "c.toml: longer than 65535 bytes");
-}
-
-const std::string key_text = "0123456789abcdefABCDEF" + std::string(42, '0');
-
-TEST(ConfigurationKeys, AreReadByName) {
-  const Configuration configuration =
-      parsed("[auth.robots]\nr1 = \"" + key_text + "\"\n[auth.operators]\nalice = \"" + key_text + "\"\n");
-  EXPECT_TRUE(configuration.authentication.is_required());
-  EXPECT_FALSE(configuration.authentication.withheld);
-  const AuthKey& key = configuration.authentication.robots.at("R1");
-  EXPECT_EQ(key[0], 0x01);
-  EXPECT_EQ(key[10], 0xEF);
-  EXPECT_TRUE(configuration.authentication.operators.contains("ALICE"));
-  EXPECT_FALSE(parsed("").authentication.is_required());
-}
-
-TEST(ConfigurationKeys, AreRefusedWithTheirLine) {
-  EXPECT_EQ(error_in("[auth.robots]\nR1 = \"12\""),
-            "c.toml:2: the key of R1 must be 64 hexadecimal digits in quotes");
-  EXPECT_EQ(error_in("[auth.robots]\nR1 = \"" + std::string(64, 'g') + "\""),
-            "c.toml:2: the key of R1 must be 64 hexadecimal digits in quotes");
-  EXPECT_EQ(error_in("[auth.robots]\nR1 = 12"),
-            "c.toml:2: the key of R1 must be 64 hexadecimal digits in quotes");
-  EXPECT_EQ(error_in("[auth]\n"), "c.toml:1: [auth] without a key");
-  EXPECT_NE(error_in("[auth.robots]\na = \"" + key_text + "\"\n[auth.operators]\nA = \"" + key_text + "\"\n")
-                .find("A is both a robot and an operator"),
-            std::string::npos);
-}
-
-TEST(ConfigurationKeys, DoNotShowInTheTextWithoutThem) {
-  const std::string plain = "tags = \"any\"  # as written\n";
-  EXPECT_EQ(without_keys(plain), plain);
-  const std::string text =
-      "tags = \"any\"\n[engine]\npatch_spacing_m = 0.1\n[auth.robots]\nR1 = \"" + key_text + "\"\n";
-  const std::string shown = without_keys(text);
-  EXPECT_EQ(shown.find(key_text), std::string::npos);
-  const Configuration configuration = parsed(shown);
-  EXPECT_TRUE(configuration.authentication.withheld);
-  EXPECT_TRUE(configuration.any_tag);
-  EXPECT_EQ(configuration.engine.patch_spacing_m, 0.1);
-}
-
-TEST(ConfigurationKeys, DoNotMatterToWhatIsMapped) {
-  EXPECT_TRUE(map_alike("tags = \"any\" # so\n", "tags   = \"any\"\n[auth.robots]\nR1 = \"\"\n"));
-  EXPECT_FALSE(map_alike("tags = \"any\"\n", ""));
 }
 
 }  // namespace

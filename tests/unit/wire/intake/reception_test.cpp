@@ -17,10 +17,10 @@ std::vector<std::string> channels_in(Inbox& inbox) {
 }
 
 TEST(Reception, LetsInInputChannelsAndNoOthers) {
-  Configuration configuration;
-  configuration.robots["R2"].scan_channel = "FRONT+REAR_SCAN";
+  ChannelNames configured;
+  configured["R2"].scan = "FRONT+REAR_SCAN";
   Inbox inbox({}, InboxOrder::arrival);
-  Reception reception(inbox, configuration);
+  Reception reception(inbox, configured);
   const LcmSink sink = reception.sink();
   const std::vector<std::uint8_t> bytes = {1, 2, 3};
   for (const std::string channel :
@@ -39,7 +39,7 @@ TEST(Reception, RefusesStrangersAndLetsInWhatFollowsAnIntroductionAtOnce) {
   };
   Inbox inbox({}, InboxOrder::arrival);
   inbox.refuse_strangers();
-  Reception reception(inbox, Configuration{}, Authenticator(), log);
+  Reception reception(inbox, ChannelNames{}, Authenticator(), log);
   const BoxRoomRobot robot("R1");
   const auto take = [&](const std::string& channel, const std::vector<std::uint8_t>& bytes) {
     reception.take(1, channel, bytes);

@@ -136,7 +136,8 @@ TEST(Recovery, AgreesWithAReplayOfADamagedJournal) {
     const std::string map = serve(journalled(journal), 60, 70, false);
     Engine engine;
     for (const Message& message : read_log(journal).messages) {
-      const Decoded decoded = decode(engine.configuration(), message.channel, message.bytes, message.utime);
+      const Decoded decoded =
+          decode(channels_of(engine.configuration()), message.channel, message.bytes, message.utime);
       if (decoded.event) engine.handle(*decoded.event);
     }
     engine.finish();

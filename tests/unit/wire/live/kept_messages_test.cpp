@@ -236,8 +236,7 @@ TEST(KeptMessages, KeepTheirSignatures) {
     Authenticator authenticator = server.authenticator();
     std::thread engine_thread([&] { server.run(); });
     for (const Message& envelope : sealed) {
-      const Opened opened =
-          authenticator.open(server.engine().configuration(), envelope.utime, envelope.bytes);
+      const Opened opened = authenticator.open(server.channels(), envelope.utime, envelope.bytes);
       ASSERT_TRUE(opened.message);
       push(inbox, "R1", *opened.message);
     }
@@ -253,8 +252,7 @@ TEST(KeptMessages, KeepTheirSignatures) {
     LiveServer server(options, next, published.sink());
     Authenticator authenticator = server.authenticator();
     for (const Message& envelope : sealed) {
-      const Opened opened =
-          authenticator.open(server.engine().configuration(), envelope.utime, envelope.bytes);
+      const Opened opened = authenticator.open(server.channels(), envelope.utime, envelope.bytes);
       EXPECT_EQ(opened.reason, "replayed");
     }
     next.close();

@@ -64,9 +64,9 @@ TEST(LcmLink, SaysWhatToDoWhereTheNetworkCannotBeOpened) {
 TEST(LcmLink, HearsAQueueOfThisProcessAndNotItsOutputs) {
   LcmLink link("memq://");
   Inbox inbox({}, InboxOrder::arrival);
-  Configuration configuration;
-  configuration.robots["R2"].scan_channel = "FRONT+REAR_SCAN";
-  link.receive_into(inbox, configuration);
+  ChannelNames configured;
+  configured["R2"].scan = "FRONT+REAR_SCAN";
+  link.receive_into(inbox, configured);
   for (const char* channel : {"R1_POSE", "ISTHMUS_MAP", "ISTHMUS_TICK", "xISTHMUS_TAG", "FRONT+REAR_SCAN"})
     link.publish(channel, {1, 2, 3});
   const std::vector<Message> received = wait_for(inbox, 1);
@@ -87,7 +87,7 @@ TEST(LcmLink, ReadsALogToItsEndWithoutLoss) {
   limits.messages = 10;
   Inbox inbox(limits);
   LcmLink link("file://" + (directory / "a.lcm"));
-  link.receive_into(inbox, Configuration{});
+  link.receive_into(inbox, ChannelNames{});
   const std::vector<Message> received = wait_for(inbox, messages.size());
   ASSERT_EQ(received.size(), messages.size());
   for (std::size_t i = 0; i < messages.size(); ++i) EXPECT_TRUE(same(received[i], messages[i])) << i;
@@ -107,7 +107,7 @@ TEST(LcmLink, HearsUdpFromItsConstructionOn) {
   for (const std::string channel : {"R1_POSE", "ISTHMUS_TICK", message.channel.c_str()})
     sender.publish(channel, message.bytes.data(), static_cast<unsigned>(message.bytes.size()));
   Inbox inbox;
-  link.receive_into(inbox, Configuration{});
+  link.receive_into(inbox, ChannelNames{});
   const std::vector<Message> received = wait_for(inbox, 1);
   ASSERT_EQ(received.size(), 1U);
   EXPECT_EQ(received[0].channel, "R1_SCAN");
@@ -119,7 +119,7 @@ TEST(LcmLink, SurvivesAFragmentBeyondItsMessage) {
   if (!has_multicast()) GTEST_SKIP() << "no multicast route on this machine";
   LcmLink link(test_udp_url());
   Inbox inbox;
-  link.receive_into(inbox, Configuration{});
+  link.receive_into(inbox, ChannelNames{});
   const DatagramSender attacker;
   for (const std::string channel : {"R1_SCAN", "R1_POSE", "ISTHMUS_SIGNED"}) {
     for (const Bytes& datagram : wrapped_offset_attack(channel)) ASSERT_TRUE(attacker.send(datagram));
@@ -147,7 +147,7 @@ TEST(LcmLink, LetsLiblcmReceiveNothingFromUdp) {
   ASSERT_EQ(sockets_on(test_udp_port()), 0);
   LcmLink link(test_udp_url());
   Inbox inbox;
-  link.receive_into(inbox, Configuration{});
+  link.receive_into(inbox, ChannelNames{});
   link.publish("R1_POSE", {1, 2, 3});
   EXPECT_EQ(sockets_on(test_udp_port()), 1) << "ours";
   lcm::LCM other(test_udp_url());

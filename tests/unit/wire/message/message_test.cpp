@@ -23,7 +23,7 @@ std::vector<std::uint8_t> bytes_of(const T& message) {
 }
 
 Decoded decode_on(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
-  return decode(Configuration{}, channel, bytes, 1'000'000);
+  return decode(ChannelNames{}, channel, bytes, 1'000'000);
 }
 
 bot_core::pose_t plain_pose() {
@@ -58,7 +58,7 @@ SightingEvent plain_sighting() { return {"R1", 5, 7, 2.0, 0.1, 0.5, 0.01}; }
 
 Decoded round_trip(Event event) {
   const Message message = encode(event);
-  return decode(Configuration{}, message.channel, message.bytes, message.utime);
+  return decode(ChannelNames{}, message.channel, message.bytes, message.utime);
 }
 
 // Fields equal to the LCM world's own types make the same wire type: old logs and viewers work.
@@ -93,13 +93,13 @@ TEST(Decode, RefusesNamesThatCannotBeFileNames) {
 }
 
 TEST(Decode, ReadsTheChannelsOfTheConfigurationInsteadOfTheDefault) {
-  Configuration configuration;
-  configuration.robots["R1"].odometry_channel = "POSE_BASE";
+  ChannelNames configured;
+  configured["R1"].odometry = "POSE_BASE";
   const auto bytes = bytes_of(plain_pose());
-  EXPECT_EQ(decode(configuration, "POSE_BASE", bytes, 1).robot, "R1");
-  EXPECT_FALSE(decode(configuration, "pose_base", bytes, 1).ours);
-  EXPECT_FALSE(decode(configuration, "R1_ODOMETRY", bytes, 1).ours);
-  EXPECT_TRUE(decode(configuration, "R2_ODOMETRY", bytes, 1).event);
+  EXPECT_EQ(decode(configured, "POSE_BASE", bytes, 1).robot, "R1");
+  EXPECT_FALSE(decode(configured, "pose_base", bytes, 1).ours);
+  EXPECT_FALSE(decode(configured, "R1_ODOMETRY", bytes, 1).ours);
+  EXPECT_TRUE(decode(configured, "R2_ODOMETRY", bytes, 1).event);
 }
 
 TEST(Decode, HeadingIsTheDirectionOfTheRotatedXAxis) {
@@ -243,7 +243,7 @@ TEST(Decode, RefusesCommandsThatNameNothing) {
 
 TEST(Decode, RefusesReceiveTimesThatCannotBe) {
   const Message message = encode({1, plain_robot()});
-  EXPECT_EQ(decode(Configuration{}, message.channel, message.bytes, -1).reason, "absurd_value");
+  EXPECT_EQ(decode(ChannelNames{}, message.channel, message.bytes, -1).reason, "absurd_value");
 }
 
 // The generated decoder would read out of bounds, or allocate 1 GB, on these.

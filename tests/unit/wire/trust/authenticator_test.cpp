@@ -164,7 +164,7 @@ class SigningTeam {
     options.toml = "[auth.robots]\nR1 = \"01020300" + std::string(56, '0') +
                    "\"\n[auth.operators]\nalice = \"070809" + std::string(58, '0') + "\"\n";
     server_.emplace(options, inbox_, published_.sink());
-    reception_.emplace(inbox_, server_->engine().configuration(), server_->authenticator());
+    reception_.emplace(inbox_, server_->channels(), server_->authenticator());
   }
 
   void send(const Message& message) { reception_->take(message.utime, message.channel, message.bytes); }
