@@ -260,69 +260,9 @@ Polysolid::Polysolid(std::vector<PolygonWithHoles> polygons) {
   }
 }
 
-Polysolid unite(const Polysolid& a, const Polysolid& b) {
-  if (a.empty()) return b;
-  if (b.empty()) return a;
-  return guarded([&] {
-           ExactSet set = exact_set(a);
-           set.join(exact_set(b));
-           return rounded(set);
-         })
-      .value_or(a);
-}
-
-Polysolid unite(const std::vector<Polysolid>& parts) {
-  if (parts.empty()) return {};
-  // By halves, so that no intermediate set is joined more than log(n) times.
-  std::vector<ExactSet> sets;
-  for (const Polysolid& part : parts) {
-    if (auto set = guarded([&] { return exact_set(part); })) sets.push_back(std::move(*set));
-  }
-  for (; sets.size() > 1; sets.resize((sets.size() + 1) / 2)) {
-    const std::size_t half = (sets.size() + 1) / 2;
-    for (std::size_t i = 0; i + half < sets.size(); ++i) {
-      if (auto joined = guarded([&] {
-            ExactSet set = sets[i];
-            set.join(sets[i + half]);
-            return set;
-          })) {
-        sets[i] = std::move(*joined);
-      }
-    }
-  }
-  if (sets.empty()) return {};
-  return guarded([&] { return rounded(sets.front()); }).value_or(Polysolid());
-}
-
-Polysolid intersect(const Polysolid& a, const Polysolid& b) {
-  if (!share_area(box_of(a), box_of(b))) return {};
-  return guarded([&] {
-           ExactSet set = exact_set(a);
-           set.intersection(exact_set(b));
-           return rounded(set);
-         })
-      .value_or(Polysolid());
-}
-
-Polysolid subtract(const Polysolid& a, const Polysolid& b) {
-  if (!share_area(box_of(a), box_of(b))) return a;
-  return guarded([&] {
-           ExactSet set = exact_set(a);
-           set.difference(exact_set(b));
-           return rounded(set);
-         })
-      .value_or(a);
-}
-
 bool overlap(const Polysolid& a, const Polysolid& b) {
   if (const auto known = overlap_by_doubles(a, b)) return *known;
   return guarded([&] { return exact_set(a).do_intersect(exact_set(b)); }).value_or(true);
-}
-
-double area_m2(const Polysolid& solid) {
-  double area = 0;
-  for (const PolygonWithHoles& polygon : solid.polygons()) area += net_area_m2(polygon);
-  return area;
 }
 
 bool contains(const Polysolid& solid, const Vector2d& point) {

@@ -13,8 +13,8 @@ struct PolygonWithHoles {
   std::vector<Ring> holes;  ///< clockwise
 };
 
-/// Free space as a polysolid (Howard et al. 2006, III-A, footnote 1): a set of disjoint polygons with holes,
-/// closed under union, intersection and difference. A plain value; CGAL's exact polygon sets work behind it.
+/// Free space as a polysolid (Howard et al. 2006, III-A, footnote 1): a set of disjoint polygons with holes.
+/// A plain value; CGAL's exact polygon sets work behind it.
 /// Rings are simple; polygons and holes may touch one another, within rounding, at points. Every function
 /// takes any polysolid, also an empty one, and none throws or aborts on degenerate rings (repeated points,
 /// spikes, self-intersections, non-finite coordinates): those are repaired or dropped.
@@ -63,13 +63,8 @@ struct FreeSpaceOptions {
 /// be several polygons, which touch at the laser. Empty for a scan without two neighbouring usable beams.
 Polysolid free_space_of(const Scan& scan, const Laser& laser, const FreeSpaceOptions& options = {});
 
-Polysolid unite(const Polysolid& a, const Polysolid& b);
-Polysolid unite(const std::vector<Polysolid>& parts);
-Polysolid intersect(const Polysolid& a, const Polysolid& b);
-Polysolid subtract(const Polysolid& a, const Polysolid& b);
 bool overlap(const Polysolid& a, const Polysolid& b);
 
-double area_m2(const Polysolid& solid);
 bool contains(const Polysolid& solid, const Eigen::Vector2d& point);
 Polysolid transformed(const Pose& a_from_b, const Polysolid& solid_b);
 

@@ -108,17 +108,6 @@ RelationId RelationGraph::add(Relation relation) {
   return id;
 }
 
-void RelationGraph::replace(RelationId id, Relation relation) {
-  const Relation* old = find(id);
-  if (!old) throw std::invalid_argument("no relation " + std::to_string(id.value) + " to replace");
-  if (std::minmax(old->a, old->b) != std::minmax(relation.a, relation.b))
-    throw std::invalid_argument("relation " + std::to_string(id.value) + " replaced by one of other patches");
-  relation.id = id;
-  set_least(relation);
-  stored_[index(id)] = std::make_shared<const Relation>(std::move(relation));
-  ++version_;
-}
-
 /// Whether the islands may have parted: not where the two patches are still joined by a short way.
 bool RelationGraph::take_away(RelationId id) {
   const Relation* relation = find(id);

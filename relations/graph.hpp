@@ -68,8 +68,6 @@ class RelationGraph {
   /// Gives the relation its id (and Correspondences their minimum) and stores it. Both patches must have
   /// been added and differ; throws std::invalid_argument otherwise.
   RelationId add(Relation relation);
-  /// Replaces the measurement of a stored relation between the same two patches.
-  void replace(RelationId id, Relation relation);
   void remove(RelationId id);
   /// All at once: islands are found anew only once.
   void remove(std::span<const RelationId> ids);

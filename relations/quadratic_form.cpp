@@ -1,11 +1,9 @@
 #include "relations/quadratic_form.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 namespace isthmus {
 namespace {
@@ -90,15 +88,6 @@ Vector5d form_variables(const Pose& a_from_b) {
   return v;
 }
 
-Eigen::Matrix<double, 5, 3> form_jacobian(const Pose& a_from_b) {
-  Eigen::Matrix<double, 5, 3> jacobian = Eigen::Matrix<double, 5, 3>::Zero();
-  jacobian(0, 2) = -std::sin(a_from_b.yaw);
-  jacobian(1, 2) = std::cos(a_from_b.yaw);
-  jacobian(2, 0) = 1;
-  jacobian(3, 1) = 1;
-  return jacobian;
-}
-
 double QuadraticForm::cost(const Pose& a_from_b) const { return 0.5 * residuals(a_from_b).squaredNorm(); }
 
 Vector5d QuadraticForm::residuals(const Pose& a_from_b) const {
@@ -152,30 +141,6 @@ void QuadraticFormBuilder::point_on_line(const Eigen::Vector2d& p, const Eigen::
   Vector5d coefficients;
   coefficients << n.dot(p), n.y() * p.x() - n.x() * p.y(), n.x(), n.y(), -n.dot(q);
   row(coefficients / sigma_m);
-}
-
-void QuadraticFormBuilder::point_at_point(const Eigen::Vector2d& point_b, const Eigen::Vector2d& point_a,
-                                          double sigma_m) {
-  point_on_line(point_b, point_a, Eigen::Vector2d::UnitX(), sigma_m);
-  point_on_line(point_b, point_a, Eigen::Vector2d::UnitY(), sigma_m);
-}
-
-void QuadraticFormBuilder::point_at_point(const Eigen::Vector2d& point_b, const Eigen::Vector2d& point_a,
-                                          const Eigen::Matrix2d& covariance_a) {
-  // With C = L Lᵀ the whitened error is L⁻¹ e: each row of L⁻¹ takes the part of a normal over sigma.
-  const Eigen::LLT<Eigen::Matrix2d> factor(covariance_a);
-  if (factor.info() != Eigen::Success)
-    throw std::invalid_argument("point covariance is not positive definite");
-  const Eigen::Matrix2d whitening = factor.matrixL().solve(Eigen::Matrix2d::Identity());
-  point_on_line(point_b, point_a, whitening.row(0).transpose(), 1);
-  point_on_line(point_b, point_a, whitening.row(1).transpose(), 1);
-}
-
-void QuadraticFormBuilder::segment_on_line(const Eigen::Vector2d& end1_b, const Eigen::Vector2d& end2_b,
-                                           const Eigen::Vector2d& line_point_a,
-                                           const Eigen::Vector2d& line_normal_a, double sigma_m) {
-  point_on_line(end1_b, line_point_a, line_normal_a, sigma_m);
-  point_on_line(end2_b, line_point_a, line_normal_a, sigma_m);
 }
 
 QuadraticForm QuadraticFormBuilder::build() const {

@@ -12,8 +12,6 @@ using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
 /// v = (cos yaw, sin yaw, x, y, 1) of the pose of patch b in patch a.
 Vector5d form_variables(const Pose& a_from_b);
-/// dv / d(x, y, yaw), 5x3.
-Eigen::Matrix<double, 5, 3> form_jacobian(const Pose& a_from_b);
 
 /// Any number of correspondences between two patches as one negative log-likelihood ½|R v|², exact for fixed
 /// pairing and weights (Howard et al. 2006, eqs. 4-7). R is the upper triangle
@@ -44,15 +42,6 @@ class QuadraticFormBuilder {
   /// A point p of b on the line through q with unit normal n in a: e = n·(R p + t − q), σ in metres.
   void point_on_line(const Eigen::Vector2d& point_b, const Eigen::Vector2d& line_point_a,
                      const Eigen::Vector2d& line_normal_a, double sigma_m);
-  /// A point p of b at the point q of a (eq. 7), σ in metres per axis.
-  void point_at_point(const Eigen::Vector2d& point_b, const Eigen::Vector2d& point_a, double sigma_m);
-  /// The same with a covariance, in a's axes (m²).
-  void point_at_point(const Eigen::Vector2d& point_b, const Eigen::Vector2d& point_a,
-                      const Eigen::Matrix2d& covariance_a);
-  /// Line to line: both ends of b's segment on a's line.
-  void segment_on_line(const Eigen::Vector2d& end1_b, const Eigen::Vector2d& end2_b,
-                       const Eigen::Vector2d& line_point_a, const Eigen::Vector2d& line_normal_a,
-                       double sigma_m);
 
   /// A residual `coefficients · v` of unit variance.
   void row(const Vector5d& coefficients);

@@ -21,7 +21,6 @@ struct NormalEquations {
   double weight_sum = 0;   // of the beams' best weights
   double squared_sum = 0;  // weighted squared distances
   double squared_weight = 0;
-  int inliers = 0;
   int paired = 0;
 };
 
@@ -154,7 +153,6 @@ class Matcher {
       const double y = arm.y() + pose.y;
       int count = 0;
       double best = 0;
-      double least_off = most_off;
       for (end = first; end < hits_.size() && hits_[end].beam == hits_[first].beam; ++end) {
         Hit& hit = hits_[end];
         hit.residual = hit.normal.x() * x + hit.normal.y() * y - hit.offset;
@@ -162,13 +160,11 @@ class Matcher {
         if (std::abs(hit.residual) > most_off) continue;
         hit.weight = robust_weight(hit.residual * hit.residual, kernel);
         best = std::max(best, hit.weight);
-        least_off = std::min(least_off, std::abs(hit.residual));
         ++count;
       }
       if (count == 0) continue;
       ++sums.paired;
       sums.weight_sum += best;
-      sums.inliers += least_off < options_.kernel_m ? 1 : 0;
       for (std::size_t i = first; i < end; ++i) add(hits_[i], arm, 1.0 / count, sums);
     }
     return sums;
@@ -225,7 +221,6 @@ MatchQuality quality_of(const NormalEquations& sums, const Directions& direction
   quality.paired_beams = sums.paired;
   if (beams == 0 || sums.paired == 0) return quality;
   quality.score = sums.weight_sum / beams;
-  quality.inlier_share = static_cast<double>(sums.inliers) / beams;
   quality.rms_m = std::sqrt(sums.squared_sum / std::max(sums.squared_weight, 1e-12));
   quality.weakest_direction = directions.share(0);
   quality.degenerate = directions.share(0) < thin;

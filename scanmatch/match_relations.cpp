@@ -42,7 +42,6 @@ std::vector<Relation> match_relations(const LocalMap& local_map, std::span<const
     relation.kind = RelationKind::point_to_line;
     relation.measurement = Correspondences{builders[k].build(), builders[k].rows(), {}};
     relation.origin = origin;
-    relation.robust_scale = options.robust_scale;
     relations.push_back(std::move(relation));
   }
   return relations;

@@ -14,7 +14,6 @@ struct MatchRelationOptions {
   int min_correspondences = 10;
   double min_weight = 1e-3;
   double min_trust = 1e-3;
-  double robust_scale = 0;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -26,7 +25,6 @@ struct MatchRelationOptions {
            "of a patch with the scan; with fewer it gets no relation");
     option(min_weight, "min_weight", "share", "robust weight below which a pair is left out");
     option(min_trust, "min_trust", "share", "trust in its direction below which a pair is left out");
-    option(robust_scale, "robust_scale", "sigmas", "of the loss on a relation as a whole; 0: none");
   }
 };
 

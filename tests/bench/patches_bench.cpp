@@ -5,6 +5,7 @@
 #include <random>
 
 #include "patches/manifold.hpp"
+#include "tests/support/solids.hpp"
 
 namespace isthmus {
 namespace {
@@ -62,16 +63,9 @@ BENCHMARK(overlap_of_patches)->Args({181, 3})->Args({181, 50})->Args({1081, 3})-
 void union_of_two(benchmark::State& state) {
   const Polysolid a = free_space_of(office_scan(beams_of(state)), {});
   const Polysolid b = transformed({3, 0.3, 0.2}, free_space_of(office_scan(beams_of(state), 2), {}));
-  for (auto _ : state) benchmark::DoNotOptimize(unite(a, b));
+  for (auto _ : state) benchmark::DoNotOptimize(testing::united({a, b}));
 }
 BENCHMARK(union_of_two)->Arg(181)->Arg(1081)->Unit(benchmark::kMicrosecond);
-
-void difference_of_two(benchmark::State& state) {
-  const Polysolid a = free_space_of(office_scan(beams_of(state)), {});
-  const Polysolid b = transformed({3, 0.3, 0.2}, free_space_of(office_scan(beams_of(state), 2), {}));
-  for (auto _ : state) benchmark::DoNotOptimize(subtract(a, b));
-}
-BENCHMARK(difference_of_two)->Arg(181)->Arg(1081)->Unit(benchmark::kMicrosecond);
 
 void union_of_many(benchmark::State& state) {
   std::vector<Polysolid> parts;
@@ -79,7 +73,7 @@ void union_of_many(benchmark::State& state) {
     const auto seed = static_cast<unsigned>(i);
     parts.push_back(transformed({2.0 * i, 0.1 * i, 0.3 * i}, free_space_of(office_scan(181, seed), {})));
   }
-  for (auto _ : state) benchmark::DoNotOptimize(unite(parts));
+  for (auto _ : state) benchmark::DoNotOptimize(testing::united(parts));
 }
 BENCHMARK(union_of_many)->Arg(10)->Arg(40)->Unit(benchmark::kMillisecond);
 

@@ -46,9 +46,8 @@ Recovery::Recovery(const std::string& directory, const RecoveryOptions& options)
   set_aside_ = journal.set_aside;
   snapshot_ = newest_snapshot(journal, options);
   const JournalPlace from = snapshot_ ? snapshot_->place : JournalPlace();
-  snapshot_segment_ = from.segment;
   if (snapshot_) trajectory_ = snapshot_->trajectory;
-  if (!journal.segments.empty() && journal.segments.front().number > snapshot_segment_ + 1)
+  if (!journal.segments.empty() && journal.segments.front().number > from.segment + 1)
     throw std::runtime_error(segment_path(directory, journal.segments.front().number - 1) +
                              ": is gone, and no snapshot stands for it and those before it");
   reader_ = EventLogReader(journal, from, options.last_segment);

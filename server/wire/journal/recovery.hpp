@@ -49,9 +49,6 @@ class Recovery {
   std::int64_t missing_events() const { return reader_.missing_events(); }  ///< that are known to be missing
   JournalPlace place() const { return reader_.place(); }                    ///< how far the journal was read
   double progress() const { return reader_.progress(); }
-  int snapshot_segment() const {
-    return snapshot_segment_;
-  }  ///< that the snapshot ends with; 0: none was used
   const std::vector<TrajectoryPart>& trajectory() const { return trajectory_; }  ///< of the snapshot
 
  private:
@@ -63,7 +60,6 @@ class Recovery {
   std::string directory_;
   RecoveryOptions options_;
   SetAsideEvents set_aside_;
-  int snapshot_segment_ = 0;
   std::optional<Snapshot> snapshot_;  ///< until it is begun with
   std::vector<TrajectoryPart> trajectory_;
   EventLogReader reader_;

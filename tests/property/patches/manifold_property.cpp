@@ -59,8 +59,8 @@ TEST(ManifoldProperty, OverlapDoesNotDependOnWhereTheMapLies) {
     const PatchId a = any_patch(manifold);
     const PatchId b = any_patch(manifold);
     const auto shared_m2 = [&] {
-      return area_m2(intersect(transformed(manifold.pose(a), manifold.patch(a).free_space),
-                               transformed(manifold.pose(b), manifold.patch(b).free_space)));
+      return testing::shared_area_m2(transformed(manifold.pose(a), manifold.patch(a).free_space),
+                                     transformed(manifold.pose(b), manifold.patch(b).free_space));
     };
     const bool before = manifold.overlap(a, b);
     RC_PRE(shared_m2() > 1e-4 || !before);  // not by a hair

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "random_solids.hpp"
+#include "tests/support/solids.hpp"
 
 namespace isthmus {
 namespace {
@@ -8,9 +9,12 @@ namespace {
 using testing::any_free_space;
 using testing::any_pose;
 using testing::any_solid;
+using testing::area_m2;
 using testing::between;
 using testing::distance_to_boundary;
 using testing::garbage_ring;
+using testing::shared_area_m2;
+using testing::united;
 
 // Dropped slivers (min_ring_area_m2 each) and points moved by rounding.
 constexpr double area_tolerance_m2 = 2e-4;
@@ -32,32 +36,11 @@ TEST(PolysolidProperty, UnionHoldsBothParts) {
   EXPECT_TRUE(rc::check([] {
     const Polysolid a = any_solid();
     const Polysolid b = any_solid();
-    const Polysolid both = unite(a, b);
+    const Polysolid both = united({a, b});
     expect_sound(both);
-    expect_near(area_m2(subtract(a, both)), 0);
-    expect_near(area_m2(subtract(b, both)), 0);
-  }));
-}
-
-TEST(PolysolidProperty, AreasObeyInclusionAndExclusion) {
-  EXPECT_TRUE(rc::check([] {
-    const Polysolid a = any_solid();
-    const Polysolid b = any_solid();
-    expect_near(area_m2(unite(a, b)) + area_m2(intersect(a, b)), area_m2(a) + area_m2(b));
-  }));
-}
-
-TEST(PolysolidProperty, DifferenceAndIntersectionPartASolid) {
-  EXPECT_TRUE(rc::check([] {
-    const Polysolid a = any_solid();
-    const Polysolid b = any_solid();
-    const Polysolid outside = subtract(a, b);
-    const Polysolid inside = intersect(a, b);
-    expect_sound(outside);
-    expect_sound(inside);
-    expect_near(area_m2(outside) + area_m2(inside), area_m2(a));
-    expect_near(area_m2(intersect(outside, inside)), 0);
-    expect_near(area_m2(unite(outside, inside)), area_m2(a));
+    expect_near(shared_area_m2(a, both), area_m2(a));
+    expect_near(shared_area_m2(b, both), area_m2(b));
+    RC_ASSERT(area_m2(both) < area_m2(a) + area_m2(b) + area_tolerance_m2);
   }));
 }
 
@@ -66,29 +49,23 @@ TEST(PolysolidProperty, UnionIsCommutativeAssociativeAndIdempotent) {
     const Polysolid a = any_solid();
     const Polysolid b = any_solid();
     const Polysolid c = any_solid();
-    expect_near(area_m2(unite(a, a)), area_m2(a));
-    expect_near(area_m2(unite(a, b)), area_m2(unite(b, a)));
-    const double area = area_m2(unite(unite(a, b), c));
-    expect_near(area, area_m2(unite(a, unite(b, c))));
-    expect_near(area, area_m2(unite({a, b, c})));
+    expect_near(area_m2(united({a, a})), area_m2(a));
+    expect_near(area_m2(united({a, b})), area_m2(united({b, a})));
+    const double area = area_m2(united({united({a, b}), c}));
+    expect_near(area, area_m2(united({a, united({b, c})})));
+    expect_near(area, area_m2(united({a, b, c})));
   }));
 }
 
-TEST(PolysolidProperty, MembershipFollowsTheSetOperations) {
+TEST(PolysolidProperty, MembershipFollowsTheUnion) {
   EXPECT_TRUE(rc::check([] {
     const Polysolid a = any_solid();
     const Polysolid b = any_solid();
-    const Polysolid both = unite(a, b);
-    const Polysolid common = intersect(a, b);
-    const Polysolid rest = subtract(a, b);
+    const Polysolid both = united({a, b});
     for (int i = 0; i < 20; ++i) {
       const Eigen::Vector2d point(between(-10, 10), between(-10, 10));
       if (std::min(distance_to_boundary(a, point), distance_to_boundary(b, point)) < 1e-3) continue;
-      const bool in_a = contains(a, point);
-      const bool in_b = contains(b, point);
-      RC_ASSERT(contains(both, point) == (in_a || in_b));
-      RC_ASSERT(contains(common, point) == (in_a && in_b));
-      RC_ASSERT(contains(rest, point) == (in_a && !in_b));
+      RC_ASSERT(contains(both, point) == (contains(a, point) || contains(b, point)));
     }
   }));
 }
@@ -97,15 +74,11 @@ TEST(PolysolidProperty, OverlapMeansSharedArea) {
   EXPECT_TRUE(rc::check([] {
     const Polysolid a = any_free_space();
     const Polysolid b = any_free_space();
-    const double shared_m2 = area_m2(intersect(a, b));
+    const double shared_m2 = shared_area_m2(a, b);
     const bool overlaps = overlap(a, b);
     RC_TAG(overlaps);
     RC_ASSERT(overlaps == overlap(b, a));
-    if (shared_m2 > area_tolerance_m2) RC_ASSERT(overlaps);
-    if (overlaps && shared_m2 == 0) {
-      // What the intersection dropped was a sliver: moving one of them apart by a hair loses it or keeps it.
-      RC_ASSERT(area_m2(subtract(a, b)) >= area_m2(a) - area_tolerance_m2);
-    }
+    if (shared_m2 > area_tolerance_m2) RC_ASSERT(overlaps);  // what is shared and less may be a sliver
     RC_ASSERT(overlap(a, a) == !a.empty());
     RC_ASSERT(!overlap(a, transformed({1000, 0, 0}, b)));
   }));
@@ -119,9 +92,8 @@ TEST(PolysolidProperty, RigidMotionsChangeNoAreaAndNoRelation) {
     const Polysolid moved_a = transformed(motion, a);
     const Polysolid moved_b = transformed(motion, b);
     expect_near(area_m2(moved_a), area_m2(a));
-    expect_near(area_m2(intersect(moved_a, moved_b)), area_m2(intersect(a, b)));
-    expect_near(area_m2(unite(moved_a, moved_b)), area_m2(unite(a, b)));
-    expect_near(area_m2(subtract(transformed(inverse(motion), moved_a), a)), 0);
+    expect_near(area_m2(united({moved_a, moved_b})), area_m2(united({a, b})));
+    expect_near(shared_area_m2(transformed(inverse(motion), moved_a), a), area_m2(a));
     const Eigen::Vector2d point(between(-10, 10), between(-10, 10));
     if (distance_to_boundary(a, point) > 1e-6) {
       RC_ASSERT(contains(a, point) == contains(moved_a, motion * point));
@@ -143,16 +115,14 @@ TEST(PolysolidProperty, GarbageRingIsItsEvenOddInterior) {
   }));
 }
 
-TEST(PolysolidProperty, OperationsOnUncheckedGarbageGiveSoundSolids) {
+TEST(PolysolidProperty, UnionsOfUncheckedGarbageAreSound) {
   EXPECT_TRUE(rc::check([] {
     const Polysolid garbage = Polysolid::of_sound({{garbage_ring(), {garbage_ring()}}, {garbage_ring(), {}}});
     const Polysolid square({{{{-1, -1}, {5, -1}, {5, 5}, {-1, 5}}, {}}});
-    const Polysolid space = unite(square, any_free_space());
-    expect_sound(unite(garbage, space));
-    expect_near(area_m2(unite(garbage, space)), area_m2(space));
-    expect_sound(intersect(garbage, space));
-    expect_sound(subtract(space, garbage));
-    expect_sound(unite({garbage, space, garbage}));
+    const Polysolid space = united({square, any_free_space()});
+    expect_sound(united({garbage, space}));
+    expect_near(area_m2(united({garbage, space})), area_m2(space));
+    expect_sound(united({garbage, space, garbage}));
     overlap(garbage, space);
     to_wkt(garbage);
   }));

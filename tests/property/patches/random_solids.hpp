@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "patches/polysolid.hpp"
+#include "tests/support/solids.hpp"
 
 namespace isthmus::testing {
 
@@ -71,7 +72,7 @@ inline Polysolid any_solid() {
     case 0:
       return transformed(any_pose(3), Polysolid({{garbage_ring(), {garbage_ring()}}, {garbage_ring(), {}}}));
     case 1:
-      return unite(any_free_space(), any_free_space());
+      return united({any_free_space(), any_free_space()});
     default:
       return any_free_space();
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "server/engine/engine.hpp"
+#include "tests/support/solids.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {

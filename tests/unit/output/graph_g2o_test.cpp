@@ -126,7 +126,8 @@ G2oFile read_again(const Relation& relation) {
 // Solvers refuse what is not positive definite, and a part of a pose alone is not.
 TEST(GraphG2o, RelationsThatTellLessThanAPoseAreReadAgain) {
   QuadraticFormBuilder point;  // a sighting: where b's origin is, to 1 mm
-  point.point_at_point({0, 0}, {2, 1}, 0.001);
+  point.point_on_line({0, 0}, {2, 1}, {1, 0}, 0.001);
+  point.point_on_line({0, 0}, {2, 1}, {0, 1}, 0.001);
   for (const auto& [what, relation] :
        {std::pair{"range", between(Range{{0, 0}, {0, 0}, 2.2, 0.1})},
         {"sharp range of lever arms", between(Range{{3, 4}, {-2, 7}, 9, 1e-4})},

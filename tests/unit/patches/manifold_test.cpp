@@ -6,10 +6,12 @@
 #include <stdexcept>
 
 #include "tests/support/patch_scenes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace isthmus {
 namespace {
 
+using testing::area_m2;
 using testing::full_turn;
 
 PatchPtr disc(int id, float range_m) {

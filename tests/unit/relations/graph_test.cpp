@@ -98,18 +98,6 @@ TEST(RelationGraph, CopyIsAVersionOfItsOwn) {
   EXPECT_EQ(graph.island(PatchId{1}), PatchId{1});
 }
 
-TEST(RelationGraph, ReplaceChangesTheMeasurementAndNothingElse) {
-  RelationGraph graph = patches(3);
-  const RelationId id = join(graph, 0, 1);
-  const std::int64_t version = graph.version();
-  graph.replace(id, relation(1, 0, Range{}));
-  EXPECT_TRUE(std::holds_alternative<Range>(graph.find(id)->measurement));
-  EXPECT_EQ(graph.find(id)->id, id);
-  EXPECT_EQ(graph.of(PatchId{0}).size(), 1U);
-  EXPECT_GT(graph.version(), version);
-  EXPECT_THROW(graph.replace(id, relation(0, 2, Range{})), std::invalid_argument);
-}
-
 TEST(RelationGraph, RefusesWhatIsNoRelation) {
   RelationGraph graph = patches(2);
   EXPECT_THROW(join(graph, 0, 0), std::invalid_argument);

@@ -17,37 +17,12 @@ TEST(QuadraticForm, OfNoRowsCostsNothing) {
   EXPECT_EQ(form.information({1, 2, 3}), Eigen::Matrix3d::Zero());
 }
 
-TEST(QuadraticForm, PointAtPointIsTheSquaredDistanceOverTwoVariances) {
+TEST(QuadraticForm, PointOnLineIsTheSquaredDistanceOverTwoVariances) {
   QuadraticFormBuilder builder;
-  builder.point_at_point({1, 0}, {0, 0}, 0.5);
-  const Pose a_from_b{3, 3, 0};  // the point comes to lie at (4, 3), 5 m away
-  EXPECT_EQ(builder.rows(), 2);
-  EXPECT_NEAR(builder.build().cost(a_from_b), 25 / (2 * 0.25), 1e-12);
-}
-
-TEST(QuadraticForm, PointWithCorrelatedCovarianceIsTheMahalanobisDistance) {
-  Eigen::Matrix2d covariance;
-  covariance << 0.04, 0.015, 0.015, 0.01;
-  QuadraticFormBuilder builder;
-  builder.point_at_point({0.3, -0.7}, {1, 2}, covariance);
-  const Pose a_from_b{0.9, 2.2, 0.4};
-  const Eigen::Vector2d e = a_from_b * Eigen::Vector2d(0.3, -0.7) - Eigen::Vector2d(1, 2);
-  EXPECT_NEAR(builder.build().cost(a_from_b), 0.5 * e.dot(covariance.inverse() * e), 1e-10);
-}
-
-TEST(QuadraticForm, RefusesACovarianceThatIsNone) {
-  QuadraticFormBuilder builder;
-  EXPECT_THROW(builder.point_at_point({0, 0}, {0, 0}, Eigen::Matrix2d(-Eigen::Matrix2d::Identity())),
-               std::invalid_argument);
-}
-
-TEST(QuadraticForm, SegmentOnLineIsBothItsEnds) {
-  QuadraticFormBuilder segment, points;
-  segment.segment_on_line({1, 1}, {2, 1}, {0, 0}, {0, 1}, 0.1);
-  points.point_on_line({1, 1}, {0, 0}, {0, 1}, 0.1);
-  points.point_on_line({2, 1}, {0, 0}, {0, 1}, 0.1);
-  const Pose pose{0.3, -0.8, 0.2};
-  EXPECT_NEAR(segment.build().cost(pose), points.build().cost(pose), 1e-12);
+  builder.point_on_line({1, 0}, {0, 0}, {0.6, 0.8}, 0.5);
+  const Pose a_from_b{3, 3, 0};  // the point comes to lie at (4, 3), 4.8 m from the line
+  EXPECT_EQ(builder.rows(), 1);
+  EXPECT_NEAR(builder.build().cost(a_from_b), 4.8 * 4.8 / (2 * 0.25), 1e-12);
 }
 
 TEST(QuadraticForm, MinimumOfExactPointsIsTheTruth) {
@@ -67,7 +42,8 @@ TEST(QuadraticForm, MinimumIsFoundFromBesideTheMaximum) {
   std::uniform_real_distribution<double> metres(-5, 5);
   for (int i = 0; i < 20; ++i) {
     const Eigen::Vector2d point(metres(random), metres(random));
-    builder.point_at_point(point, truth * point, 0.1);
+    builder.point_on_line(point, truth * point, {1, 0}, 0.1);
+    builder.point_on_line(point, truth * point, {0, 1}, 0.1);
   }
   const QuadraticForm form = builder.build();
   for (const double off : {1e-2, 1e-4, 1e-6}) {

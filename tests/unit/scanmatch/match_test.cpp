@@ -113,7 +113,6 @@ TEST(MatchScan, WhatStandsAsideOfItsLineHasNextToNoWeight) {
   ASSERT_TRUE(match.ok);
   EXPECT_NEAR(match.local_from_robot.x, truth.x, 0.01);
   EXPECT_NEAR(match.local_from_robot.y, truth.y, 0.01);
-  EXPECT_LT(match.quality.inlier_share, 0.95);
   double moved_weight = 0;
   for (const Pair& pair : match.pairs)
     if (pair.point >= 70 && pair.point < 110 && pair.point % 2 == 0) moved_weight += pair.weight;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/support/solids.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -86,7 +88,7 @@ TEST(Footprints, FreeIsWhatTheFootprintSwept) {
   const double disc_m2 = std::numbers::pi * radius_m * radius_m;
   // Two strips and a disc's two halves, and the corner counted once: the square overlap is there in both.
   const double swept_m2 = 2 * 2 * (2 * radius_m) + disc_m2 - radius_m * radius_m * (1 - std::numbers::pi / 4);
-  EXPECT_NEAR(area_m2(patch->free_space), swept_m2, 0.06 * swept_m2);
+  EXPECT_NEAR(testing::area_m2(patch->free_space), swept_m2, 0.06 * swept_m2);
   EXPECT_TRUE(contains(patch->free_space, {0, 0}));
   EXPECT_TRUE(contains(patch->free_space, {-1.9, -2.25}));
   EXPECT_TRUE(contains(patch->free_space, {0.25, -1}));
@@ -106,15 +108,15 @@ TEST(Footprints, PatchesOfADriveCoverItsWholeWay) {
     const PatchId id{static_cast<std::int32_t>(i)};
     parts.push_back(transformed(blind.map.manifold().pose(id), blind.map.manifold().patch(id).free_space));
   }
-  const Polysolid all = unite(parts);
+  const Polysolid all = testing::united(parts);
   EXPECT_EQ(all.polygons().size(), 1U);
-  EXPECT_NEAR(area_m2(all), end * 2 * radius_m + std::numbers::pi * radius_m * radius_m, 0.1);
+  EXPECT_NEAR(testing::area_m2(all), end * 2 * radius_m + std::numbers::pi * radius_m * radius_m, 0.1);
   for (double x = 0; x < end; x += 0.1) EXPECT_TRUE(contains(all, {x, 0.2})) << x;
 }
 
 TEST(Footprints, ARadiusOfNothingStillSweepsSomething) {
   const PatchPtr patch = make_swept_patch(PatchId{0}, "R1", 0, 0, {{-1, 0, 0}, {}});
-  EXPECT_GT(area_m2(patch->free_space), 0.1);
+  EXPECT_GT(testing::area_m2(patch->free_space), 0.1);
 }
 
 TEST(Footprints, AJumpBeginsANewIsland) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "server/engine/snapshot/snapshot_archive.hpp"
+#include "tests/support/solids.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
