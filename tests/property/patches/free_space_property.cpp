@@ -44,7 +44,7 @@ TEST(FreeSpaceProperty, AreaIsThatOfTheWedgesBetweenUsableBeams) {
     for (std::size_t i = 0; i + 1 < n + (closed ? 1 : 0); ++i) {
       wedges_m2 += 0.5 * free_m(i) * free_m((i + 1) % n) * std::sin(step_rad);
     }
-    RC_ASSERT(std::abs(area_m2(free_space_of(scan, laser, unsimplified())) - wedges_m2) < 1e-3);
+    RC_ASSERT(std::abs(testing::area_m2(free_space_of(scan, laser, unsimplified())) - wedges_m2) < 1e-3);
   }));
 }
 
