@@ -13,7 +13,7 @@ void put_on_own_ground(World world, const Map& together, ClosureLedger& ledger,
                        MutualObservations& observations) {
   const OwnGround own(together, world.map);
   for (auto& [name, robot] : world.robots) {
-    robot.history.correct([&](PastPlace& place) { own.put_back(name, place); });
+    robot.history.correct([&own, &robot_name = name](PastPlace& place) { own.put_back(robot_name, place); });
     robot.rejoins.clear();  // some may be of patches that lie on two islands now
   }
   const auto put_back = [&](Evidence& evidence) {
