@@ -72,8 +72,7 @@ void lay_over(const Setting& table, std::vector<RobotFromFile>& robots) {
   const auto* changes = std::get_if<Setting::Table>(&table.value);
   if (changes == nullptr) fail_at(table.where, "'robots' must be a table of robots");
   for (const auto& [name, setting] : *changes) {
-    const auto robot =
-        std::ranges::find_if(robots, [&](const RobotFromFile& r) { return r.plan.name == name; });
+    const auto robot = std::ranges::find(robots, name, [](const RobotFromFile& r) { return r.plan.name; });
     if (robot == robots.end()) fail_at(setting.where, "the floor has no robot '" + name + "'");
     RobotFromFile changed = read_robot(name, setting, robot->plan);
     if (changed.step_where.empty()) changed.step_where = robot->step_where;
