@@ -129,7 +129,7 @@ TEST(Alignment, OutliersDoNotSupportAndDoNotMoveIt) {
   ASSERT_TRUE(alignment);
   EXPECT_EQ(alignment->supporters, (std::vector<std::size_t>{0, 2, 3, 5, 7, 8, 9}));
   expect_near(alignment->first_from_second, first_from_second, 1e-9);
-  for (const std::size_t i : {1, 4, 6}) EXPECT_FALSE(agrees(sightings[i], alignment->first_from_second));
+  for (const std::size_t i : {1U, 4U, 6U}) EXPECT_FALSE(agrees(sightings[i], alignment->first_from_second));
 }
 
 TEST(Alignment, TwoThatContradictOneAnotherAreNoAlignment) {

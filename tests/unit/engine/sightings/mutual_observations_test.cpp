@@ -48,7 +48,8 @@ TEST(MutualObservations, ThatTheMapIsSureOfAreAcceptedAtOnce) {
   scene.join();
   const MutualObservations observations = observations_of(scene, 3);
   EXPECT_TRUE(observations.pool().empty());
-  for (const std::size_t i : {0, 1, 2}) expect(observations, i, Verdict::accepted, Reason::agrees_with_map);
+  for (const std::size_t i : {0U, 1U, 2U})
+    expect(observations, i, Verdict::accepted, Reason::agrees_with_map);
 }
 
 TEST(MutualObservations, ThatContradictTheMapWaitForOthersThatDo) {
@@ -127,7 +128,7 @@ TEST(MutualObservations, OfARobotThatIsDroppedWaitNoLonger) {
   observations.forget_robot("R1");
   EXPECT_TRUE(observations.pool().empty());
   EXPECT_FALSE(observations.has_work());
-  for (const std::size_t i : {0, 1, 2}) expect(observations, i, Verdict::refused, Reason::robot_dropped);
+  for (const std::size_t i : {0U, 1U, 2U}) expect(observations, i, Verdict::refused, Reason::robot_dropped);
 }
 
 TEST(MutualObservations, ThatTheMapHadTakenInAreReopenedFromTheLog) {

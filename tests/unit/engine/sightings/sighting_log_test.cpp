@@ -64,7 +64,7 @@ TEST(SightingLog, CopiesKeepTheVerdictsOfTheirTime) {
   constexpr int count = 700;  // the last ones are in no full chunk
   SightingLog log = log_of(count);
   const SightingLog before = log;
-  for (const std::size_t i : {0, 255, 256, 511, 699})
+  for (const std::size_t i : {0U, 255U, 256U, 511U, 699U})
     log.set_verdict(i, Verdict::accepted, Reason::closed_loop, {7});
   log.append(record(count));
   EXPECT_EQ(before.size(), static_cast<std::size_t>(count));
