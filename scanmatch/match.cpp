@@ -92,31 +92,38 @@ class Matcher {
  private:
   double gate(double kernel) const { return std::max(options_.min_gate_m, options_.gate_kernels * kernel); }
 
+  // A patch, and the turns and steps into it and back.
+  struct Frame {
+    const Patch* patch;
+    double c, s, x, y;      // patch_from_robot
+    double lc, ls, lx, ly;  // local_from_patch
+  };
+
+  std::vector<Frame> frames_at(const Pose& pose) const {
+    std::vector<Frame> frames(map_.patches.size());
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const Pose there = patch_from_local_[k] * pose;
+      const Pose& back = map_.patches[k].local_from_patch;
+      frames[k] = {map_.patches[k].patch.get(),
+                   std::cos(there.yaw),
+                   std::sin(there.yaw),
+                   there.x,
+                   there.y,
+                   std::cos(back.yaw),
+                   std::sin(back.yaw),
+                   back.x,
+                   back.y};
+    }
+    return frames;
+  }
+
   void pair(const Pose& pose, double kernel) {
     paired_ = true;
     paired_at_ = pose;
     hits_.clear();
     const double min_cosine = std::cos(options_.max_normal_angle_rad);
     const double most_off = gate(kernel);
-    struct Frame {
-      const Patch* patch;
-      double c, s, x, y;      // patch_from_robot
-      double lc, ls, lx, ly;  // local_from_patch
-    };
-    std::vector<Frame> frames(map_.patches.size());
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      const Pose patch_from_robot = patch_from_local_[k] * pose;
-      const Pose& back = map_.patches[k].local_from_patch;
-      frames[k] = {map_.patches[k].patch.get(),
-                   std::cos(patch_from_robot.yaw),
-                   std::sin(patch_from_robot.yaw),
-                   patch_from_robot.x,
-                   patch_from_robot.y,
-                   std::cos(back.yaw),
-                   std::sin(back.yaw),
-                   back.x,
-                   back.y};
-    }
+    const std::vector<Frame> frames = frames_at(pose);
     for (std::size_t i = 0; i < beams_.size(); ++i) {
       const Beam& beam = beams_[i];
       const Eigen::Vector2d& p = beam.position;

@@ -17,6 +17,44 @@ bool agrees_with_map(const Map& map, const Find& find, const HypothesisOptions& 
   return std::hypot(off.x, off.y) < options.mapped_m && std::abs(off.yaw) < options.mapped_rad;
 }
 
+/// Between the first of the finds and the one farthest from it. One found from the other side has its ends
+/// exchanged.
+double way_between_m(const Map& map, const Find& first_find, const std::vector<const Find*>& finds) {
+  const Pose& first = map.manifold().pose(first_find.query);
+  double way_m = 0;
+  for (const Find* find : finds) {
+    const Pose moved = ominus(map.manifold().pose(find->query), first);
+    const Pose anchor_moved = ominus(map.manifold().pose(find->anchor), first);
+    way_m =
+        std::max(way_m, std::min(std::hypot(moved.x, moved.y), std::hypot(anchor_moved.x, anchor_moved.y)));
+  }
+  return way_m;
+}
+
+/// What finds that agree say together.
+ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<const Find*>& finds,
+                         const HypothesisOptions& options) {
+  ScanProposal proposal;
+  proposal.first = first.anchor;
+  proposal.second = first.query;
+  proposal.first_from_second = first.anchor_from_query;
+  if (map.graph().island(first.query) < map.graph().island(first.anchor)) {
+    std::swap(proposal.first, proposal.second);
+    proposal.first_from_second = inverse(first.anchor_from_query);
+  }
+  proposal.finds = static_cast<int>(finds.size());
+  std::set<std::string> robots;
+  for (const Find* find : finds) {
+    proposal.way_m = std::max(proposal.way_m, find->way_m);
+    proposal.cautious = proposal.cautious || find->sigma_m > options.surely_near_m;
+    std::ranges::copy(find->relations, std::back_inserter(proposal.relations));
+    robots.insert(map.manifold().patch(find->query).robot);
+    robots.insert(map.manifold().patch(find->anchor).robot);
+  }
+  proposal.robots.assign(robots.begin(), robots.end());
+  return proposal;
+}
+
 }  // namespace
 
 // A find joins the pool with its agreements with those that wait there.
@@ -65,47 +103,20 @@ bool Hypotheses::propose(World world, Closures& closures, const std::vector<std:
   const HypothesisOptions& options = world.options.hypotheses;
   if (set.size() < options.min_finds || 2 * rivals(world.map, set, options.rival_m) > set.size())
     return false;
-  const Map& map = world.map;
   const Find& first = pool_[set.front()].find;
-  const Manifold& manifold = map.manifold();
-  double way_m = 0;
+  std::vector<const Find*> finds;
   ClosureId id;
   for (const std::size_t i : set) {
-    const Pose moved = ominus(manifold.pose(pool_[i].find.query), manifold.pose(first.query));
-    const Pose anchor_moved = ominus(manifold.pose(pool_[i].find.anchor), manifold.pose(first.query));
-    // One found from the other side has its ends exchanged.
-    way_m =
-        std::max(way_m, std::min(std::hypot(moved.x, moved.y), std::hypot(anchor_moved.x, anchor_moved.y)));
+    finds.push_back(&pool_[i].find);
     if (!id.valid()) id = pool_[i].hypothesis;
   }
-  if (way_m < options.min_way_m) return false;
-  const auto before = hypotheses_.find(id);
-  const bool known = before != hypotheses_.end();
-  if (known) {
+  if (way_between_m(world.map, first, finds) < options.min_way_m) return false;
+  if (const auto before = hypotheses_.find(id); before != hypotheses_.end()) {
     const auto tried = static_cast<std::size_t>(before->second.tried);
     if (tried > 0 && set.size() < tried + std::max(options.more_finds, tried / 2)) return false;
   }
-
-  ScanProposal proposal;
+  ScanProposal proposal = proposal_of(world.map, first, finds, options);
   proposal.id = id;
-  proposal.first = first.anchor;
-  proposal.second = first.query;
-  proposal.first_from_second = first.anchor_from_query;
-  if (map.graph().island(first.query) < map.graph().island(first.anchor)) {
-    std::swap(proposal.first, proposal.second);
-    proposal.first_from_second = inverse(first.anchor_from_query);
-  }
-  proposal.finds = static_cast<int>(set.size());
-  std::set<std::string> robots;
-  for (const std::size_t i : set) {
-    const Find& find = pool_[i].find;
-    proposal.way_m = std::max(proposal.way_m, find.way_m);
-    proposal.cautious = proposal.cautious || find.sigma_m > options.surely_near_m;
-    std::ranges::copy(find.relations, std::back_inserter(proposal.relations));
-    robots.insert(map.manifold().patch(find.query).robot);
-    robots.insert(map.manifold().patch(find.anchor).robot);
-  }
-  proposal.robots.assign(robots.begin(), robots.end());
   id = closures.propose_from_scans(world, proposal);
   for (const std::size_t i : set) pool_[i].hypothesis = id;
   Hypothesis& hypothesis = hypotheses_[id];

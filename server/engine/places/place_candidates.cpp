@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <numbers>
+#include <optional>
 
 #include "relations/confidence.hpp"
 
@@ -68,16 +69,8 @@ bool narrow(double& centre, double& half, double sigma, const PlaceCandidateOpti
   return true;
 }
 
-}  // namespace
-
-Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options) {
-  const double position = options.systematic_m + options.systematic_share * way_m;
-  const double yaw = options.systematic_rad + options.systematic_rad_per_m * way_m;
-  return {position * position, position * position, yaw * yaw};
-}
-
-std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
-                                                 const PlaceCandidateOptions& options) {
+// Where the patch may be for all that its way may have drifted.
+std::vector<Rough> rough_places(const Map& map, PatchId query, const PlaceCandidateOptions& options) {
   const Manifold& manifold = map.manifold();
   const Pose& here = manifold.pose(query);
   const std::vector<double> ways = ways_m(map, query);
@@ -91,34 +84,57 @@ std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
     if (distance > options.reach_m + drift || !sees_walls(map, id)) continue;
     rough.push_back({id, ways[i], distance / drift});
   }
+  return rough;
+}
+
+// The place about an anchor that is known relative to the patch with this covariance; nothing where a find
+// there could only be what the map says, or where the two do not meet.
+std::optional<PlaceCandidate> candidate_at(const Map& map, PatchId query, const Rough& anchor,
+                                           const Eigen::Matrix3d& anchor_covariance,
+                                           const PlaceCandidateOptions& options) {
+  // The patch seen from the anchor, rather than the anchor from the patch.
+  const Pose query_from_anchor = ominus(map.manifold().pose(anchor.anchor), map.manifold().pose(query));
+  const Eigen::Matrix3d jacobian = inverse_jacobian(query_from_anchor);
+  const Eigen::Matrix3d covariance = jacobian * anchor_covariance * jacobian.transpose();
+  if (options.window_sigmas * std::sqrt(covariance.diagonal().head<2>().maxCoeff()) <
+      options.known_half_width_m)
+    return std::nullopt;
+  const Eigen::Vector3d sigma =
+      (covariance.diagonal() + systematic_variance(anchor.way_m, options)).cwiseSqrt();
+  PlaceCandidate place;
+  place.anchor = anchor.anchor;
+  place.way_m = anchor.way_m;
+  place.window.centre = inverse(query_from_anchor);
+  if (!narrow(place.window.centre.x, place.window.half_x_m, sigma.x(), options) ||
+      !narrow(place.window.centre.y, place.window.half_y_m, sigma.y(), options))
+    return std::nullopt;
+  place.sigma_m = std::hypot(sigma.x(), sigma.y());
+  place.window.half_yaw_rad =
+      std::min(std::numbers::pi, options.window_sigmas * sigma.z() + options.slack_rad);
+  return place;
+}
+
+}  // namespace
+
+Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options) {
+  const double position = options.systematic_m + options.systematic_share * way_m;
+  const double yaw = options.systematic_rad + options.systematic_rad_per_m * way_m;
+  return {position * position, position * position, yaw * yaw};
+}
+
+std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
+                                                 const PlaceCandidateOptions& options) {
+  std::vector<Rough> rough = rough_places(map, query, options);
   if (rough.empty()) return {};
   std::ranges::stable_sort(rough, {}, &Rough::surprise);
   const std::vector<Rough> anchors = anchors_of(map, rough, options);
   std::vector<PatchId> others;
   for (const Rough& anchor : anchors) others.push_back(anchor.anchor);
-  const auto covariances = exact_relative_covariances(map.graph(), manifold.poses(), query, others);
+  const auto covariances = exact_relative_covariances(map.graph(), map.manifold().poses(), query, others);
   std::vector<PlaceCandidate> places;
   for (std::size_t i = 0; i < covariances.size(); ++i) {
-    // The patch seen from the anchor, rather than the anchor from the patch.
-    const Pose query_from_anchor = ominus(manifold.pose(others[i]), here);
-    const Eigen::Matrix3d jacobian = inverse_jacobian(query_from_anchor);
-    Eigen::Matrix3d covariance = jacobian * covariances[i] * jacobian.transpose();
-    if (options.window_sigmas * std::sqrt(covariance.diagonal().head<2>().maxCoeff()) <
-        options.known_half_width_m)
-      continue;
-    const Eigen::Vector3d sigma =
-        (covariance.diagonal() + systematic_variance(anchors[i].way_m, options)).cwiseSqrt();
-    PlaceCandidate place;
-    place.anchor = others[i];
-    place.way_m = anchors[i].way_m;
-    place.window.centre = inverse(query_from_anchor);
-    if (!narrow(place.window.centre.x, place.window.half_x_m, sigma.x(), options) ||
-        !narrow(place.window.centre.y, place.window.half_y_m, sigma.y(), options))
-      continue;
-    place.sigma_m = std::hypot(sigma.x(), sigma.y());
-    place.window.half_yaw_rad =
-        std::min(std::numbers::pi, options.window_sigmas * sigma.z() + options.slack_rad);
-    places.push_back(place);
+    const auto place = candidate_at(map, query, anchors[i], covariances[i], options);
+    if (place) places.push_back(*place);
   }
   return places;
 }

@@ -13,6 +13,14 @@ bool matched_before(const RelationGraph& graph, PatchId a, PatchId b) {
   return std::ranges::any_of(between, [&](RelationId id) { return is_match(*graph.find(id)); });
 }
 
+// Where a candidate is well determined, it must also show what the scan sees.
+bool shows(const Map& map, const Determined& determined, std::span<const ScanPoint> points,
+           const EngineOptions& options) {
+  const Pose other_from_patch = inverse(determined.local_from_patch);
+  return overlap_share(map.manifold().patch(determined.patch), other_from_patch, points,
+                       options.surroundings) >= options.surroundings.min_overlap;
+}
+
 }  // namespace
 
 void Propagation::enqueue(PatchId patch, const PropagationOptions& options) {
@@ -71,17 +79,12 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   if (static_cast<int>(patch.points.size()) < options.match.min_pairs) return false;
   const std::vector<PatchId> near = candidates(map, id, options);
   if (near.empty()) return false;
-
   Surroundings surroundings;
   surroundings.update(map, id, options, Surroundings::By::all);
   const auto wanted = [&](const Determined& determined) {
     if (!std::ranges::binary_search(near, determined.patch)) return false;
-    // Where a candidate is well determined, it must also show what the scan sees.
     if (!before_ && !determined.sure) return false;
-    const Pose other_from_patch = inverse(determined.local_from_patch);
-    return !determined.sure ||
-           overlap_share(map.manifold().patch(determined.patch), other_from_patch, patch.points,
-                         options.surroundings) >= options.surroundings.min_overlap;
+    return !determined.sure || shows(map, determined, patch.points, options);
   };
   LoopQuery query;
   query.points = patch.points;
