@@ -81,9 +81,12 @@ std::optional<Eigen::Vector2d> measured_point(const Map& map, const Evidence& ev
          Eigen::Vector2d(s.range_m * std::cos(s.bearing_rad), s.range_m * std::sin(s.bearing_rad));
 }
 
+bool enough_for_a_point(std::size_t sightings, double apart_m, const EvidenceOptions& options) {
+  return sightings >= options.min_supporters || (sightings >= 2 && apart_m >= options.min_apart_m);
+}
+
 bool PointConsensus::enough(const EvidenceOptions& options) const {
-  return supporters.size() >= options.min_supporters ||
-         (supporters.size() >= 2 && apart_m >= options.min_apart_m);
+  return enough_for_a_point(supporters.size(), apart_m, options);
 }
 
 PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& pool,

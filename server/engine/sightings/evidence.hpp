@@ -56,9 +56,10 @@ struct PointConsensus {
   std::vector<std::size_t> supporters;
   Eigen::Vector2d point = Eigen::Vector2d::Zero();
   double apart_m = 0;  ///< between the places it was seen from
-  /// So many, or two from places apart.
-  bool enough(const EvidenceOptions& options = {}) const;
+  bool enough(const EvidenceOptions& options) const;
 };
+/// Whether so many sightings of one point place it: many, or two from places so far apart.
+bool enough_for_a_point(std::size_t sightings, double apart_m, const EvidenceOptions& options);
 /// The largest such group among the `members` of a pool.
 PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& pool,
                                 const std::vector<std::size_t>& members,

@@ -12,13 +12,12 @@ namespace {
 
 // Whether the sightings of a tag that are left would have placed it.
 bool is_still_placed(const Map& map, const std::vector<Relation>& left, const EvidenceOptions& options) {
-  PointConsensus consensus;
-  consensus.supporters.resize(left.size());
+  double apart_m = 0;
   for (const Relation& relation : left) {
     const Pose apart = ominus(map.manifold().pose(relation.a), map.manifold().pose(left.front().a));
-    consensus.apart_m = std::max(consensus.apart_m, std::hypot(apart.x, apart.y));
+    apart_m = std::max(apart_m, std::hypot(apart.x, apart.y));
   }
-  return consensus.enough(options);
+  return enough_for_a_point(left.size(), apart_m, options);
 }
 
 std::vector<Relation> relations_of(const RelationGraph& graph, PatchId patch) {

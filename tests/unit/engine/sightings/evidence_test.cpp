@@ -212,16 +212,16 @@ class TagPool {
 TEST(AgreeOnAPoint, TwoFromPlacesApartAreEnoughAndTwoFromOneAreNot) {
   TagPool pool;
   pool.see({0, 0, 0.2});
-  EXPECT_FALSE(pool.agree().enough());
+  EXPECT_FALSE(pool.agree().enough({}));
   pool.see({0.1, 0, 0.3});
   EXPECT_EQ(pool.agree().supporters.size(), 2U);
-  EXPECT_FALSE(pool.agree().enough());
+  EXPECT_FALSE(pool.agree().enough({}));
 
   TagPool apart;
   apart.see({0, 0, 0.2});
   apart.see({1, -1, 1.2});
   const PointConsensus consensus = apart.agree();
-  EXPECT_TRUE(consensus.enough());
+  EXPECT_TRUE(consensus.enough({}));
   EXPECT_NEAR(consensus.apart_m, std::sqrt(2), 1e-9);
   EXPECT_NEAR((consensus.point - apart.tag).norm(), 0, 1e-9);
 }
@@ -229,7 +229,7 @@ TEST(AgreeOnAPoint, TwoFromPlacesApartAreEnoughAndTwoFromOneAreNot) {
 TEST(AgreeOnAPoint, ThreeFromOnePlaceAreEnough) {
   TagPool pool;
   for (int i = 0; i < 3; ++i) pool.see({0.05 * i, 0, 0.1 * i});
-  EXPECT_TRUE(pool.agree().enough());
+  EXPECT_TRUE(pool.agree().enough({}));
 }
 
 TEST(AgreeOnAPoint, WhatPutsItElsewhereDoesNotSupportNorMoveIt) {
