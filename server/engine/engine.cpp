@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
-#include "server/engine/closures/withdrawal.hpp"
-#include "server/engine/engine_state.hpp"
 #include "server/engine/localise/footprints.hpp"
-#include "server/engine/localise/mapper.hpp"
+#include "server/engine/localising.hpp"
+#include "server/engine/mapping.hpp"
 #include "server/engine/record/records.hpp"
 #include "server/engine/robot/teammates.hpp"
 
@@ -20,11 +18,11 @@ bool same_laser(const Laser& a, const Laser& b) {
          a.range_max_m == b.range_max_m;
 }
 
-bool is_closure_id(std::int64_t number) {
-  return number >= 0 && number <= std::numeric_limits<std::int32_t>::max();
-}
-
 }  // namespace
+
+Engine::State::State(Configuration given) : handling(std::make_unique<Mapping>(*this)) {
+  configure(std::move(given));
+}
 
 void Engine::State::configure(Configuration given) {
   configuration = std::move(given);
@@ -88,9 +86,7 @@ Outcome Engine::State::take(const RobotEvent& event) {
 void Engine::State::begin_anew(Robot& robot) {
   for (std::size_t i = 0; i < robot.pending.size(); ++i) drop(robot.declaration.robot, "restarted");
   robot.pending.clear();
-  if (robot.place && !frozen) record(robot, robot.place->pose, robot.place->odom_from_robot);
-  robot.unplaced.clear();
-  forget_place(robot);
+  handling->restarted(robot);
   robot.odometry.clear();
 }
 
@@ -107,16 +103,8 @@ Outcome Engine::State::take(const OdometryEvent& event) {
   robot->health.heard_odometry(event.odom_from_robot);
   Outcome outcome;
   if (!has_no_laser(*robot)) return outcome;
-  if (frozen) return {drop(event.robot, "frozen"), {}};  // its way would have to become a map
-  if (robot->place && event.utime < robot->place->utime - configuration.engine.intake.backward_us) {
-    if (++robot->stale_scans < configuration.engine.intake.max_stale_scans)
-      return {drop(event.robot, "stale_stamp"), {}};
-    robot->place.reset();
-  }
-  robot->stale_scans = 0;
-  if (may_not_begin(*robot, configuration.engine)) return {drop(event.robot, "too_many_patches"), {}};
-  if (auto done = take_odometry(map, *robot, event.odom_from_robot, event.utime, configuration.engine))
-    settle(*robot, std::move(*done), event.odom_from_robot, outcome);
+  const std::string reason = handling->take_way(*robot, event, outcome);
+  if (!reason.empty()) outcome.drop_reason = drop(event.robot, reason);
   return outcome;
 }
 
@@ -134,7 +122,7 @@ Outcome Engine::State::take(const ScanEvent& event) {
   if (!first && scan.utime < robot->newest_scan_utime - configuration.engine.intake.backward_us) {
     if (++robot->stale_scans < configuration.engine.intake.max_stale_scans)
       return {drop(event.robot, "stale_stamp"), {}};
-    forget_place(*robot);
+    handling->forget_place(*robot);
     robot->newest_scan_utime = scan.utime;
   }
   robot->stale_scans = 0;
@@ -149,7 +137,7 @@ Outcome Engine::State::take(const SightingEvent& event) {
   ++counters.sightings;
   const Robot* observer = declared(event.robot);
   const auto refuse = [&](Reason reason) {
-    if (!frozen) closures.refuse(event, reason);
+    handling->refuse_sighting(event, reason);
     return Outcome{drop(event.robot, std::string(word(reason))), {}};
   };
   if (!observer) return refuse(Reason::unknown_robot);
@@ -170,41 +158,16 @@ Outcome Engine::State::take(const SightingEvent& event) {
     if (now) note_teammate(seer, event, target, *odometry);
     rendezvous.take_sighting(event.robot, target);
   }
-  if (frozen) return {drop(event.robot, "frozen"), {}};
-  closures.take(event, target, worn == robots.end(), counters.last_receive_utime);
+  const std::string reason = handling->take_sighting(event, target, worn == robots.end());
+  if (!reason.empty()) return {drop(event.robot, reason), {}};
   return {};
 }
 
 Outcome Engine::State::take(const CommandEvent& event) {
   if (event.verb == Verb::send_map) return {};  // for whoever publishes it
-  if (frozen) return {drop("", "frozen"), {}};
-  const std::string reason = obey(event);
+  const std::string reason = handling->obey(event);
   if (!reason.empty()) return {drop("", reason), {}};
   return {};
-}
-
-// Returns why not, or nothing.
-std::string Engine::State::obey(const CommandEvent& order) {
-  switch (order.verb) {
-    case Verb::withdraw:
-    case Verb::forbid:
-      if (!is_closure_id(order.closure)) return "no_such_closure";
-      return closures.forbid(world(), ClosureId{static_cast<std::int32_t>(order.closure)},
-                             order.verb == Verb::withdraw);
-    case Verb::allow:
-      if (!order.robot.empty()) return take_back_drop(order.robot);
-      if (!is_closure_id(order.closure)) return "no_such_closure";
-      return closures.allow(ClosureId{static_cast<std::int32_t>(order.closure)});
-    case Verb::drop:
-      return drop_data(order.robot);
-    case Verb::refine:
-      weaving.weave_all(map, configuration.engine.propagation);
-      refine_asked = true;
-      return "";
-    case Verb::send_map:
-      return "";
-  }
-  return "";
 }
 
 void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting) {
@@ -221,55 +184,46 @@ void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_
     }
     const Scan scan = std::move(robot.pending.front().scan);
     robot.pending.pop_front();
-    const bool refused = !frozen && may_not_begin(robot, configuration.engine);
-    if (odometry && frozen) {
-      localise_scan(robot, scan, *odometry, outcome);
-    } else if (odometry && !refused) {
-      map_scan(robot, scan, *odometry, outcome);
+    const std::string refused = handling->refusal_of_scans(robot);
+    if (odometry && refused.empty()) {
+      handling->take_scan(robot, scan, *odometry, outcome);
     } else {
-      drop(robot.declaration.robot, refused ? "too_many_patches" : "no_odometry");
+      drop(robot.declaration.robot, refused.empty() ? "no_odometry" : refused);
     }
   }
 }
 
-void Engine::State::map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) {
+void Engine::State::answer_all(Outcome& outcome) {
+  for (auto& [name, robot] : robots) answer_pending(robot, outcome, true);
+}
+
+Observation Engine::State::observed(const Robot& robot, const Scan& scan, const Pose& odom_from_robot) const {
   const Laser& laser = robot.declaration.laser;
   const std::vector<Body> bodies =
       teammates_around(map, robots, robot, odom_from_robot, scan.utime, configuration.engine.teammates);
-  ScanOutcome done =
-      take_scan(map, robot, observe(without_bodies(scan, laser, bodies), laser, configuration.engine.patch),
-                odom_from_robot, configuration.engine);
+  return observe(without_bodies(scan, laser, bodies), laser, configuration.engine.patch);
+}
+
+void Engine::State::count_scan(const ScanOutcome& done) {
   if (done.predicted_reason.empty()) {
     ++counters.scans_matched;
   } else {
     ++counters.scans_predicted[done.predicted_reason];
   }
-  if (done.loop_closed) settling.request(done.pose.island);
-  if (done.predicted_reason.empty())
-    weaving.stands_on(robot.declaration.robot, done.pose.pose.patch, configuration.engine.propagation);
-  settle(robot, std::move(done), odom_from_robot, outcome);
-  const auto met_nobody = rendezvous.take_scan(map, robots, robot.declaration.robot, scan,
-                                               counters.last_receive_utime, configuration.engine.rendezvous);
-  if (met_nobody) hypotheses.refute(*met_nobody, Reason::met_nobody);
 }
 
-// Keeps the record of where a robot is now.
-void Engine::State::settle(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome) {
+void Engine::State::begin_session(Robot& robot, const RobotPose& pose) {
+  robot.session = static_cast<std::int32_t>(sessions.size());
+  Session session;
+  session.robot = robot.declaration.robot;
+  session.number = robot.session;
+  session.from_utime = robot.unplaced.empty() ? pose.utime : robot.unplaced.front().utime;
+  session.first_patch = pose.pose.patch;
+  sessions.push_back(session);
+}
+
+void Engine::State::keep_pose(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome) {
   const std::int64_t utime = done.pose.utime;
-  if (done.patch_refused) drop(robot.declaration.robot, "too_many_patches");
-  if (done.new_session) {
-    robot.session = static_cast<std::int32_t>(sessions.size());
-    Session session;
-    session.robot = robot.declaration.robot;
-    session.number = robot.session;
-    session.from_utime = robot.unplaced.empty() ? utime : robot.unplaced.front().utime;
-    session.first_patch = done.pose.pose.patch;
-    sessions.push_back(session);
-    if (!frozen && !robot.first_patch.valid()) {
-      robot.first_patch = session.first_patch;
-      relate_measured_starts();
-    }
-  }
   sessions[static_cast<std::size_t>(robot.session)].to_utime = utime;
   if (done.unplaced) {
     robot.unplaced.push_back({utime, odom_from_robot});
@@ -282,93 +236,12 @@ void Engine::State::settle(Robot& robot, ScanOutcome done, const Pose& odom_from
   outcome.poses.push_back(std::move(done.pose));
 }
 
-// Once both robots of a measured start are on the map, it is a relation between their first patches.
-void Engine::State::relate_measured_starts() {
-  for (const auto& [name, configured] : configuration.robots) {
-    if (!configured.start || starts_related.contains(name)) continue;
-    const MeasuredStart& start = *configured.start;
-    const auto robot = robots.find(name);
-    const auto with = robots.find(start.with);
-    if (with == robots.end() || !robot->second.first_patch.valid() || !with->second.first_patch.valid())
-      continue;
-    starts_related.insert(name);
-    Relation relation;
-    relation.a = with->second.first_patch;
-    relation.b = robot->second.first_patch;
-    relation.kind = RelationKind::relative_pose;
-    const Eigen::Vector3d weights = start.sigma.cwiseProduct(start.sigma).cwiseInverse();
-    relation.measurement = RelativePose{start.with_from_robot, weights.asDiagonal()};
-    relation.origin = {OriginKind::start, {}};
-    closures.propose_start(world(), relation, name, start.with);
-  }
-}
-
-// Scans that waited for the robot to be found again.
 void Engine::State::record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot) {
   for (const UnplacedScan& scan : robot.unplaced) {
     const Pose now_from_then = ominus(scan.odom_from_robot, odom_from_robot);
     trajectory->append({scan.utime, robot.session, pose.patch, pose.patch_from_object * now_from_then});
   }
   robot.unplaced.clear();
-}
-
-// Takes a robot's data so far out of the map; what it sends from now on begins a new island.
-std::string Engine::State::drop_data(const std::string& name) {
-  Robot* robot = declared(name);
-  if (!robot) return "unknown_robot";
-  closures.forget_robot(name);
-  hypotheses.forget_robot(map, name);
-  const std::vector<Relation> taken = take_out(map, name, robots);
-  Dropped& kept = dropped[name];
-  kept.relations.insert(kept.relations.end(), taken.begin(), taken.end());
-  kept.end = map.manifold().next_id();
-  for (std::size_t i = 0; i < robot->pending.size(); ++i) drop(name, "robot_dropped");
-  robot->place.reset();
-  robot->history = {};
-  robot->pending.clear();
-  robot->unplaced.clear();
-  robot->rejoins.clear();
-  map_changed(map.graph().islands());
-  return "";
-}
-
-std::string Engine::State::take_back_drop(const std::string& name) {
-  const auto found = dropped.find(name);
-  if (found == dropped.end()) return "not_dropped";
-  for (const Relation& relation : found->second.relations) map.relate(relation);
-  dropped.erase(found);
-  map_changed(map.graph().islands());
-  return "";
-}
-
-void Engine::State::map_changed(const std::vector<std::vector<PatchId>>& islands) {
-  settling.map_changed();
-  weaving.map_changed();
-  for (const std::vector<PatchId>& island : islands)
-    if (island.size() > 1) settling.request(island.front());
-}
-
-void Engine::State::arrange_meeting() {
-  if (!rendezvous.is_due(counters.last_receive_utime)) return;
-  rendezvous.choose(map, robots, hypotheses.undecided(), counters.last_receive_utime, configuration.engine);
-}
-
-// What an event brings on beside the scans it answers.
-void Engine::State::work_on_map() {
-  closures.advance(world());
-  hypotheses.advance(world(), closures);
-  for (const PatchId patch : closures.take_changed()) {
-    settling.map_changed();
-    weaving.map_changed();
-    settling.request(patch);
-  }
-  weaving.advance(map, configuration.engine, counters.last_receive_utime);
-  if (refine_asked && !weaving.busy()) {
-    refine_asked = false;
-    map_changed(map.graph().islands());
-  }
-  settling.advance(map, counters.last_receive_utime, configuration.engine.map_fit);
-  arrange_meeting();
 }
 
 Engine::Engine(Configuration configuration) : state_(std::make_unique<State>(std::move(configuration))) {}
@@ -384,12 +257,7 @@ Outcome Engine::handle(const Event& event) {
   counters.last_receive_utime = std::max(counters.last_receive_utime, event.receive_utime);
   Outcome outcome = std::visit([&](const auto& body) { return state.take(body); }, event.body);
   for (auto& [name, robot] : state.robots) state.answer_pending(robot, outcome, false);
-  if (state.frozen) {
-    // What is heard need not come after the journal: a log of another day may be localised.
-    state.frozen->advance(state.map, state.configuration.engine, event.receive_utime);
-  } else {
-    state.work_on_map();
-  }
+  state.handling->work(event.receive_utime);
   return outcome;
 }
 
@@ -403,12 +271,29 @@ void Engine::count_dropped(const std::string& robot, const std::string& reason) 
 
 bool Engine::has_queued_work() const {
   const State& state = *state_;
-  const bool works = state.frozen ? state.frozen->has_work()
-                                  : state.closures.has_work() || state.hypotheses.has_work() ||
-                                        state.settling.busy() || state.weaving.busy();
-  return works || std::any_of(state.robots.begin(), state.robots.end(),
-                              [](const auto& entry) { return !entry.second.pending.empty(); });
+  return state.handling->has_work() ||
+         std::any_of(state.robots.begin(), state.robots.end(),
+                     [](const auto& entry) { return !entry.second.pending.empty(); });
 }
+
+bool Engine::finish_step(Outcome& outcome) { return state_->handling->finish_step(outcome); }
+
+std::string_view Engine::finishing() const { return state_->handling->finishing(); }
+
+Outcome Engine::finish() {
+  Outcome outcome;
+  while (finish_step(outcome)) {
+  }
+  return outcome;
+}
+
+void Engine::freeze() {
+  if (is_frozen()) return;
+  finish();
+  state_->handling = std::make_unique<Localising>(*state_);
+}
+
+bool Engine::is_frozen() const { return !state_->handling->maps(); }
 
 const Configuration& Engine::configuration() const { return state_->configuration; }
 

@@ -70,6 +70,9 @@ class Engine {
 
  private:
   struct State;
+  class Handling;
+  class Mapping;
+  class Localising;
   std::unique_ptr<State> state_;
 };
 

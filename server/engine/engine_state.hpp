@@ -11,7 +11,7 @@
 
 #include "server/engine/closures/closures.hpp"
 #include "server/engine/engine.hpp"
-#include "server/engine/frozen/frozen.hpp"
+#include "server/engine/handling.hpp"
 #include "server/engine/hypotheses/hypotheses.hpp"
 #include "server/engine/localise/mapper.hpp"
 #include "server/engine/map/settling.hpp"
@@ -43,14 +43,9 @@ struct Engine::State {
     auto members() { return std::tie(relations, end); }
   };
   std::map<std::string, Dropped> dropped;  // by robot
-  std::optional<Frozen> frozen;            // the map changes no more
+  std::unique_ptr<Handling> handling;      ///< not in snapshots, which are of engines that map
 
-  /// What of finishing is next; not in snapshots, which are made of maps that go on.
-  enum class FinishStage { scans, trial, searches, finds, sightings, weaving, fit };
-  FinishStage finish_stage = FinishStage::scans;
-  std::vector<std::vector<PatchId>> islands_to_fit;
-
-  explicit State(Configuration given) { configure(std::move(given)); }
+  explicit State(Configuration given);
 
   void configure(Configuration given);
   /// The robot of that name; a new one, with what is known of none, where there is none yet.
@@ -85,24 +80,18 @@ struct Engine::State {
 
   /// A robot that says that it was restarted.
   void begin_anew(Robot& robot);
-  /// Its odometry begins anew: nothing tells any longer where it is.
-  void forget_place(Robot& robot);
-  void work_on_map();
-
+  /// Hands over a robot's scans whose odometry has come, or is waited for no longer.
   void answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting);
-  void map_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome);
-  void localise_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome);
-  void settle(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);
-  void record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot);
-  void relate_measured_starts();
-  void map_changed(const std::vector<std::vector<PatchId>>& islands);
-  void arrange_meeting();
-  std::string obey(const CommandEvent& order);
-  std::string drop_data(const std::string& name);
-  std::string take_back_drop(const std::string& name);
+  void answer_all(Outcome& outcome);
 
-  /// The next piece of what remains to be done at the end; false: that was the last.
-  bool finish_step(Outcome& outcome);
+  /// What a scan shows beside other robots.
+  Observation observed(const Robot& robot, const Scan& scan, const Pose& odom_from_robot) const;
+  void count_scan(const ScanOutcome& done);
+  void begin_session(Robot& robot, const RobotPose& pose);
+  /// Keeps where the robot is after a scan, and answers it.
+  void keep_pose(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);
+  /// Rows of the trajectory for scans that waited for the robot to be found again.
+  void record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot);
 
   /// For snapshots, which are not made of frozen maps: all but the configuration and the trajectory.
   template <class Archive>

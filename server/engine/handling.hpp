@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "server/engine/engine.hpp"
+#include "server/engine/map/reason.hpp"
+#include "server/engine/robot/robot.hpp"
+
+namespace isthmus {
+
+/// What the engine makes of what declared robots and operators send: a map (Mapping), or only where on a
+/// finished map the robots are (Localising). What is the same for both, from who is known to which stamps are
+/// taken, is Engine::State's.
+class Engine::Handling {
+ public:
+  virtual ~Handling() = default;
+
+  /// Odometry of a robot without a laser. Returns why it is dropped, or nothing; answers are added.
+  virtual std::string take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) = 0;
+  /// Why scans of the robot are dropped at present, or nothing.
+  virtual std::string refusal_of_scans(const Robot& robot) const = 0;
+  /// A scan with the odometry of its stamp.
+  virtual void take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) = 0;
+  /// A sighting of a robot or tag. Returns why it is dropped, or nothing.
+  virtual std::string take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) = 0;
+  /// A sighting of nobody known, or by nobody known.
+  virtual void refuse_sighting(const SightingEvent& event, Reason reason) = 0;
+  /// An order that may change the map. Returns why it is not obeyed, or nothing.
+  virtual std::string obey(const CommandEvent& order) = 0;
+
+  /// The robot was switched off and on.
+  virtual void restarted(Robot& robot) = 0;
+  /// Its odometry begins anew: nothing tells any longer where it is.
+  virtual void forget_place(Robot& robot) = 0;
+
+  /// What an event brings on beside the scans it answers.
+  virtual void work(std::int64_t receive_utime) = 0;
+  virtual bool has_work() const = 0;
+
+  /// See the engine's.
+  virtual bool finish_step(Outcome& outcome) = 0;
+  virtual std::string_view finishing() const = 0;
+
+  /// Whether the map may change.
+  virtual bool maps() const = 0;
+};
+
+}  // namespace isthmus

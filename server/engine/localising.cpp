@@ -1,0 +1,45 @@
+#include "server/engine/localising.hpp"
+
+#include <utility>
+
+namespace isthmus {
+
+Engine::Localising::Localising(State& state) : state_(state), frozen_(state.map, state.configuration.engine) {
+  state_.rendezvous = {};
+  for (auto& [name, robot] : state_.robots)
+    if (robot.place) robot.place->since_last_patch = {};
+}
+
+// Its way would have to become a map.
+std::string Engine::Localising::take_way(Robot&, const OdometryEvent&, Outcome&) { return "frozen"; }
+
+void Engine::Localising::take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot,
+                                   Outcome& outcome) {
+  std::optional<ScanOutcome> done =
+      frozen_.take_scan(state_.map, robot, state_.observed(robot, scan, odom_from_robot), odom_from_robot,
+                        state_.configuration.engine);
+  if (!done) {
+    ++state_.counters.scans_predicted["not_found_yet"];
+    return;
+  }
+  state_.count_scan(*done);
+  if (done->new_session) state_.begin_session(robot, done->pose);
+  state_.keep_pose(robot, std::move(*done), odom_from_robot, outcome);
+}
+
+std::string Engine::Localising::take_sighting(const SightingEvent&, const std::string&, bool) {
+  return "frozen";
+}
+
+std::string Engine::Localising::obey(const CommandEvent&) { return "frozen"; }
+
+void Engine::Localising::work(std::int64_t receive_utime) {
+  frozen_.advance(state_.map, state_.configuration.engine, receive_utime);
+}
+
+bool Engine::Localising::finish_step(Outcome& outcome) {
+  state_.answer_all(outcome);
+  return false;
+}
+
+}  // namespace isthmus

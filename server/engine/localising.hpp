@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+
+#include "server/engine/engine_state.hpp"
+#include "server/engine/frozen/frozen.hpp"
+#include "server/engine/handling.hpp"
+
+namespace isthmus {
+
+/// Localisation only: the map is finished, and whatever would change it is refused as `frozen`.
+class Engine::Localising : public Engine::Handling {
+ public:
+  /// Robots that are on the map stay where they are on it.
+  explicit Localising(State& state);
+
+  std::string take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) override;
+  std::string refusal_of_scans(const Robot&) const override { return {}; }
+  void take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) override;
+  std::string take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) override;
+  void refuse_sighting(const SightingEvent&, Reason) override {}
+  std::string obey(const CommandEvent& order) override;
+  void restarted(Robot& robot) override { frozen_.restart(robot); }
+  void forget_place(Robot& robot) override { frozen_.restart(robot); }
+  /// What is heard need not come after the journal: a log of another day may be localised.
+  void work(std::int64_t receive_utime) override;
+  bool has_work() const override { return frozen_.has_work(); }
+  bool finish_step(Outcome& outcome) override;
+  std::string_view finishing() const override { return "waiting scans"; }
+  bool maps() const override { return false; }
+
+ private:
+  State& state_;
+  Frozen frozen_;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/engine/engine_state.hpp"
+#include "server/engine/handling.hpp"
+
+namespace isthmus {
+
+/// Simultaneous localisation and mapping: scans extend the map, sightings and orders change its topology
+/// (Howard et al. 2006, IV).
+class Engine::Mapping : public Engine::Handling {
+ public:
+  explicit Mapping(State& state) : state_(state) {}
+
+  std::string take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) override;
+  std::string refusal_of_scans(const Robot& robot) const override;
+  void take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) override;
+  std::string take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) override;
+  void refuse_sighting(const SightingEvent& event, Reason reason) override;
+  std::string obey(const CommandEvent& order) override;
+  void restarted(Robot& robot) override;
+  void forget_place(Robot& robot) override;
+  void work(std::int64_t receive_utime) override;
+  bool has_work() const override;
+  bool finish_step(Outcome& outcome) override;
+  std::string_view finishing() const override;
+  bool maps() const override { return true; }
+
+ private:
+  /// What of finishing is next; not in snapshots, which are made of maps that go on.
+  enum class FinishStage { scans, trial, searches, finds, sightings, weaving, fit };
+
+  const EngineOptions& options() const { return state_.configuration.engine; }
+  void keep(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);
+  void relate_measured_starts();
+  std::string drop_data(const std::string& name);
+  std::string take_back_drop(const std::string& name);
+  void map_changed(const std::vector<std::vector<PatchId>>& islands);
+  void arrange_meeting();
+
+  State& state_;
+  FinishStage finish_stage_ = FinishStage::scans;
+  std::vector<std::vector<PatchId>> islands_to_fit_;
+};
+
+}  // namespace isthmus

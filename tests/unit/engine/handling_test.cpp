@@ -1,0 +1,115 @@
+// The two ways to handle what comes, by the engine that has the one, and then the other.
+
+#include "server/engine/handling.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/walls.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+// R1, with a laser and barcode 1, has driven 2 m through a room; R2 has barcode 2 and R3 has no laser.
+class AMappedRoom {
+ public:
+  AMappedRoom() {
+    introduce("R1", 1, laser_of());
+    introduce("R2", 2, laser_of());
+    Laser none = laser_of();
+    none.range_min_m = none.range_max_m = 0;
+    introduce("R3", 3, none);
+    for (int i = 0; i <= 20; ++i) drive_to({-2 + 0.1 * i, -1, 0});
+  }
+
+  Outcome drive_to(const Pose& pose) {
+    utime_ += 200'000;
+    engine.handle({utime_, OdometryEvent{"R1", utime_, pose}});
+    return engine.handle({utime_, ScanEvent{"R1", scan_from(furnished_room(), pose, utime_)}});
+  }
+  std::string blind_odometry() {
+    return engine.handle({utime_, OdometryEvent{"R3", utime_, Pose{}}}).drop_reason;
+  }
+  std::string see(int barcode) {
+    return engine.handle({utime_, SightingEvent{"R1", utime_, barcode, 2, 0.1, 0.5, 0.02}}).drop_reason;
+  }
+  std::string order(Verb verb) {
+    return engine.handle({utime_, CommandEvent{utime_, verb, 7, "R1"}}).drop_reason;
+  }
+
+  Engine engine;
+
+ private:
+  void introduce(const std::string& name, int barcode, const Laser& laser) {
+    RobotEvent event;
+    event.robot = name;
+    event.utime = utime_;
+    event.barcode = barcode;
+    event.laser = laser;
+    engine.handle({utime_, event});
+  }
+
+  std::int64_t utime_ = 1'000'000'000;
+};
+
+TEST(Mapping, TakesWhatChangesTheMap) {
+  AMappedRoom room;
+  const std::size_t patches = room.engine.copy().patches.size();
+  EXPECT_EQ(room.blind_odometry(), "");
+  EXPECT_EQ(room.see(2), "");
+  EXPECT_EQ(room.order(Verb::refine), "");
+  EXPECT_EQ(room.order(Verb::allow), "not_dropped");
+  for (int i = 1; i <= 15; ++i) room.drive_to({0.1 * i, -1, 0});
+  EXPECT_GT(room.engine.copy().patches.size(), patches);
+  EXPECT_EQ(room.engine.copy().sightings.size(), 1U);
+}
+
+TEST(Localising, RefusesAsFrozenWhatWouldChangeTheMap) {
+  AMappedRoom room;
+  room.engine.freeze();
+  EXPECT_TRUE(room.engine.is_frozen());
+  EXPECT_EQ(room.blind_odometry(), "frozen") << "its way would have to become a map";
+  EXPECT_EQ(room.see(2), "frozen");
+  EXPECT_EQ(room.see(77), "unknown_barcode") << "why it is of no use in any map comes first";
+  for (const Verb verb : {Verb::withdraw, Verb::forbid, Verb::allow, Verb::drop, Verb::refine})
+    EXPECT_EQ(room.order(verb), "frozen") << word(verb);
+  EXPECT_EQ(room.order(Verb::send_map), "");
+  EXPECT_TRUE(room.engine.copy().sightings.empty()) << "the log of sightings is the map's";
+}
+
+TEST(Localising, TellsWhereTheRobotIsAndLeavesTheMap) {
+  AMappedRoom room;
+  room.engine.freeze();
+  const std::string before = map_sha256(room.engine.copy());
+  Outcome outcome;
+  for (int i = 1; i <= 15; ++i) outcome = room.drive_to({0.1 * i, -1, 0});
+  ASSERT_EQ(outcome.poses.size(), 1U);
+  EXPECT_TRUE(outcome.poses[0].matched);
+  EXPECT_NEAR(outcome.poses[0].map_from_robot.x, 3.5, 0.05) << "from where it began";
+  EXPECT_EQ(map_sha256(room.engine.copy()), before);
+  EXPECT_FALSE(room.engine.has_queued_work());
+}
+
+// All of finishing is answering what waits.
+TEST(Localising, FinishesInOneStep) {
+  AMappedRoom room;
+  room.engine.freeze();
+  Outcome outcome;
+  EXPECT_EQ(room.engine.finishing(), "waiting scans");
+  EXPECT_FALSE(room.engine.finish_step(outcome));
+}
+
+TEST(Mapping, FinishesInSteps) {
+  AMappedRoom room;
+  Outcome outcome;
+  EXPECT_EQ(room.engine.finishing(), "waiting scans");
+  EXPECT_TRUE(room.engine.finish_step(outcome));
+  EXPECT_EQ(room.engine.finishing(), "the running trial");
+  while (room.engine.finish_step(outcome)) {
+  }
+  EXPECT_EQ(room.engine.finishing(), "waiting scans") << "whoever goes on may finish again";
+}
+
+}  // namespace
+}  // namespace isthmus
