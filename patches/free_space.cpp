@@ -96,7 +96,7 @@ Ring ring_of(const Fan& fan, const Run& run, const Pose& robot_from_laser, doubl
   constexpr double max_gap_beams = 512;
   const double gap = std::min(max_gap_beams, 0.5 * std::numbers::pi / fan.step_rad);
   Ring ring;
-  if (!full_turn) ring.emplace_back(robot_from_laser.x, robot_from_laser.y);
+  if (!full_turn) ring.push_back(position(robot_from_laser));
   for (const std::size_t k : simplify_chain(ends, tolerance_m, static_cast<std::size_t>(gap))) {
     ring.push_back(ends[k]);
   }

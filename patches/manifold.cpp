@@ -29,7 +29,7 @@ bool Manifold::same_pose(const ManifoldPose& a, const ManifoldPose& b, double to
 }
 
 bool Manifold::overlap(PatchId a, PatchId b) const {
-  const Pose a_from_b = ominus(pose(b), pose(a));
+  const Pose a_from_b = relative_pose(a, b);
   return isthmus::overlap(patch(a).free_space, transformed(a_from_b, patch(b).free_space));
 }
 
@@ -44,7 +44,7 @@ std::optional<ManifoldPose> Manifold::project_back(const Pose& map_from_object,
         std::hypot(map_from_object.x - map_from_patch.x, map_from_object.y - map_from_patch.y);
     if (best_contains && best_distance <= distance) continue;
     const Pose r = ominus(map_from_object, map_from_patch);
-    const bool contains = distance <= footprint_m || patch(id).star.contains({r.x, r.y});
+    const bool contains = distance <= footprint_m || patch(id).star.contains(position(r));
     if (best && (best_contains > contains || (best_contains == contains && best_distance <= distance)))
       continue;
     best = id;

@@ -28,6 +28,8 @@ class Manifold {
   const Patch& patch(PatchId id) const { return *patches_[index(id)]; }
   const PatchPtr& shared_patch(PatchId id) const { return patches_[index(id)]; }
   const Pose& pose(PatchId id) const { return poses_[index(id)]; }
+  /// a_from_b of the projected poses: b's pose seen from a, π_b ⊖ π_a. Both patches must be on one island.
+  Pose relative_pose(PatchId a, PatchId b) const { return ominus(pose(b), pose(a)); }
   void set_pose(PatchId id, const Pose& map_from_patch) { poses_[index(id)] = map_from_patch; }
 
   std::span<const PatchPtr> patches() const { return patches_; }

@@ -274,7 +274,7 @@ bool contains(const Polysolid& solid, const Vector2d& point) {
 
 Polysolid transformed(const Pose& a_from_b, const Polysolid& solid_b) {
   if (!is_finite(a_from_b)) return {};
-  const Vector2d translation(a_from_b.x, a_from_b.y);
+  const Vector2d translation = position(a_from_b);
   Eigen::Matrix2d rotation;
   rotation << std::cos(a_from_b.yaw), -std::sin(a_from_b.yaw), std::sin(a_from_b.yaw), std::cos(a_from_b.yaw);
   std::vector<PolygonWithHoles> polygons = solid_b.polygons();

@@ -19,11 +19,11 @@ Eigen::Vector2d rotate(double yaw_rad, const Eigen::Vector2d& vector) {
 }
 
 Eigen::Vector2d operator*(const Pose& a_from_b, const Eigen::Vector2d& point_b) {
-  return rotate(a_from_b.yaw, point_b) + Eigen::Vector2d(a_from_b.x, a_from_b.y);
+  return rotate(a_from_b.yaw, point_b) + position(a_from_b);
 }
 
 Pose operator*(const Pose& a_from_b, const Pose& b_from_c) {
-  const Eigen::Vector2d t = a_from_b * Eigen::Vector2d(b_from_c.x, b_from_c.y);
+  const Eigen::Vector2d t = a_from_b * position(b_from_c);
   return {t.x(), t.y(), wrap_angle(a_from_b.yaw + b_from_c.yaw)};
 }
 
@@ -35,6 +35,19 @@ Pose inverse(const Pose& a_from_b) {
 Pose ominus(const Pose& q, const Pose& pi) {
   const Eigen::Vector2d t = rotate(-pi.yaw, {q.x - pi.x, q.y - pi.y});
   return {t.x(), t.y(), wrap_angle(q.yaw - pi.yaw)};
+}
+
+Eigen::Vector2d position(const Pose& a_from_b) { return {a_from_b.x, a_from_b.y}; }
+
+Eigen::Vector3d wrapped_difference(const Pose& a, const Pose& b) {
+  return {a.x - b.x, a.y - b.y, wrap_angle(a.yaw - b.yaw)};
+}
+
+Eigen::Matrix<double, 2, 3> point_jacobian(const Pose& a_from_b, const Eigen::Vector2d& point_b) {
+  const Eigen::Vector2d arm = rotate(a_from_b.yaw, point_b);
+  Eigen::Matrix<double, 2, 3> jacobian;
+  jacobian << 1, 0, -arm.y(), 0, 1, arm.x();
+  return jacobian;
 }
 
 ComposeJacobians compose_jacobians(const Pose& a_from_b, const Pose& b_from_c) {

@@ -35,6 +35,15 @@ Pose ominus(const Pose& q, const Pose& pi);
 /// A direction (no translation) of b, in a.
 Eigen::Vector2d rotate(double yaw_rad, const Eigen::Vector2d& vector);
 
+/// Where the origin of b is, in a.
+Eigen::Vector2d position(const Pose& a_from_b);
+
+/// a - b by the components (x, y, yaw), in the frame of both; the yaw is wrapped.
+Eigen::Vector3d wrapped_difference(const Pose& a, const Pose& b);
+
+/// d(a_from_b * point_b) by the components (x, y, yaw) of a_from_b.
+Eigen::Matrix<double, 2, 3> point_jacobian(const Pose& a_from_b, const Eigen::Vector2d& point_b);
+
 /// d(a_from_b * b_from_c) by the components (x, y, yaw) of each factor.
 struct ComposeJacobians {
   Eigen::Matrix3d by_left;

@@ -60,7 +60,6 @@ void RelationGraph::add_patch(PatchId id) {
     throw std::invalid_argument("patch " + text(id) + " added to a graph of " + std::to_string(of_.size()));
   of_.emplace_back();
   island_parent_.push_back(id);
-  ++version_;
 }
 
 void RelationGraph::check_ends(const Relation& relation) const {
@@ -102,7 +101,6 @@ RelationId RelationGraph::add(Relation relation) {
   of_[index(relation.b)].push_back(relation.id);
   DisjointSets(island_parent_).join(relation.a, relation.b);
   ++relation_count_;
-  ++version_;
   const RelationId id = relation.id;
   stored_.push_back(std::make_shared<const Relation>(std::move(relation)));
   return id;
@@ -117,7 +115,6 @@ bool RelationGraph::take_away(RelationId id) {
   for (const PatchId end : {a, b}) std::erase(of_[index(end)], id);
   stored_[index(id)].reset();
   --relation_count_;
-  ++version_;
   return !hops(a, b, 2);
 }
 

@@ -97,13 +97,10 @@ class RelationGraph {
   /// Number of relations on the shortest way; nothing beyond `limit` or on another island.
   std::optional<int> hops(PatchId a, PatchId b, int limit) const;
 
-  /// Rises with every change.
-  std::int64_t version() const { return version_; }
-
   /// Whether it is one that the functions above could have made: of what comes from elsewhere.
   bool is_sound() const;
 
-  auto members() { return std::tie(stored_, relation_count_, of_, version_, island_parent_); }
+  auto members() { return std::tie(stored_, relation_count_, of_, island_parent_); }
 
  private:
   const Relation& stored(RelationId id) const { return *stored_[static_cast<std::size_t>(id.value)]; }
@@ -114,7 +111,6 @@ class RelationGraph {
   Stored stored_;
   std::size_t relation_count_ = 0;
   std::vector<std::vector<RelationId>> of_;
-  std::int64_t version_ = 0;
   // Disjoint sets, joined by lowest id as relations are added and found anew where a removal may part them.
   std::vector<PatchId> island_parent_;
 };

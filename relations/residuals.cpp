@@ -20,21 +20,11 @@ LinearResidual linearise(const Correspondences& measured, const Pose& a_from_b) 
 /// wrapped. Noise: Gaussian in those three with information SᵀS.
 LinearResidual linearise(const RelativePose& measured, const Pose& a_from_b) {
   const Eigen::Matrix3d s = square_root_information(measured.information);
-  const Eigen::Vector3d difference(a_from_b.x - measured.a_from_b.x, a_from_b.y - measured.a_from_b.y,
-                                   wrap_angle(a_from_b.yaw - measured.a_from_b.yaw));
   LinearResidual residual;
   residual.rows = 3;
-  residual.e.head<3>() = s * difference;
+  residual.e.head<3>() = s * wrapped_difference(a_from_b, measured.a_from_b);
   residual.by_a_from_b.topRows<3>() = s;
   return residual;
-}
-
-/// d(a_from_b * point_b) / d(x, y, yaw).
-Eigen::Matrix<double, 2, 3> point_jacobian(const Pose& a_from_b, const Eigen::Vector2d& point_b) {
-  const Eigen::Vector2d arm = rotate(a_from_b.yaw, point_b);
-  Eigen::Matrix<double, 2, 3> jacobian;
-  jacobian << 1, 0, -arm.y(), 0, 1, arm.x();
-  return jacobian;
 }
 
 /// e = (|T p − q| − r) / σ (1): the distance of b's point p from a's point q, both in a's frame, less the
@@ -57,8 +47,7 @@ LinearResidual linearise(const Range& measured, const Pose& a_from_b) {
 /// Gaussian in angle, σ in radians.
 LinearResidual linearise(const Bearing& measured, const Pose& a_from_b) {
   const double observer_yaw = measured.a_from_observer.yaw;
-  const Eigen::Vector2d from_observer =
-      a_from_b * measured.point_b - Eigen::Vector2d(measured.a_from_observer.x, measured.a_from_observer.y);
+  const Eigen::Vector2d from_observer = a_from_b * measured.point_b - position(measured.a_from_observer);
   const Eigen::Vector2d seen = rotate(-observer_yaw, from_observer);
   const double squared = std::max(seen.squaredNorm(), least_distance_m * least_distance_m);
   const Eigen::RowVector2d by_point_a = Eigen::RowVector2d(-from_observer.y(), from_observer.x()) / squared;

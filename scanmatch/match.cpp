@@ -249,8 +249,7 @@ Match match_scan(const LocalMap& local_map, std::span<const ScanPoint> points, c
     if (sums.paired < options.min_pairs) return match;
     Eigen::Matrix3d trust = Eigen::Matrix3d::Identity();
     trust.topLeftCorner<2, 2>() = direction_trust(directions_of(sums), options.thin_direction);
-    Eigen::Vector3d innovation = to_vector(pose) - to_vector(prediction.local_from_robot);
-    innovation.z() = wrap_angle(innovation.z());
+    const Eigen::Vector3d innovation = wrapped_difference(pose, prediction.local_from_robot);
     Eigen::Matrix3d h = information_of_unit * (trust * sums.h * trust) + prediction.information;
     const Eigen::Vector3d g = information_of_unit * (trust * sums.g) + prediction.information * innovation;
     h.diagonal().array() += options.damping;

@@ -52,7 +52,7 @@ struct Bounds {
 Bounds bounds_of(std::span<const Placed> placed) {
   Bounds bounds;
   for (const auto& [patch, map_from_patch] : placed) {
-    bounds.include({map_from_patch.x, map_from_patch.y});
+    bounds.include(position(map_from_patch));
     for (const PolygonWithHoles& polygon : patch.free_space.polygons()) {
       for (const Eigen::Vector2d& corner : polygon.outer) bounds.include(map_from_patch * corner);
     }

@@ -24,7 +24,7 @@ bool one_surface(const ScanPoint& a, const ScanPoint& b) {
 
 bool within_free_space_range(const Patch& patch, const ScanPoint& point) {
   const Pose& laser = patch.laser.robot_from_laser;
-  const double range_m = (point.position - Eigen::Vector2d(laser.x, laser.y)).norm();
+  const double range_m = (point.position - position(laser)).norm();
   // Where beams were cut, the star reaches just as far; where none was, to the farthest hit.
   return range_m <= patch.star.reach_m() + 1e-3;
 }

@@ -39,7 +39,7 @@ struct Guess {
   Pose first_from_second;
 
   UndecidedHypothesis hypothesis(const MapCopy& map) const {
-    return {guess, find(map, first), find(map, second), first_from_second, 5, 10};
+    return {guess, find(map, first), find(map, second), first_from_second, 10};
   }
 };
 

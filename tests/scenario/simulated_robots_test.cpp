@@ -86,8 +86,8 @@ CorridorPair corridor_pair(const SimulatedMap& corridor, double from_x_m, double
   const auto covariances = exact_relative_covariances(map.graph, map.poses, a, std::vector<PatchId>{b});
   if (covariances.size() != 1) throw std::runtime_error("no covariance between two patches of the corridor");
 
-  Eigen::Vector3d error = to_vector(ominus(map.poses[ib], map.poses[ia])) - to_vector(ominus(true_b, true_a));
-  error[2] = wrap_angle(error[2]);
+  const Eigen::Vector3d error =
+      wrapped_difference(ominus(map.poses[ib], map.poses[ia]), ominus(true_b, true_a));
   const Eigen::Rotation2Dd world_from_a(true_a.yaw);
   const Eigen::Matrix2d position =
       world_from_a * covariances[0].topLeftCorner<2, 2>() * world_from_a.inverse();

@@ -27,9 +27,7 @@ inline std::vector<PatchId> add_way(Map& map, const std::vector<Walls>& walls_se
   for (std::size_t i = 0; i < world_from_patches.size(); ++i) {
     const PatchId id = map.manifold().next_id();
     map.add(patch_from(walls_seen[i], id, world_from_patches[i]), map_from_world * world_from_patches[i]);
-    if (!way.empty())
-      map.relate(odometry_relation(way.back(), id,
-                                   ominus(map.manifold().pose(id), map.manifold().pose(way.back()))));
+    if (!way.empty()) map.relate(odometry_relation(way.back(), id, map.relative_pose(way.back(), id)));
     way.push_back(id);
   }
   return way;

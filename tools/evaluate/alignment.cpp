@@ -67,16 +67,16 @@ Pose align(std::span<const PosePair> pairs) {
   Eigen::Vector2d truth_mean = Eigen::Vector2d::Zero();
   Eigen::Vector2d map_mean = Eigen::Vector2d::Zero();
   for (const PosePair& pair : pairs) {
-    truth_mean += Eigen::Vector2d(pair.truth_from_robot.x, pair.truth_from_robot.y);
-    map_mean += Eigen::Vector2d(pair.map_from_robot.x, pair.map_from_robot.y);
+    truth_mean += position(pair.truth_from_robot);
+    map_mean += position(pair.map_from_robot);
   }
   truth_mean /= static_cast<double>(pairs.size());
   map_mean /= static_cast<double>(pairs.size());
   double dot = 0;
   double cross = 0;
   for (const PosePair& pair : pairs) {
-    const Eigen::Vector2d t = Eigen::Vector2d(pair.truth_from_robot.x, pair.truth_from_robot.y) - truth_mean;
-    const Eigen::Vector2d m = Eigen::Vector2d(pair.map_from_robot.x, pair.map_from_robot.y) - map_mean;
+    const Eigen::Vector2d t = position(pair.truth_from_robot) - truth_mean;
+    const Eigen::Vector2d m = position(pair.map_from_robot) - map_mean;
     dot += m.dot(t);
     cross += m.x() * t.y() - m.y() * t.x();
   }

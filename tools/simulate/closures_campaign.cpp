@@ -50,9 +50,7 @@ Off off(const Relation& relation, const Pose& true_a_from_b) {
   const Eigen::Matrix3d pull = information(relation.measurement, said);
   Eigen::Matrix3d hold = Eigen::Matrix3d::Zero();
   hold.diagonal() << 1 / (0.5 * 0.5), 1 / (0.5 * 0.5), 1 / (0.17 * 0.17);
-  Eigen::Vector3d difference = to_vector(said) - to_vector(true_a_from_b);
-  difference.z() = wrap_angle(difference.z());
-  const Eigen::Vector3d pulled = (pull + hold).ldlt().solve(pull * difference);
+  const Eigen::Vector3d pulled = (pull + hold).ldlt().solve(pull * wrapped_difference(said, true_a_from_b));
   return {pulled.head<2>().norm(), std::abs(pulled.z())};
 }
 

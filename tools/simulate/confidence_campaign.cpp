@@ -59,8 +59,7 @@ MapConfidence judge_confidence(const MapCopy& map, const std::vector<RobotTruth>
       const auto b = static_cast<std::size_t>(others[k].value);
       const Pose estimate = ominus(map.poses[b], map.poses[i]);
       const Pose actual = ominus(true_patch[b]->world_from_patch, true_patch[i]->world_from_patch);
-      Eigen::Vector3d error = to_vector(estimate) - to_vector(actual);
-      error[2] = wrap_angle(error[2]);
+      const Eigen::Vector3d error = wrapped_difference(estimate, actual);
       confidence.island.add(error, covariances[k]);
       const bool near = std::hypot(estimate.x, estimate.y) <= options.surroundings.reach_m;
       if (near && well_determined(covariances[k], options.local_map))

@@ -18,8 +18,6 @@ constexpr double turn_on_spot_rad = 0.7;  // off course by more than that, the r
 constexpr double turn_gain_per_s = 2.5;
 constexpr double turn_acceleration_rps2 = 3;
 
-Vector2d position(const Pose& pose) { return {pose.x, pose.y}; }
-
 // One straight way of a polyline.
 struct Way {
   Vector2d from, direction;

@@ -18,7 +18,7 @@ bool on_one_island(const Map& map, const Joining& joining) {
 }
 
 Pose mapped(const Map& map, const Joining& joining) {
-  return ominus(map.manifold().pose(joining.second), map.manifold().pose(joining.first));
+  return map.relative_pose(joining.first, joining.second);
 }
 
 std::optional<Eigen::Matrix3d> covariance(const Map& map, const Joining& joining) {
@@ -41,9 +41,7 @@ std::optional<Distance> distance(const Map& map, const Joining& joining, const E
   const double alike_rad = options.closures.alike_rad;
   sum.diagonal() += Eigen::Vector3d(alike_m * alike_m, alike_m * alike_m, alike_rad * alike_rad) /
                     options.trial.max_jump.value();
-  const Pose has = mapped(map, joining);
-  const Eigen::Vector3d off(has.x - joining.first_from_second.x, has.y - joining.first_from_second.y,
-                            wrap_angle(has.yaw - joining.first_from_second.yaw));
+  const Eigen::Vector3d off = wrapped_difference(mapped(map, joining), joining.first_from_second);
   const Eigen::Index size = joining.point ? 2 : 3;
   const Eigen::MatrixXd block = sum.topLeftCorner(size, size);
   const double squared = off.head(size).dot(block.inverse() * off.head(size));

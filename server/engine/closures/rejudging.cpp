@@ -86,7 +86,7 @@ std::optional<bool> Rejudging::agrees(const Relation& relation) {
   if (is_match(relation) && !well_determined(covariance->second, {options_.surroundings.rejoin_position_m,
                                                                   options_.surroundings.rejoin_yaw_rad}))
     return std::nullopt;
-  const Pose a_from_b = ominus(rest_.manifold().pose(relation.b), rest_.manifold().pose(relation.a));
+  const Pose a_from_b = rest_.relative_pose(relation.a, relation.b);
   return chi_squared(relation.measurement, a_from_b, covariance->second) <
          options_.rejoin.max_surprise.value();
 }

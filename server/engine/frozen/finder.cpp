@@ -61,7 +61,7 @@ void Finder::note_patch(const FinderOptions& options) {
   const PatchId patch = robot_.place->last_patch;
   const Manifold& manifold = sketch_.manifold();
   if (!newest_first_.empty()) {
-    const Pose moved = ominus(manifold.pose(patch), manifold.pose(newest_first_.front()));
+    const Pose moved = manifold.relative_pose(newest_first_.front(), patch);
     for (double& from_newest : from_newest_m_) from_newest += std::hypot(moved.x, moved.y);
   }
   newest_first_.push_front(patch);

@@ -67,7 +67,7 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
   if (!way.newest_first.empty()) {
     const PatchId before = way.newest_first.front();
     if (world.map.graph().island(before) == world.map.graph().island(patch)) {
-      const Pose moved = ominus(manifold.pose(patch), manifold.pose(before));
+      const Pose moved = manifold.relative_pose(before, patch);
       step_m = std::hypot(moved.x, moved.y);
     } else {
       way = {};

@@ -12,7 +12,7 @@ namespace {
 // Whether the map, as it is now, has the patches about where the find has them.
 bool agrees_with_map(const Map& map, const Find& find, const HypothesisOptions& options) {
   if (map.graph().island(find.query) != map.graph().island(find.anchor)) return false;
-  const Pose mapped = ominus(map.manifold().pose(find.query), map.manifold().pose(find.anchor));
+  const Pose mapped = map.relative_pose(find.anchor, find.query);
   const Pose off = ominus(find.anchor_from_query, mapped);
   return std::hypot(off.x, off.y) < options.mapped_m && std::abs(off.yaw) < options.mapped_rad;
 }
@@ -20,11 +20,10 @@ bool agrees_with_map(const Map& map, const Find& find, const HypothesisOptions& 
 /// Between the first of the finds and the one farthest from it. One found from the other side has its ends
 /// exchanged.
 double way_between_m(const Map& map, const Find& first_find, const std::vector<const Find*>& finds) {
-  const Pose& first = map.manifold().pose(first_find.query);
   double way_m = 0;
   for (const Find* find : finds) {
-    const Pose moved = ominus(map.manifold().pose(find->query), first);
-    const Pose anchor_moved = ominus(map.manifold().pose(find->anchor), first);
+    const Pose moved = map.relative_pose(first_find.query, find->query);
+    const Pose anchor_moved = map.relative_pose(first_find.query, find->anchor);
     way_m =
         std::max(way_m, std::min(std::hypot(moved.x, moved.y), std::hypot(anchor_moved.x, anchor_moved.y)));
   }
@@ -120,7 +119,7 @@ bool Hypotheses::propose(World world, Closures& closures, const std::vector<std:
   id = closures.propose_from_scans(world, proposal);
   for (const std::size_t i : set) pool_[i].hypothesis = id;
   Hypothesis& hypothesis = hypotheses_[id];
-  hypothesis.says = {id, proposal.first, proposal.second, proposal.first_from_second, proposal.finds, 0};
+  hypothesis.says = {id, proposal.first, proposal.second, proposal.first_from_second, 0};
   hypothesis.undecided = false;
   hypothesis.tried = proposal.finds;
   ++counts_.proposed;
@@ -130,8 +129,7 @@ bool Hypotheses::propose(World world, Closures& closures, const std::vector<std:
 // Finds from about the same stretch of way that say otherwise.
 std::size_t Hypotheses::rivals(const Map& map, const std::vector<std::size_t>& set, double rival_m) const {
   const auto near = [&](std::size_t rival, std::size_t member) {
-    const Pose apart =
-        ominus(map.manifold().pose(pool_[rival].find.query), map.manifold().pose(pool_[member].find.query));
+    const Pose apart = map.relative_pose(pool_[member].find.query, pool_[rival].find.query);
     return std::hypot(apart.x, apart.y) < rival_m;
   };
   const std::vector<std::size_t> rivals = agreements_.rivals_of(set);

@@ -13,11 +13,10 @@ struct UndecidedHypothesis {
   PatchId first;  ///< of the older chart
   PatchId second;
   Pose first_from_second;
-  int support = 0;  ///< pairwise-consistent finds
   /// What deciding it would be worth: patches that would come to be joined, times its likelihood.
   double value = 0;
 
-  auto members() { return std::tie(id, first, second, first_from_second, support, value); }
+  auto members() { return std::tie(id, first, second, first_from_second, value); }
 };
 
 }  // namespace isthmus

@@ -24,7 +24,7 @@ void project_on_manifold(const Map& map, Robot& robot, const Placement& placemen
 
   Localisation& place = *robot.place;
   place.pose = best;
-  const Pose present_from_best = ominus(map.manifold().pose(best.patch), map.manifold().pose(present));
+  const Pose present_from_best = map.relative_pose(present, best.patch);
   const Eigen::Matrix3d turn = ominus_jacobians(local_from_robot, present_from_best).by_q;
   place.covariance = turn * placement.covariance * turn.transpose();
   place.spread = turn * placement.spread * turn.transpose();

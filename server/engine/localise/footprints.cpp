@@ -24,8 +24,6 @@ Ring capsule(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double radi
   return ring;
 }
 
-Eigen::Vector2d position(const Pose& pose) { return {pose.x, pose.y}; }
-
 ScanOutcome answered(const Map& map, const Robot& robot, bool new_session) {
   ScanOutcome outcome;
   const Localisation& place = *robot.place;

@@ -19,8 +19,7 @@ Eigen::Matrix3d spread_after(const Eigen::Matrix3d& before, const ComposeJacobia
 // A match that ends far from where the robot was expected is doubted: squared distance in sigmas, where
 // sigma is never smaller than what matching itself errs by.
 double surprise(const Pose& pose, const Expectation& expectation, const LocaliseOptions& options) {
-  Eigen::Vector3d innovation = to_vector(pose) - to_vector(expectation.local_from_robot);
-  innovation.z() = wrap_angle(innovation.z());
+  const Eigen::Vector3d innovation = wrapped_difference(pose, expectation.local_from_robot);
   Eigen::Matrix3d covariance = expectation.spread;
   covariance.diagonal() +=
       Eigen::Vector3d(options.match_variance_m2, options.match_variance_m2, options.match_variance_rad2);

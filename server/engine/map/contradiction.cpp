@@ -42,7 +42,7 @@ void MeanContradiction::add(const Patch& a, const Patch& b, const Pose& a_from_b
 }
 
 void MeanContradiction::add(const Manifold& manifold, PatchId a, PatchId b) {
-  add(manifold.patch(a), manifold.patch(b), ominus(manifold.pose(b), manifold.pose(a)));
+  add(manifold.patch(a), manifold.patch(b), manifold.relative_pose(a, b));
 }
 
 }  // namespace isthmus

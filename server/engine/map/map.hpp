@@ -17,6 +17,9 @@ class Map {
   const Manifold& manifold() const { return manifold_; }
   const RelationGraph& graph() const { return graph_; }
 
+  /// a_from_b of two patches of one island, as they are mapped now.
+  Pose relative_pose(PatchId a, PatchId b) const { return manifold_.relative_pose(a, b); }
+
   void add(PatchPtr patch, const Pose& map_from_patch);
   RelationId relate(const Relation& relation);
   /// Takes relations away. Islands part where nothing else joins them; poses stay.

@@ -135,8 +135,7 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
   Match match = match_scan(local, query.points, {search.local_from_robot, its.prediction_share * information},
                            options.match);
   if (!fits(match, query, its) || (!found.certain && match.quality.degenerate)) return found;
-  Eigen::Vector3d innovation = to_vector(match.local_from_robot) - to_vector(anchor_from_robot);
-  innovation.z() = wrap_angle(innovation.z());
+  const Eigen::Vector3d innovation = wrapped_difference(match.local_from_robot, anchor_from_robot);
   if (innovation.dot(information * innovation) > its.max_surprise.value()) return found;
 
   const double spread_m = spread_of_match(local, query.points, match, std::min(widest_m, its.looked_along_m),
@@ -146,7 +145,7 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
   const Pose map_from_anchor = map.manifold().pose(anchor->patch);
   const Pose before = map_from_anchor * anchor_from_robot;
   found.map_from_map = map_from_anchor * match.local_from_robot * inverse(before);
-  found.position = {before.x, before.y};
+  found.position = position(before);
   found.relations = match_relations(local, query.points, match, query.patch, query.origin, options.relations);
   return found;
 }

@@ -79,8 +79,8 @@ Agreement agreement(const Map& map, const Find& first, const NearbyConfidence& o
   }
   if (!anchors || !queries) return Agreement::unrelated;
   const Manifold& manifold = map.manifold();
-  const Pose first_from_second_anchor = ominus(manifold.pose(anchor), manifold.pose(first.anchor));
-  const Pose first_from_second_query = ominus(manifold.pose(query), manifold.pose(first.query));
+  const Pose first_from_second_anchor = manifold.relative_pose(first.anchor, anchor);
+  const Pose first_from_second_query = manifold.relative_pose(first.query, query);
   const Pose round =
       ominus(first_from_second_anchor * anchor_from_query, first.anchor_from_query * first_from_second_query);
   // What is turned at one end moves the other.

@@ -93,7 +93,7 @@ std::optional<PlaceCandidate> candidate_at(const Map& map, PatchId query, const 
                                            const Eigen::Matrix3d& anchor_covariance,
                                            const PlaceCandidateOptions& options) {
   // The patch seen from the anchor, rather than the anchor from the patch.
-  const Pose query_from_anchor = ominus(map.manifold().pose(anchor.anchor), map.manifold().pose(query));
+  const Pose query_from_anchor = map.relative_pose(query, anchor.anchor);
   const Eigen::Matrix3d jacobian = inverse_jacobian(query_from_anchor);
   const Eigen::Matrix3d covariance = jacobian * anchor_covariance * jacobian.transpose();
   if (options.window_sigmas * std::sqrt(covariance.diagonal().head<2>().maxCoeff()) <

@@ -185,7 +185,6 @@ std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, con
   find.anchor_from_query = best->local_from_robot;
   find.way_m = answer.way_m;
   find.sigma_m = answer.sigma_m;
-  find.score = whole.quality.score;
   find.relations = match_relations(place.local, carrier->patch->points, *best, find.query,
                                    {OriginKind::hypothesis, {}}, options.relations);
   if (find.relations.empty()) return std::nullopt;

@@ -53,12 +53,11 @@ struct Find {
   PatchId query;   ///< the robot's patch
   PatchId anchor;  ///< of the place
   Pose anchor_from_query;
-  double score = 0;
   double way_m = 0;
   double sigma_m = 0;
   std::vector<Relation> relations;  ///< of patches of the way with patches of the place
 
-  auto members() { return std::tie(query, anchor, anchor_from_query, score, way_m, sigma_m, relations); }
+  auto members() { return std::tie(query, anchor, anchor_from_query, way_m, sigma_m, relations); }
 };
 
 /// Fits the piece to the place in full, and the scan of one of its patches for the relations. Nothing where

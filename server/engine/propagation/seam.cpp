@@ -10,10 +10,7 @@
 namespace isthmus {
 namespace {
 
-Eigen::Vector2d position(const Map& map, PatchId id) {
-  const Pose& pose = map.manifold().pose(id);
-  return {pose.x, pose.y};
-}
+Eigen::Vector2d position(const Map& map, PatchId id) { return position(map.manifold().pose(id)); }
 
 bool any_near(const Map& map, std::span<const PatchId> others, const Eigen::Vector2d& at, double radius_m) {
   return std::ranges::any_of(others,

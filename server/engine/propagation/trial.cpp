@@ -30,7 +30,7 @@ Trial::Trial(const Map& map, Proposal proposal, const EngineOptions& options, st
   if (proposal_.merge) {
     map_.move_island(proposal_.younger, proposal_.older_from_younger);
   } else {
-    gate_before_ = ominus(map_.manifold().pose(first.b), map_.manifold().pose(first.a));
+    gate_before_ = map_.relative_pose(first.a, first.b);
   }
   for (const Relation& relation : proposal_.relations) map_.relate(relation);
   begin_fit(now_utime, gate_before_.has_value());
@@ -66,9 +66,8 @@ void Trial::end_fit() {
   const Relation& first = proposal_.relations.front();
   const bool strong = proposal_.supporters >= options_.trial.strong_support && !proposal_.from_scans;
   if (gate_before_ && result.covariance && !strong && !proposal_.measured) {
-    const Pose after = ominus(map_.manifold().pose(first.b), map_.manifold().pose(first.a));
-    Eigen::Vector3d jump = to_vector(after) - to_vector(*gate_before_);
-    jump.z() = wrap_angle(jump.z());
+    const Pose after = map_.relative_pose(first.a, first.b);
+    const Eigen::Vector3d jump = wrapped_difference(after, *gate_before_);
     Eigen::Matrix3d covariance = *result.covariance;
     covariance.diagonal() += proposal_.beyond_covariance;
     if (jump.dot(covariance.inverse() * jump) > options_.trial.max_jump.value()) {
@@ -176,7 +175,7 @@ double Trial::sighting_cost() const {
   double sum = 0;
   int rows = 0;
   for (const Relation& relation : proposal_.relations) {
-    const Pose a_from_b = ominus(map_.manifold().pose(relation.b), map_.manifold().pose(relation.a));
+    const Pose a_from_b = map_.relative_pose(relation.a, relation.b);
     const double squared = 2 * cost(relation.measurement, a_from_b);
     sum += std::min(squared, options_.trial.max_relation_cost);
     rows += std::holds_alternative<Correspondences>(relation.measurement) ? 2 : 1;
@@ -187,7 +186,7 @@ double Trial::sighting_cost() const {
 double Trial::find_cost() const {
   double sum = 0;
   for (const Relation& relation : proposal_.relations) {
-    const Pose a_from_b = ominus(map_.manifold().pose(relation.b), map_.manifold().pose(relation.a));
+    const Pose a_from_b = map_.relative_pose(relation.a, relation.b);
     sum += std::min(chi_squared(relation.measurement, a_from_b), options_.trial.max_relation_cost);
   }
   return sum / static_cast<double>(proposal_.relations.size());

@@ -45,8 +45,6 @@ std::vector<Placed> patches_near(const Map& map, PatchId centre, const Pose& pla
   return placed;
 }
 
-Eigen::Vector2d position(const Pose& pose) { return {pose.x, pose.y}; }
-
 // Whether a patch knows a point for free: it lies in what its laser saw, so far in front of what it met, or
 // where the robot stood.
 bool is_free(const Placed& placed, const Eigen::Vector2d& point, double margin_m) {

@@ -20,8 +20,6 @@ bool is_on_chart(const Map& map, const std::map<std::string, Robot>& robots, con
          map.graph().island(robot->second.place->pose.patch) == map.graph().island(place.pose.patch);
 }
 
-Eigen::Vector2d position(const Pose& pose) { return {pose.x, pose.y}; }
-
 // The nearest hit along the beams that would meet a disc of this radius around a point of the robot's frame;
 // nothing where no beam looks there. A beam without a return met nothing.
 std::optional<double> nearest_hit_m(const Scan& scan, const Laser& laser, const Eigen::Vector2d& point,

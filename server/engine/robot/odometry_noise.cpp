@@ -48,19 +48,18 @@ void OdometryNoise::learn(const Pose& odometry_step, const Pose& matched_step,
                        options.min_scale, options.max_scale);
   };
   update(scale_[1], wrap_angle(matched_step.yaw - odometry_step.yaw), base.rotation);
-  const Eigen::Vector2d way(odometry_step.x, odometry_step.y);
+  const Eigen::Vector2d way = position(odometry_step);
   if (way.norm() < options.rest_m) return;
   const Eigen::Vector2d along = way.normalized();
   if (along.dot(direction_trust * along) < options.well_known) return;
-  update(scale_[0], along.dot(Eigen::Vector2d(matched_step.x, matched_step.y) - way), base.translation);
+  update(scale_[0], along.dot(position(matched_step) - way), base.translation);
 }
 
 Eigen::Matrix3d OdometryNoise::path_covariance(const Pose& odometry_path,
                                                const Eigen::Matrix3d& summed_covariance,
                                                const Pose& matched_path, bool well_seen,
                                                const OdometryNoiseOptions& options) {
-  Eigen::Vector3d off = to_vector(matched_path) - to_vector(odometry_path);
-  off.z() = wrap_angle(off.z());
+  const Eigen::Vector3d off = wrapped_difference(matched_path, odometry_path);
   const double squared = off.dot(summed_covariance.inverse() * off);
   if (well_seen) {
     const double outlier = options.outlier_sigmas * options.outlier_sigmas;

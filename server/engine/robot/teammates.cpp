@@ -54,7 +54,7 @@ std::vector<Body> teammates_around(const Map& map, const std::map<std::string, R
     const Pose its = map.manifold().project(other.place->pose);
     const double age = std::min(options.max_age_s, age_s(other.place->utime, utime));
     const double sigma = std::hypot(sigma_m(other.place->covariance), sigma_m(robot.place->covariance));
-    bodies.push_back({inverse(map_from_robot) * Eigen::Vector2d(its.x, its.y),
+    bodies.push_back({inverse(map_from_robot) * position(its),
                       other.declaration.footprint_radius_m + options.margin_m + slack_m(sigma, age)});
   }
   return bodies;

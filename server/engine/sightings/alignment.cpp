@@ -21,10 +21,9 @@ Eigen::Matrix<double, 2, 3> by_charts(const ChartSighting& s, const Pose& first_
                                       double observer_from_chart_rad) {
   Eigen::Matrix<double, 2, 3> by_pose;
   if (s.observer_in_first) {
-    const Eigen::Vector2d turned = rotate(first_from_second.yaw, s.target);
-    by_pose << 1, 0, -turned.y(), 0, 1, turned.x();
+    by_pose = point_jacobian(first_from_second, s.target);
   } else {
-    const Eigen::Vector2d from_origin = s.target - Eigen::Vector2d(first_from_second.x, first_from_second.y);
+    const Eigen::Vector2d from_origin = s.target - position(first_from_second);
     const Eigen::Vector2d back = rotate(-first_from_second.yaw, from_origin);
     const Eigen::Matrix2d turn = Eigen::Rotation2Dd(-first_from_second.yaw).toRotationMatrix();
     by_pose.leftCols<2>() = -turn;

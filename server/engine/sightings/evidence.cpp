@@ -6,8 +6,6 @@
 namespace isthmus {
 namespace {
 
-Eigen::Vector2d position(const Pose& pose) { return {pose.x, pose.y}; }
-
 // A covariance of (x, y, yaw) with its position turned into the pose's own axes.
 Eigen::Matrix3d in_own_axes(const Eigen::Matrix3d& covariance, double yaw) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();

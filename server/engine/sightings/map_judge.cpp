@@ -21,11 +21,8 @@ std::optional<double> target_variance(const Map& map, const Evidence& evidence, 
   const PatchId b = evidence.target_place->pose.patch;
   const auto covariance = local_relative_covariance(map.graph(), map.manifold().poses(), a, b, most_patches);
   if (!covariance) return std::nullopt;
-  const Pose a_from_b = ominus(map.manifold().pose(b), map.manifold().pose(a));
-  const Pose& r = evidence.target_place->pose.patch_from_object;
-  const Eigen::Vector2d lever = rotate(a_from_b.yaw, {r.x, r.y});
-  Eigen::Matrix<double, 2, 3> by_pose;
-  by_pose << 1, 0, -lever.y(), 0, 1, lever.x();
+  const Eigen::Matrix<double, 2, 3> by_pose =
+      point_jacobian(map.relative_pose(a, b), position(evidence.target_place->pose.patch_from_object));
   return largest_variance(by_pose * *covariance * by_pose.transpose());
 }
 

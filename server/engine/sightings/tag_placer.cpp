@@ -14,7 +14,7 @@ namespace {
 bool is_still_placed(const Map& map, const std::vector<Relation>& left, const EvidenceOptions& options) {
   double apart_m = 0;
   for (const Relation& relation : left) {
-    const Pose apart = ominus(map.manifold().pose(relation.a), map.manifold().pose(left.front().a));
+    const Pose apart = map.relative_pose(left.front().a, relation.a);
     apart_m = std::max(apart_m, std::hypot(apart.x, apart.y));
   }
   return enough_for_a_point(left.size(), apart_m, options);

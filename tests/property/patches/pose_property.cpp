@@ -91,6 +91,28 @@ TEST(PoseProperty, WrappedAngleIsInRangeAndTheSameDirection) {
   }));
 }
 
+TEST(PoseProperty, WrappedDifferenceIsTheStepThatLeadsFromOnePoseToTheOther) {
+  EXPECT_TRUE(rc::check([] {
+    const Pose a = any_pose();
+    const Pose b = any_pose();
+    const Eigen::Vector3d step = wrapped_difference(a, b);
+    RC_ASSERT(step.z() > -std::numbers::pi && step.z() <= std::numbers::pi);
+    expect_same(to_pose(to_vector(b) + step), a);
+  }));
+}
+
+TEST(PoseProperty, PointJacobianIsTheDerivative) {
+  EXPECT_TRUE(rc::check([] {
+    const Pose pose = any_pose();
+    const Eigen::Vector2d point(between(-50, 50), between(-50, 50));
+    const auto moved = [&](const Pose& a_from_b) { return a_from_b * Pose{point.x(), point.y(), 0}; };
+    Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
+    expected.topRows<2>() = point_jacobian(pose, point);
+    expected(2, 2) = 1;  // the yaw of what is moved along
+    expect_same(expected, numeric_jacobian(moved, pose));
+  }));
+}
+
 TEST(PoseProperty, ComposeJacobiansAreTheDerivatives) {
   EXPECT_TRUE(rc::check([] {
     const Pose a = any_pose();

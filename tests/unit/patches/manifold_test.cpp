@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "tests/support/patch_scenes.hpp"
@@ -31,6 +32,12 @@ void expect_near(const Pose& a, const Pose& b) {
   EXPECT_NEAR(a.x, b.x, 1e-9);
   EXPECT_NEAR(a.y, b.y, 1e-9);
   EXPECT_NEAR(wrap_angle(a.yaw - b.yaw), 0, 1e-9);
+}
+
+TEST(Manifold, RelativePoseIsTheSecondPatchSeenFromTheFirst) {
+  Manifold manifold = three_discs();
+  manifold.set_pose(PatchId{0}, {1, 2, std::numbers::pi / 2});
+  expect_near(manifold.relative_pose(PatchId{0}, PatchId{1}), {-2, -4, 1 - std::numbers::pi / 2});
 }
 
 TEST(Patch, HoldsTheScanItsPointsAndItsFreeSpace) {

@@ -69,10 +69,6 @@ class Meeting {
   std::mt19937 random_;
 };
 
-Eigen::Vector3d difference(const Pose& a, const Pose& b) {
-  return {a.x - b.x, a.y - b.y, wrap_angle(a.yaw - b.yaw)};
-}
-
 // Over many meetings the error is as large as the covariance says: for each degree of freedom the mean of its
 // normalised square is one.
 TEST(AlignmentProperty, ItsErrorIsAsLargeAsItsCovarianceSays) {
@@ -84,7 +80,7 @@ TEST(AlignmentProperty, ItsErrorIsAsLargeAsItsCovarianceSays) {
     const auto alignment = best_alignment(meeting.sightings);
     if (!alignment) continue;
     ++found;
-    const Eigen::Vector3d error = difference(alignment->first_from_second, meeting.first_from_second);
+    const Eigen::Vector3d error = wrapped_difference(alignment->first_from_second, meeting.first_from_second);
     const double squared = error.dot(alignment->covariance.ldlt().solve(error));
     nees += squared / 3;
     within_95 += squared < 7.815 ? 1 : 0;
@@ -117,7 +113,7 @@ TEST(AlignmentProperty, DoesNotDependOnWhereEitherChartLies) {
     RC_ASSERT(here->two_way == there->two_way);
     RC_ASSERT(std::abs(here->baseline_m - there->baseline_m) < 1e-9);
     const Pose wanted = new_from_first * here->first_from_second * inverse(new_from_second);
-    RC_ASSERT(difference(there->first_from_second, wanted).norm() < 1e-5);
+    RC_ASSERT(wrapped_difference(there->first_from_second, wanted).norm() < 1e-5);
   }));
 }
 
@@ -131,7 +127,7 @@ TEST(AlignmentProperty, SeenFromTheOtherChartItIsTheInverse) {
     RC_ASSERT(here.has_value() == there.has_value());
     RC_PRE(here.has_value());
     RC_PRE(here->supporters == there->supporters);  // one at the very limit may fall to either side
-    RC_ASSERT(difference(there->first_from_second, inverse(here->first_from_second)).norm() < 1e-5);
+    RC_ASSERT(wrapped_difference(there->first_from_second, inverse(here->first_from_second)).norm() < 1e-5);
   }));
 }
 

@@ -30,7 +30,7 @@ TEST(ClosureDraft, OfAMeasuredStartPutsTheYoungerIslandWhereItIsMeasured) {
     EXPECT_EQ(draft.proposal.younger, scene.second[0]);
     EXPECT_EQ(draft.proposal.relations.at(0).origin, (Origin{OriginKind::start, id}));
     scene.map.move_island(draft.proposal.younger, draft.proposal.older_from_younger);
-    const Pose a_from_b = ominus(scene.map.manifold().pose(b), scene.map.manifold().pose(a));
+    const Pose a_from_b = scene.map.relative_pose(a, b);
     EXPECT_NEAR(a_from_b.x, 0.5, 1e-9);
     EXPECT_NEAR(a_from_b.y, -1, 1e-9);
     EXPECT_NEAR(a_from_b.yaw, 0.2, 1e-9);

@@ -86,7 +86,7 @@ TEST(Rejudging, TheMapThatIsLeftIsFitted) {
   const Map map = bent_way();
   const Rejudging judged(map, Dependencies(map.graph()), {closure}, EngineOptions{});
   const Manifold& manifold = judged.rest().manifold();
-  EXPECT_NEAR(ominus(manifold.pose(PatchId{11}), manifold.pose(PatchId{0})).x, 11, 1e-6);
+  EXPECT_NEAR(manifold.relative_pose(PatchId{0}, PatchId{11}).x, 11, 1e-6);
   EXPECT_TRUE(judged.changed().contains(PatchId{0}));
 }
 

@@ -35,7 +35,7 @@ Map two_ways() {
 }
 
 Find found(int query, int anchor, const Pose& anchor_from_query) {
-  return {PatchId{query}, PatchId{anchor}, anchor_from_query, 0.8, 0, 0, {}};
+  return {PatchId{query}, PatchId{anchor}, anchor_from_query, 0, 0, {}};
 }
 
 Agreement between(const Map& map, const Find& first, const Find& second) {

@@ -25,8 +25,7 @@ Map round_a_block(double sigma_m = 0.05, double sigma_rad = 0.016) {
     map.add(patch_from(furnished_room(), id, {}), corners[i / 10]);
     if (i == 0) continue;
     const PatchId before{i - 1};
-    map.relate(odometry_relation(before, id, ominus(map.manifold().pose(id), map.manifold().pose(before)),
-                                 information));
+    map.relate(odometry_relation(before, id, map.relative_pose(before, id), information));
   }
   return map;
 }
@@ -38,7 +37,7 @@ TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
   const std::vector<PlaceCandidate> places = places_on_own_island(map, newest);
   ASSERT_FALSE(places.empty());
   for (const PlaceCandidate& place : places) {
-    const Pose r = ominus(map.manifold().pose(newest), map.manifold().pose(place.anchor));
+    const Pose r = map.relative_pose(place.anchor, newest);
     EXPECT_EQ(place.way_m, newest.value - place.anchor.value) << "a metre a patch";
     EXPECT_GE(place.way_m, 20);
     EXPECT_LT(std::hypot(r.x, r.y), 5 + 1 + 0.06 * place.way_m);
@@ -50,7 +49,7 @@ TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
 TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
   const Map map = round_a_block();
   const PlaceCandidate place = places_on_own_island(map, newest).front();
-  const Pose truth = ominus(map.manifold().pose(newest), map.manifold().pose(place.anchor));
+  const Pose truth = map.relative_pose(place.anchor, newest);
   EXPECT_LE(std::abs(place.window.centre.x - truth.x), place.window.half_x_m);
   EXPECT_LE(std::abs(place.window.centre.y - truth.y), place.window.half_y_m);
   const double yaw_sigma = std::sqrt(39 * 0.016 * 0.016 + systematic_variance(39).z());

@@ -31,8 +31,8 @@ Map round_a_block() {
     relation.a = PatchId{i - 1};
     relation.b = id;
     relation.kind = RelationKind::odometry;
-    relation.measurement = RelativePose{ominus(map.manifold().pose(id), map.manifold().pose(relation.a)),
-                                        Eigen::Vector3d(400, 400, 4e3).asDiagonal()};
+    relation.measurement =
+        RelativePose{map.relative_pose(relation.a, id), Eigen::Vector3d(400, 400, 4e3).asDiagonal()};
     map.relate(relation);
   }
   return map;

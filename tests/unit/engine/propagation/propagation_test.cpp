@@ -45,7 +45,7 @@ struct TwoWays {
     world.insert(world.end(), second.begin(), second.end());
     before = map.graph();
     const PatchId a{1}, b{4};
-    map.relate(sighting(a, b, ominus(map.manifold().pose(b), map.manifold().pose(a))));
+    map.relate(sighting(a, b, map.relative_pose(a, b)));
   }
   Propagation begun() const { return {before, of_closure}; }
   bool stepped(Propagation& propagation) { return propagation.step(map, options); }
@@ -56,7 +56,7 @@ struct TwoWays {
   double error_m(int a, int b) const {
     const auto at = [](int id) { return static_cast<std::size_t>(id); };
     const Pose truth = ominus(world[at(b)], world[at(a)]);
-    const Pose mapped = ominus(map.manifold().pose(PatchId{b}), map.manifold().pose(PatchId{a}));
+    const Pose mapped = map.relative_pose(PatchId{a}, PatchId{b});
     return std::hypot(mapped.x - truth.x, mapped.y - truth.y);
   }
 
@@ -248,7 +248,7 @@ TEST(Propagation, OfOneRelationJoinsTwoWaysAllAlong) {
   const RelationGraph graph = map.graph();
   map.relate(sighting(PatchId{0}, PatchId{16}, {0, 0.6, 0}));
   const auto apart_m = [&] {
-    const Pose r = ominus(map.manifold().pose(PatchId{31}), map.manifold().pose(PatchId{15}));
+    const Pose r = map.relative_pose(PatchId{15}, PatchId{31});
     return std::hypot(r.x - 0, r.y - 0.6);
   };
   EXPECT_GT(apart_m(), 1.5);

@@ -44,7 +44,7 @@ struct TwoRooms {
   std::optional<MeetingPlan> plan() const { return plan_meeting(map, robots, hypothesis); }
 
   const Pose second_from_world{50, 20, 1};
-  const UndecidedHypothesis hypothesis{ClosureId{3}, PatchId{0}, PatchId{1}, {2, 0, pi}, 3, 1};
+  const UndecidedHypothesis hypothesis{ClosureId{3}, PatchId{0}, PatchId{1}, {2, 0, pi}, 1};
   Map map;
   std::map<std::string, Robot> robots;
 };

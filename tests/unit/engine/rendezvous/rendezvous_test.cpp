@@ -43,7 +43,7 @@ class RendezvousTest : public ::testing::Test {
     for (auto& [name, robot] : robots_) robot.declared = true;
     stand("R1", 0, Pose{});
     stand("R2", 2, Pose{});
-    guess_ = {guess, PatchId{0}, PatchId{2}, ominus(world_[2], world_[0]), 5, 10};
+    guess_ = {guess, PatchId{0}, PatchId{2}, ominus(world_[2], world_[0]), 10};
   }
 
   void add(const std::string& robot, const Pose& world_from_patch) {

@@ -42,8 +42,6 @@ Evidence evidence(double range_m, double range_sigma_m, double bearing_rad, doub
   return made;
 }
 
-Eigen::Vector2d position(const Pose& pose) { return {pose.x, pose.y}; }
-
 TEST(SightingRelation, RangeWithBearingPutsTheTargetWhereItWasMeasured) {
   const Map map = two_patches_and_a_tag();
   Evidence seen = evidence(3, 0.1, 0.4, 0.05);

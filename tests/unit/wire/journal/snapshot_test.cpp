@@ -183,12 +183,12 @@ TEST(Snapshots, OfVersion3AreRead) {
   const std::string path = "tests/unit/wire/snapshots/version-3/snapshot-000002.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
-  EXPECT_EQ(snapshot.map.events, 431);
-  EXPECT_EQ(map.patches.size(), 9U);
-  EXPECT_EQ(map.trajectory_rows, 185U);
-  EXPECT_EQ(map.sightings.size(), 56U);
+  EXPECT_EQ(snapshot.map.events, 720);
+  EXPECT_EQ(map.patches.size(), 17U);
+  EXPECT_EQ(map.trajectory_rows, 118U);
+  EXPECT_EQ(map.sightings.size(), 9U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "b645433deacb6f51f1887955ea2d7aa7f93d37257151033fc908245f561b3dc8");
+  EXPECT_EQ(map_sha256(map), "8b431ff7664af8d346d82e4648dcfd07a4c928019eedcf8d5363cb4db097d4e9");
 }
 
 }  // namespace
