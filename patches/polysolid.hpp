@@ -61,7 +61,7 @@ struct FreeSpaceOptions {
 /// less than a full turn includes the laser's own position. Free is what lies between two neighbouring usable
 /// beams: an ignored beam, or one that opens nothing, closes the wedges on both its sides, so that there may
 /// be several polygons, which touch at the laser. Empty for a scan without two neighbouring usable beams.
-Polysolid free_space_of(const Scan& scan, const Laser& laser, const FreeSpaceOptions& options = {});
+Polysolid free_space_of(const Scan& scan, const Laser& laser, const FreeSpaceOptions& options);
 
 bool overlap(const Polysolid& a, const Polysolid& b);
 

@@ -65,6 +65,6 @@ struct NormalOptions {
 };
 
 /// The hits of a scan as points in the robot's frame, in order of beams, with normals.
-std::vector<ScanPoint> to_points(const Scan& scan, const Laser& laser, const NormalOptions& options = {});
+std::vector<ScanPoint> to_points(const Scan& scan, const Laser& laser, const NormalOptions& options);
 
 }  // namespace isthmus

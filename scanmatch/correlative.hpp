@@ -70,11 +70,11 @@ struct CorrelativeResult {
 /// the beams' ends fall best on the local map's points. For predictions too uncertain for match_scan to start
 /// from.
 CorrelativeResult search_window(const LocalMap& local_map, std::span<const ScanPoint> points,
-                                const SearchWindow& window, const CorrelativeOptions& options = {});
+                                const SearchWindow& window, const CorrelativeOptions& options);
 
 /// The same in a map that is but points, given in `local`. Answers below `min_score` are not looked for.
 CorrelativeResult search_window(std::span<const Eigen::Vector2d> local_points,
                                 std::span<const ScanPoint> points, const SearchWindow& window,
-                                const CorrelativeOptions& options = {}, double min_score = 0);
+                                const CorrelativeOptions& options, double min_score = 0);
 
 }  // namespace isthmus

@@ -98,6 +98,6 @@ struct Match {
 /// point of each patch, and its line, and minimises the distances under a robust loss together with the
 /// prediction (eq. 13), pairing and fitting in turn (EM style) while the loss narrows.
 Match match_scan(const LocalMap& local_map, std::span<const ScanPoint> points, const Prediction& prediction,
-                 const MatchOptions& options = {});
+                 const MatchOptions& options);
 
 }  // namespace isthmus

@@ -36,6 +36,6 @@ double relation_sigma_m(const MatchQuality& quality, const MatchRelationOptions&
 /// to be given.
 std::vector<Relation> match_relations(const LocalMap& local_map, std::span<const ScanPoint> points,
                                       const Match& match, PatchId new_patch, const Origin& origin,
-                                      const MatchRelationOptions& options = {});
+                                      const MatchRelationOptions& options);
 
 }  // namespace isthmus

@@ -32,11 +32,10 @@ struct SpreadOptions {
 /// A match's own information is that of its minimum. Along a corridor the next door frame makes another
 /// minimum a step away which fits hardly worse, and a loop closed there bends the map by that step.
 double spread_of_match(const LocalMap& local_map, std::span<const ScanPoint> points, const Match& match,
-                       double half_width_m, const MatchOptions& options = {},
-                       const SpreadOptions& spread_options = {});
+                       double half_width_m, const MatchOptions& options, const SpreadOptions& spread_options);
 
 /// The same match, trusted along that direction only as far as a spread leaves it: its relations will say so.
 /// `sigma_m`: the noise of one correspondence.
-void widen(Match& match, double spread_m, double sigma_m, const MatchOptions& options = {});
+void widen(Match& match, double spread_m, double sigma_m, const MatchOptions& options);
 
 }  // namespace isthmus

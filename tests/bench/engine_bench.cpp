@@ -42,7 +42,7 @@ void coverage_by_twenty_patches(benchmark::State& state) {
     patches.push_back({patch_from(furnished_room(), PatchId{i}, view), view});
   }
   const Star star(scan_from(furnished_room(), {0, -1, 0.5}), laser_of(), 20, 0);
-  for (auto _ : state) benchmark::DoNotOptimize(uncovered_share(star, patches, {0, -1, 0.5}));
+  for (auto _ : state) benchmark::DoNotOptimize(uncovered_share(star, patches, {0, -1, 0.5}, {}));
 }
 BENCHMARK(coverage_by_twenty_patches)->Unit(benchmark::kMicrosecond);
 

@@ -32,15 +32,15 @@ std::size_t beams_of(const benchmark::State& state) { return static_cast<std::si
 
 void free_space(benchmark::State& state) {
   const Scan scan = office_scan(beams_of(state));
-  for (auto _ : state) benchmark::DoNotOptimize(free_space_of(scan, {}));
-  const Polysolid free = free_space_of(scan, {});
+  for (auto _ : state) benchmark::DoNotOptimize(free_space_of(scan, {}, {}));
+  const Polysolid free = free_space_of(scan, {}, {});
   state.counters["vertices"] = static_cast<double>(free.polygons().front().outer.size());
 }
 BENCHMARK(free_space)->Arg(181)->Arg(1081);
 
 void points_with_normals(benchmark::State& state) {
   const Scan scan = office_scan(beams_of(state));
-  for (auto _ : state) benchmark::DoNotOptimize(to_points(scan, {}));
+  for (auto _ : state) benchmark::DoNotOptimize(to_points(scan, {}, {}));
 }
 BENCHMARK(points_with_normals)->Arg(181)->Arg(1081);
 
@@ -61,8 +61,8 @@ void overlap_of_patches(benchmark::State& state) {
 BENCHMARK(overlap_of_patches)->Args({181, 3})->Args({181, 50})->Args({1081, 3})->Args({1081, 50});
 
 void union_of_two(benchmark::State& state) {
-  const Polysolid a = free_space_of(office_scan(beams_of(state)), {});
-  const Polysolid b = transformed({3, 0.3, 0.2}, free_space_of(office_scan(beams_of(state), 2), {}));
+  const Polysolid a = free_space_of(office_scan(beams_of(state)), {}, {});
+  const Polysolid b = transformed({3, 0.3, 0.2}, free_space_of(office_scan(beams_of(state), 2), {}, {}));
   for (auto _ : state) benchmark::DoNotOptimize(testing::united({a, b}));
 }
 BENCHMARK(union_of_two)->Arg(181)->Arg(1081)->Unit(benchmark::kMicrosecond);
@@ -71,7 +71,7 @@ void union_of_many(benchmark::State& state) {
   std::vector<Polysolid> parts;
   for (int i = 0; i < state.range(0); ++i) {
     const auto seed = static_cast<unsigned>(i);
-    parts.push_back(transformed({2.0 * i, 0.1 * i, 0.3 * i}, free_space_of(office_scan(181, seed), {})));
+    parts.push_back(transformed({2.0 * i, 0.1 * i, 0.3 * i}, free_space_of(office_scan(181, seed), {}, {})));
   }
   for (auto _ : state) benchmark::DoNotOptimize(testing::united(parts));
 }
@@ -94,7 +94,7 @@ void contains_by_star(benchmark::State& state) {
 BENCHMARK(contains_by_star)->Arg(181)->Arg(1081);
 
 void contains_by_polysolid(benchmark::State& state) {
-  const Polysolid free = free_space_of(office_scan(beams_of(state)), {});
+  const Polysolid free = free_space_of(office_scan(beams_of(state)), {}, {});
   const auto points = queries();
   std::size_t i = 0;
   for (auto _ : state) benchmark::DoNotOptimize(contains(free, points[i++ % points.size()]));
@@ -102,13 +102,13 @@ void contains_by_polysolid(benchmark::State& state) {
 BENCHMARK(contains_by_polysolid)->Arg(181)->Arg(1081);
 
 void point_index_build(benchmark::State& state) {
-  const auto points = to_points(office_scan(beams_of(state)), {});
+  const auto points = to_points(office_scan(beams_of(state)), {}, {});
   for (auto _ : state) benchmark::DoNotOptimize(PointIndex(points));
 }
 BENCHMARK(point_index_build)->Arg(181)->Arg(1081);
 
 void point_index_nearest(benchmark::State& state) {
-  const PointIndex index(to_points(office_scan(beams_of(state)), {}));
+  const PointIndex index(to_points(office_scan(beams_of(state)), {}, {}));
   const auto points = queries();
   std::size_t i = 0;
   for (auto _ : state) benchmark::DoNotOptimize(index.nearest(points[i++ % points.size()]));

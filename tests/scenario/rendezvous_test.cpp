@@ -130,7 +130,7 @@ Met meet(const Scenario& scenario, const std::function<Pose(const Pose&, const P
   const Guess guessed{{"R1", copy.patches[first]->utime},
                       {"R2", copy.patches[second]->utime},
                       said(truth[first]->world_from_patch, truth[second]->world_from_patch)};
-  const auto plan = plan_meeting(mapped.map(), mapped.robots(), guessed.hypothesis(copy));
+  const auto plan = plan_meeting(mapped.map(), mapped.robots(), guessed.hypothesis(copy), {});
   Met met;
   if (!plan) return met;
   met.planned = true;
@@ -152,11 +152,11 @@ Met meet(const Scenario& scenario, const std::function<Pose(const Pose&, const P
     if (rendezvous.is_due(event.receive_utime)) {
       const MapCopy now = driven.copy();
       rendezvous.choose(driven.map(), driven.robots(), std::vector{guessed.hypothesis(now)},
-                        event.receive_utime);
+                        event.receive_utime, {});
     }
     if (const auto* scan = std::get_if<ScanEvent>(&event.body)) {
-      met.refuted =
-          rendezvous.take_scan(driven.map(), driven.robots(), scan->robot, scan->scan, event.receive_utime);
+      met.refuted = rendezvous.take_scan(driven.map(), driven.robots(), scan->robot, scan->scan,
+                                         event.receive_utime, {});
     }
     if (const auto* sighting = std::get_if<SightingEvent>(&event.body))
       rendezvous.take_sighting(sighting->robot, sighting->barcode == 101 ? "R1" : "R2");

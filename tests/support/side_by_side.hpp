@@ -82,7 +82,7 @@ struct SideBySide {
     for (std::size_t i = 0; i < way.size(); ++i) {
       const std::int64_t at = utime(10.0 + static_cast<double>(i));
       robot.odometry.add(at, world_from_patches[i]);
-      robot.history.add({at, 0, {way[i], {}}, Eigen::Matrix3d::Zero(), world_from_patches[i]});
+      robot.history.add({at, 0, {way[i], {}}, Eigen::Matrix3d::Zero(), world_from_patches[i]}, {});
     }
   }
   PastPlace place(bool of_first, std::int64_t at) const {

@@ -70,7 +70,7 @@ void run(const Arguments& arguments) {
 
 /// Prints them instead of mapping a log.
 [[noreturn]] void list_tuning() {
-  std::fputs(tuning_text().c_str(), stdout);
+  std::fputs(tuning_text({}).c_str(), stdout);
   throw CLI::Success();
 }
 

@@ -63,8 +63,7 @@ class ClosureLedger {
   /// It, and those of scans that were refused as saying what it says, may come again.
   void allow(Entry& entry);
   /// The forbidden closure that a map brings about on which something has been tried out, if any.
-  std::optional<ClosureId> forbidden_by(const Map& map, const Map& tried,
-                                        const EngineOptions& options = {}) const;
+  std::optional<ClosureId> forbidden_by(const Map& map, const Map& tried, const EngineOptions& options) const;
   /// Sightings that say once more what is forbidden are kept with the closure that they speak for.
   void keep_with_forbidden(ClosureId forbidden, std::vector<Evidence> evidence);
 

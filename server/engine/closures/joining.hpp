@@ -30,7 +30,6 @@ Joining as_mapped(const Map& map, Joining joining);
 /// its ends come to lie as it says, as far as can be told. What can be told follows from how well the joining
 /// was known and from how well the trial knows its ends relative to one another: they may have drifted since,
 /// what joins them may be far from them or a third island.
-bool brings_about(const Map& map, const Map& tried, const Joining& joining,
-                  const EngineOptions& options = {});
+bool brings_about(const Map& map, const Map& tried, const Joining& joining, const EngineOptions& options);
 
 }  // namespace isthmus

@@ -48,10 +48,10 @@ struct SightingGroup {
 
 /// The groups of all sightings in a pool whose targets have places, by key.
 std::vector<SightingGroup> groups_of(const Map& map, const std::vector<Evidence>& pool,
-                                     const ClosureOptions& options = {});
+                                     const ClosureOptions& options);
 
 /// What of a pool is too much, or has waited for too long in vain.
 std::set<std::size_t> superfluous(const std::vector<Evidence>& pool, const std::vector<SightingGroup>& groups,
-                                  std::int64_t now_utime, const ClosureOptions& options = {});
+                                  std::int64_t now_utime, const ClosureOptions& options);
 
 }  // namespace isthmus

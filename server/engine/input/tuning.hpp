@@ -14,6 +14,6 @@ namespace isthmus {
 void read_tuning(const Setting& table, EngineOptions& options);
 
 /// All values as such a table, each below a line "# UNIT: MEANING".
-std::string tuning_text(EngineOptions options = {});
+std::string tuning_text(EngineOptions options);
 
 }  // namespace isthmus

@@ -11,7 +11,7 @@ bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Place
 
 /// Share of a star's free area that none of the patches covers; samples along every few beams.
 double uncovered_share(const Star& star, std::span<const LocalPatch> patches_near,
-                       const Pose& local_from_robot, const ExtendOptions& options = {});
+                       const Pose& local_from_robot, const ExtendOptions& options);
 
 /// Makes the observation of a placed scan a patch with its relations: those of its match, odometry's to the
 /// robot's previous patch, and those of local loops that close here. Refits around it, and puts the robot at
@@ -21,7 +21,7 @@ bool extend(Map& map, Robot& robot, Observation observation, const Placement& pl
 
 /// Odometry's account of the way from a robot's newest own patch to another, with what is to be believed of
 /// it.
-Relation odometry_relation(Robot& robot, PatchId next, const EngineOptions& options = {});
+Relation odometry_relation(Robot& robot, PatchId next, const EngineOptions& options);
 
 /// Puts a robot at the origin of a patch of its own (eq. 15).
 void put_robot_on(Robot& robot, PatchId patch);

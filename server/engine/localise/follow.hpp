@@ -15,7 +15,7 @@ void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot
 
 /// Moves the robot's place on to a scan (eqs. 13, 14), and learns from it how far its odometry is right.
 void follow(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,
-            const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options = {});
+            const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options);
 
 /// The robot's place, as it is told.
 RobotPose answer(const Map& map, const Robot& robot, bool matched);

@@ -16,6 +16,6 @@ std::optional<ScanOutcome> take_odometry(Map& map, Robot& robot, const Pose& odo
 /// A patch at the end of a way: free where a disc has been moved along it. `patch_from_robot` are poses of
 /// the way, the last one the origin.
 PatchPtr make_swept_patch(PatchId id, const std::string& robot, std::int64_t utime, double radius_m,
-                          const std::vector<Pose>& patch_from_robot, const FootprintOptions& options = {});
+                          const std::vector<Pose>& patch_from_robot, const FootprintOptions& options);
 
 }  // namespace isthmus

@@ -17,7 +17,7 @@ struct Expectation {
   bool plausible = true;  ///< false: no robot moves like that
 };
 Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
-                   const EngineOptions& options = {});
+                   const EngineOptions& options);
 
 /// What matching said of a scan.
 struct Placement {

@@ -37,8 +37,8 @@ class FitJob {
   };
 
   FitJob() = default;  ///< to be read from a snapshot
-  FitJob(const Map& map, IslandId island, std::int64_t now_utime,
-         std::optional<ConfidenceQuestion> question = {}, const MapFitOptions& options = {});
+  FitJob(const Map& map, IslandId island, std::int64_t now_utime, std::optional<ConfidenceQuestion> question,
+         const MapFitOptions& options);
 
   /// Tells the job that an event was handled. Returns whether its result is due.
   bool advance(std::int64_t now_utime);

@@ -52,7 +52,7 @@ class WaitingRejoins {
  public:
   /// Takes a find. Returns the relations to add to the map now: its own if it is certain, or its own and
   /// those of all that agree with it, once enough of them do over enough of the way. Empty otherwise.
-  std::vector<Relation> take(Rejoin found, const RejoinOptions& options = {});
+  std::vector<Relation> take(Rejoin found, const RejoinOptions& options);
   void clear() { waiting_.clear(); }
 
   auto members() { return std::tie(waiting_); }

@@ -16,7 +16,7 @@ class Settling {
   /// Islands have merged or parted: what a running fit will say is of a map that is no more.
   void map_changed();
 
-  void advance(Map& map, std::int64_t now_utime, const MapFitOptions& options = {});
+  void advance(Map& map, std::int64_t now_utime, const MapFitOptions& options);
   bool busy() const { return job_ != nullptr || !requested_.empty(); }
 
   auto members() { return std::tie(requested_, job_, abandoned_); }

@@ -30,8 +30,7 @@ struct NearbyConfidence {
 
 /// `of_anchor` and `of_query` are of the first find's.
 Agreement agreement(const Map& map, const Find& first, const NearbyConfidence& of_anchor,
-                    const NearbyConfidence& of_query, const Find& second,
-                    const ConsistencyOptions& options = {});
+                    const NearbyConfidence& of_query, const Find& second, const ConsistencyOptions& options);
 
 /// Pairwise agreements of a number of things, and what they come to (pairwise consistency maximisation,
 /// Mangelson et al. 2018).
@@ -47,7 +46,7 @@ class AgreementTable {
   /// The largest set that is consistent pairwise and holds a member; the first in order of the members of
   /// equal ones. The search is cut off after a fixed number of steps, with the best so far.
   std::vector<std::size_t> largest_consistent_with(std::size_t member,
-                                                   const ConsistencyOptions& options = {}) const;
+                                                   const ConsistencyOptions& options) const;
   /// Those that are inconsistent with most of a set.
   std::vector<std::size_t> rivals_of(const std::vector<std::size_t>& set) const;
 

@@ -23,16 +23,16 @@ struct PlaceCandidate {
 
 /// What maps err beyond their covariance, by the way between two patches: no sensor errs at random only, and
 /// what errs the same way all along adds up. Variances of x, y (m²) and yaw (rad²).
-Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options = {});
+Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options);
 
 /// Places of the patch's own island that are far from it over the map's relations, but whose projection could
 /// come to lie on it within the relative covariance. Those so well determined that a find could only be what
 /// the map says are left out: local loops are for rejoin.hpp. The likeliest first.
 std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
-                                                 const PlaceCandidateOptions& options = {});
+                                                 const PlaceCandidateOptions& options);
 
 /// All places of all other islands that are worth a name: nothing says where on them the patch lies.
 std::vector<PlaceCandidate> places_on_other_islands(const Map& map, PatchId query,
-                                                    const PlaceCandidateOptions& options = {});
+                                                    const PlaceCandidateOptions& options);
 
 }  // namespace isthmus

@@ -22,7 +22,7 @@ RigidPiece place_around(const Map& map, PatchId anchor, const EngineOptions& opt
 
 /// What a robot saw on the last metres of its way, as seen from the newest of its patches there.
 RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first,
-                        const PlaceSearchOptions& options = {});
+                        const PlaceSearchOptions& options);
 
 /// Where a piece of a robot's way could lie at a place.
 struct PlaceAnswer {
@@ -43,10 +43,10 @@ struct PlaceSearch {
   long evaluations = 0;
 };
 PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const SearchWindow& window,
-                         double min_score, const EngineOptions& options = {});
+                         double min_score, const EngineOptions& options);
 
 /// Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
-bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first, const EngineOptions& options = {});
+bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first, const EngineOptions& options);
 
 /// How a robot's patch lies at a place, as scans say in full.
 struct Find {

@@ -19,7 +19,7 @@ class PlacesJob {
 
   PlacesJob() = default;  ///< to be read from a snapshot
   PlacesJob(const Map& map, std::vector<PatchId> patches, std::int64_t now_utime,
-            const PlaceCandidateOptions& options = {});
+            const PlaceCandidateOptions& options);
 
   bool is_due(std::int64_t now_utime) const { return now_utime >= due_utime_; }
   /// Waits for the result where it is late.

@@ -28,19 +28,19 @@ class Propagation {
   Propagation(std::optional<RelationGraph> before, Origin origin)
       : before_(std::move(before)), origin_(origin) {}
 
-  void enqueue(PatchId patch, const PropagationOptions& options = {});
+  void enqueue(PatchId patch, const PropagationOptions& options);
   bool done() const { return queue_.empty(); }
 
   /// Takes the first patch off the queue. Returns whether new relations were added.
   bool step(Map& map, const EngineOptions& options);
   /// Puts back on the queue what was compared and did not fit, once more: poses are better now.
-  void retry(const PropagationOptions& options = {});
+  void retry(const PropagationOptions& options);
 
   /// For weaving: patches may come to the queue again.
   void forget_visits();
 
   /// Those of a patch's side of the seam, by id.
-  std::vector<PatchId> same_side(const Map& map, PatchId patch, const PropagationOptions& options = {}) const;
+  std::vector<PatchId> same_side(const Map& map, PatchId patch, const PropagationOptions& options) const;
 
   /// The graph without the change.
   const RelationGraph& before() const { return *before_; }

@@ -23,6 +23,6 @@ double width_m(const Map& map, std::span<const PatchId> patches);
 /// `second` says of a patch of the island to which of the two charts it belongs; `matched` are those of
 /// either that were found in the other.
 Seam seam(const Map& map, std::span<const PatchId> island, const std::function<bool(PatchId)>& second,
-          std::span<const PatchId> matched, const EngineOptions& options = {});
+          std::span<const PatchId> matched, const EngineOptions& options);
 
 }  // namespace isthmus

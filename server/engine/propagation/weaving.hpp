@@ -15,9 +15,9 @@ namespace isthmus {
 /// patch is made there. Works in bounded steps on credit that grows with time.
 class Weaving {
  public:
-  void stands_on(const std::string& robot, PatchId patch, const PropagationOptions& options = {});
+  void stands_on(const std::string& robot, PatchId patch, const PropagationOptions& options);
   /// Every patch of the map, wherever robots stand.
-  void weave_all(const Map& map, const PropagationOptions& options = {});
+  void weave_all(const Map& map, const PropagationOptions& options);
   /// Islands have merged or parted: what was compared in vain may fit now.
   void map_changed() { propagation_.forget_visits(); }
 

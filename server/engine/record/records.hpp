@@ -15,7 +15,7 @@ namespace isthmus {
 
 /// What the engine knows of the data of its declared robots, by name.
 std::vector<HealthRecord> health_records(const std::map<std::string, Robot>& robots, const Counters& counters,
-                                         const EngineOptions& options = {});
+                                         const EngineOptions& options);
 
 /// The barcodes declared as tags and those placed, with where they are; `placed`: their patches, by barcode.
 std::vector<TagRecord> tag_records(const Map& map, const std::set<std::int32_t>& declared,

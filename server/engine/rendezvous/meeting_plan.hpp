@@ -28,8 +28,7 @@ struct MeetingPlan {
 /// patches are on one island, where no two robots that could see one another are there now, or where no two
 /// such places are near.
 std::optional<MeetingPlan> plan_meeting(const Map& map, const std::map<std::string, Robot>& robots,
-                                        const UndecidedHypothesis& hypothesis,
-                                        const MeetingOptions& options = {});
+                                        const UndecidedHypothesis& hypothesis, const MeetingOptions& options);
 
 /// Whether at least one of two robots could read the other's barcode, as far as they have declared: those of
 /// a team that wears barcodes are taken to read them.

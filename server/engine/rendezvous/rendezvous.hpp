@@ -22,7 +22,7 @@ class Rendezvous {
   /// hypotheses only now and then; see is_due.
   void choose(const Map& map, const std::map<std::string, Robot>& robots,
               std::span<const UndecidedHypothesis> undecided, std::int64_t now_utime,
-              const EngineOptions& options = {});
+              const EngineOptions& options);
   /// Whether it is time to choose again.
   bool is_due(std::int64_t now_utime) const { return now_utime >= next_choice_utime_; }
 
@@ -30,7 +30,7 @@ class Rendezvous {
   /// this scan completes the evidence.
   std::optional<ClosureId> take_scan(const Map& map, const std::map<std::string, Robot>& robots,
                                      const std::string& robot, const Scan& scan, std::int64_t now_utime,
-                                     const RendezvousOptions& options = {});
+                                     const RendezvousOptions& options);
   /// One robot saw another, rightly or wrongly: that evidence begins anew.
   void take_sighting(const std::string& observer, const std::string& target);
 
@@ -58,6 +58,6 @@ class Rendezvous {
 /// scan shows nothing there nor in between.
 bool watches_for_the_other(const Map& map, const std::map<std::string, Robot>& robots,
                            const MeetingPlan& meeting, const std::string& robot, const Scan& scan,
-                           const RendezvousOptions& options = {});
+                           const RendezvousOptions& options);
 
 }  // namespace isthmus

@@ -26,7 +26,7 @@ struct HealthRecord {
 /// the plainest. `dropped`: its messages, by reason.
 std::vector<HealthWarning> health_warnings(const std::string& robot, const Laser& laser,
                                            const HealthFigures& figures,
-                                           const std::map<std::string, std::int64_t>& dropped = {},
-                                           const HealthWarningOptions& options = {});
+                                           const std::map<std::string, std::int64_t>& dropped,
+                                           const HealthWarningOptions& options);
 
 }  // namespace isthmus

@@ -17,14 +17,14 @@ class OdometryNoise {
   explicit OdometryNoise(const OdometryNoiseOptions& options);
 
   /// Covariance of the odometry's (x, y, yaw) over one step, in the frame at the step's beginning.
-  Eigen::Matrix3d covariance(const Pose& step, const OdometryNoiseOptions& options = {}) const;
+  Eigen::Matrix3d covariance(const Pose& step, const OdometryNoiseOptions& options) const;
 
   /// One matched step against odometry's account of it. `direction_trust` says in which directions of the
   /// step's own frame matching knows better (1) and in which it merely repeats odometry or guesses (0):
   /// translation is learned only from ways along which matching knows, and along the way only, since wheels
   /// hardly slip sideways. Disagreements beyond `outlier_sigmas` count as so many.
   void learn(const Pose& odometry_step, const Pose& matched_step, const Eigen::Matrix2d& direction_trust,
-             const OdometryNoiseOptions& options = {});
+             const OdometryNoiseOptions& options);
 
   /// Errors of successive steps have a common part (a wheel's diameter, a late stamp), so a path of many
   /// steps errs more than their sum says: a third scale, learned from patch to patch where `well_seen`.
@@ -32,7 +32,7 @@ class OdometryNoise {
   /// may be, even more.
   Eigen::Matrix3d path_covariance(const Pose& odometry_path, const Eigen::Matrix3d& summed_covariance,
                                   const Pose& matched_path, bool well_seen,
-                                  const OdometryNoiseOptions& options = {});
+                                  const OdometryNoiseOptions& options);
 
   double translation_scale() const { return scale_[0]; }
   double rotation_scale() const { return scale_[1]; }

@@ -29,14 +29,14 @@ struct PastPlace {
 /// between places 0.4 s apart goes, then the oldest: of a robot that scans fast twenty minutes are known.
 class PoseHistory {
  public:
-  void add(const PastPlace& place, const PoseHistoryOptions& options = {});
+  void add(const PastPlace& place, const PoseHistoryOptions& options);
   bool empty() const { return places_.empty(); }
   std::int64_t oldest_utime() const { return places_.front().utime; }
 
   /// The place at a stamp: the last one known before it, moved on by odometry. Nothing where the robot was
   /// not on the map then, or where odometry does not reach.
   std::optional<PastPlace> at(std::int64_t utime, const OdometryTrack& odometry, const OdometryNoise& noise,
-                              const OdometryNoiseOptions& noise_options = {}) const;
+                              const OdometryNoiseOptions& noise_options) const;
 
   /// Changes where the robot was, but not when.
   void correct(const std::function<void(PastPlace&)>& place) { std::ranges::for_each(places_, place); }

@@ -83,17 +83,17 @@ class RobotHealth {
   /// Of any message of the robot, microseconds.
   void heard_stamp(std::int64_t utime, std::int64_t receive_utime);
   void heard_odometry(const Pose& odom_from_robot);
-  void heard_scan(const Scan& scan, const Laser& laser, const MatchOptions& match = {},
-                  const HealthOptions& options = {});
+  void heard_scan(const Scan& scan, const Laser& laser, const MatchOptions& match,
+                  const HealthOptions& options);
 
   /// A matched scan: the motion since the last scan by odometry and by the match, both in the robot's frame
   /// then. `well_seen`: the beams determine both directions of the plane.
   void matched(const Pose& odometry_step, const Pose& laser_step, bool well_seen,
-               const HealthOptions& options = {});
+               const HealthOptions& options);
   /// A scan that was not matched, or one with which the robot began a new island.
   void unmatched();
 
-  HealthFigures figures(const HealthOptions& options = {}) const;
+  HealthFigures figures(const HealthOptions& options) const;
 
   auto members() {
     return std::tie(sums_, reference_, reference_odometry_, any_odometry_, last_odometry_, way_, turn_,

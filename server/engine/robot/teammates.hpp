@@ -23,7 +23,7 @@ void note_teammate(Robot& robot, const SightingEvent& sighting, const std::strin
 /// stamp is given.
 std::vector<Body> teammates_around(const Map& map, const std::map<std::string, Robot>& robots,
                                    const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
-                                   const TeammateOptions& options = {});
+                                   const TeammateOptions& options);
 
 /// The scan without the beams that end on a body.
 Scan without_bodies(const Scan& scan, const Laser& laser, const std::vector<Body>& bodies);

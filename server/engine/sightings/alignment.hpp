@@ -41,11 +41,10 @@ struct Alignment {
 /// for range, one for bearing). The sigmas are those of the measurement, of both poses, and of what clocks
 /// and odometry leave open.
 double chi_squared(const ChartSighting& sighting, const Pose& first_from_second,
-                   const AlignmentOptions& options = {});
+                   const AlignmentOptions& options);
 
 /// Whether a sighting agrees with an alignment: chi² within 99.9 %.
-bool agrees(const ChartSighting& sighting, const Pose& first_from_second,
-            const AlignmentOptions& options = {});
+bool agrees(const ChartSighting& sighting, const Pose& first_from_second, const AlignmentOptions& options);
 
 /// The relative pose that most sightings agree on (Zhou and Roumeliotis 2006, eqs. 1-12, for any number of
 /// sightings of either direction). A sighting with range and bearing ties a point of one chart to a point of
@@ -53,16 +52,16 @@ bool agrees(const ChartSighting& sighting, const Pose& first_from_second,
 /// case of two robots' positions, whose distance both have measured. The best of all such pairs is refined by
 /// all that agree with it. Nothing where no two agree.
 std::optional<Alignment> best_alignment(std::span<const ChartSighting> sightings,
-                                        const AlignmentOptions& options = {});
+                                        const AlignmentOptions& options);
 
 /// The least-squares relative pose of the sightings given, from a start.
 Alignment refine(std::span<const ChartSighting> sightings, std::vector<std::size_t> supporters,
-                 const Pose& start, const AlignmentOptions& options = {});
+                 const Pose& start, const AlignmentOptions& options);
 
 /// Whether an alignment of some of these sightings is worth a trial: its supporters are enough, and more than
 /// those that disagree at about the same time. A lone pair of either direction waits a while for a third;
 /// sightings of one direction alone must be as many and tie points that lie apart.
 bool ready(const Alignment& alignment, std::span<const ChartSighting> sightings, std::int64_t now_utime,
-           bool no_more_waiting, const AlignmentOptions& options = {});
+           bool no_more_waiting, const AlignmentOptions& options);
 
 }  // namespace isthmus

@@ -62,14 +62,12 @@ struct PointConsensus {
 bool enough_for_a_point(std::size_t sightings, double apart_m, const EvidenceOptions& options);
 /// The largest such group among the `members` of a pool.
 PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& pool,
-                                const std::vector<std::size_t>& members,
-                                const AlignmentOptions& options = {});
+                                const std::vector<std::size_t>& members, const AlignmentOptions& options);
 
 /// The sighting as a relation between two patches: range with bearing as a point of b at a point of a, its
 /// covariance taken at the measured range and then fixed; range alone and bearing alone as themselves. The
 /// covariances of both places in their patches are carried. Nothing where both ends are on one patch.
 std::optional<Relation> sighting_relation(const Map& map, const Evidence& evidence, ClosureId closure,
-                                          const AlignmentOptions& alignment = {},
-                                          const EvidenceOptions& options = {});
+                                          const AlignmentOptions& alignment, const EvidenceOptions& options);
 
 }  // namespace isthmus

@@ -28,6 +28,6 @@ PastPlace place_of_tag(PatchId patch, std::int64_t utime);
 /// that time never will be.
 Placing place_on_manifold(const std::map<std::string, Robot>& robots,
                           const std::map<std::int32_t, PatchId>& tags, bool waited, Evidence& evidence,
-                          const OdometryNoiseOptions& noise = {});
+                          const OdometryNoiseOptions& noise);
 
 }  // namespace isthmus

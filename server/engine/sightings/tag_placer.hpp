@@ -15,7 +15,7 @@ class TagPlacer {
   void place(World world, MutualObservations& observations);
   /// Tags that too little is left of are nowhere again. `gone`: relations that are no longer in the map;
   /// takes what was left of these tags, which is taken out too.
-  void displace(Map& map, std::vector<Relation>& gone, const EvidenceOptions& options = {});
+  void displace(Map& map, std::vector<Relation>& gone, const EvidenceOptions& options);
 
   const TagPatches& patches() const { return patches_; }
 

@@ -19,7 +19,7 @@ FreeSpaceOptions unsimplified() {
 
 TEST(FreeSpaceProperty, RingsAreSimpleAndCounterClockwise) {
   EXPECT_TRUE(rc::check([] {
-    const Polysolid free = free_space_of(any_scan(), any_laser());
+    const Polysolid free = free_space_of(any_scan(), any_laser(), {});
     for (const PolygonWithHoles& polygon : free.polygons()) {
       RC_ASSERT(is_simple(polygon.outer));
       RC_ASSERT(signed_area_m2(polygon.outer) > 0);

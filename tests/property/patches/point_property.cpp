@@ -14,7 +14,7 @@ TEST(PointProperty, NormalsAreUnitAndFaceTheLaser) {
   EXPECT_TRUE(rc::check([] {
     const Laser laser = any_laser();
     const Eigen::Vector2d eye(laser.robot_from_laser.x, laser.robot_from_laser.y);
-    for (const ScanPoint& point : to_points(any_scan(), laser)) {
+    for (const ScanPoint& point : to_points(any_scan(), laser, {})) {
       RC_ASSERT(point.position.allFinite());
       if (!point.has_normal()) {
         RC_ASSERT(point.normal.isZero());
@@ -32,7 +32,7 @@ TEST(PointProperty, PointsLieAtTheirRangesAlongTheirBeams) {
     const Laser laser = any_laser();
     std::size_t hits = 0;
     for (const float range_m : scan.ranges_m) hits += classify(range_m, laser) == BeamKind::hit ? 1 : 0;
-    const auto points = to_points(scan, laser);
+    const auto points = to_points(scan, laser, {});
     RC_ASSERT(points.size() == hits);
     for (const ScanPoint& point : points) {
       const Eigen::Vector2d in_laser = inverse(laser.robot_from_laser) * point.position;

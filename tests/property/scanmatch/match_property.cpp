@@ -21,8 +21,8 @@ TEST(MatchScanProperty, FindsTheTruthFromAPredictionThatIsOff) {
     const Pose view{between(-0.5, 0.5), between(-0.5, 0.5), between(-0.3, 0.3)};
     const Pose truth{between(-0.8, 0.8), between(-0.8, 0.8), between(-0.4, 0.4)};
     const LocalMap map{PatchId{0}, {{patch_from(furnished_room(), PatchId{0}, view), view}}};
-    const auto points = to_points(scan_from(furnished_room(), truth), laser_of());
-    const Match match = match_scan(map, points, {off(truth), Eigen::Matrix3d::Identity()});
+    const auto points = to_points(scan_from(furnished_room(), truth), laser_of(), {});
+    const Match match = match_scan(map, points, {off(truth), Eigen::Matrix3d::Identity()}, {});
     RC_ASSERT(match.ok);
     const Pose error = ominus(match.local_from_robot, truth);
     RC_ASSERT(std::hypot(error.x, error.y) < 0.02);
@@ -37,11 +37,11 @@ TEST(MatchScanProperty, TheAnswerDoesNotDependOnTheFrameOfTheLocalMap) {
     const Pose frame{between(-50, 50), between(-50, 50), between(-3, 3)};
     const Pose predicted = off(truth);
     const PatchPtr patch = patch_from(furnished_room(), PatchId{0}, view);
-    const auto points = to_points(scan_from(furnished_room(), truth), laser_of());
+    const auto points = to_points(scan_from(furnished_room(), truth), laser_of(), {});
     const Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
-    const Match here = match_scan({PatchId{0}, {{patch, view}}}, points, {predicted, information});
+    const Match here = match_scan({PatchId{0}, {{patch, view}}}, points, {predicted, information}, {});
     const Match there =
-        match_scan({PatchId{0}, {{patch, frame * view}}}, points, {frame * predicted, information});
+        match_scan({PatchId{0}, {{patch, frame * view}}}, points, {frame * predicted, information}, {});
     RC_ASSERT(here.ok && there.ok);
     const Pose back = ominus(there.local_from_robot, frame);
     RC_ASSERT(std::abs(back.x - here.local_from_robot.x) < 1e-3);
@@ -57,8 +57,8 @@ TEST(MatchScanProperty, AnyScanIsSurvived) {
     for (float& range : scan.ranges_m) {
       if (*rc::gen::inRange(0, 3) == 0) range = static_cast<float>(between(-1, 25));
     }
-    const Match match = match_scan({PatchId{0}, {{patch, {}}}}, to_points(scan, laser_of()),
-                                   {{}, Eigen::Matrix3d::Identity()});
+    const Match match = match_scan({PatchId{0}, {{patch, {}}}}, to_points(scan, laser_of(), {}),
+                                   {{}, Eigen::Matrix3d::Identity()}, {});
     RC_ASSERT(is_finite(match.local_from_robot));
     RC_ASSERT(match.beam_information.allFinite());
     RC_ASSERT(match.quality.score >= 0 && match.quality.score <= 1);

@@ -108,7 +108,7 @@ TEST(FreeSpace, BeamsAreCutAtTheMaximum) {
 TEST(FreeSpace, SimplifyingRoomLeavesFewVerticesAndItsArea) {
   Scan scan = full_turn(1081, 0);
   look_at(scan, {{0, 4}, {std::numbers::pi / 2, 3}, {std::numbers::pi, 5}, {-std::numbers::pi / 2, 2}});
-  const Polysolid free = free_space_of(scan, {});
+  const Polysolid free = free_space_of(scan, {}, {});
   ASSERT_EQ(free.polygons().size(), 1U);
   EXPECT_LT(free.polygons()[0].outer.size(), 14U);
   EXPECT_NEAR(area_m2(free), 45, 0.45);
@@ -152,15 +152,15 @@ TEST(FreeSpace, TwoBeamsAreATriangle) {
   Scan scan;
   scan.bearing_step_rad = 0.5;
   scan.ranges_m = {2, 2};
-  EXPECT_NEAR(area_m2(free_space_of(scan, {})), 2 * std::sin(0.5), 1e-9);
+  EXPECT_NEAR(area_m2(free_space_of(scan, {}, {})), 2 * std::sin(0.5), 1e-9);
 }
 
 TEST(FreeSpace, TinyRangesStaySound) {
   Laser laser;
   laser.range_min_m = 0;
-  const Polysolid free = free_space_of(full_turn(360, 0.02F), laser);
+  const Polysolid free = free_space_of(full_turn(360, 0.02F), laser, {});
   EXPECT_LE(area_m2(free), std::numbers::pi * 0.02 * 0.02);
-  EXPECT_TRUE(free_space_of(full_turn(360, 1e-30F), laser).empty());
+  EXPECT_TRUE(free_space_of(full_turn(360, 1e-30F), laser, {}).empty());
 }
 
 }  // namespace

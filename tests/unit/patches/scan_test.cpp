@@ -52,7 +52,7 @@ TEST(Scan, PointsAreTheHitsInTheRobotsFrame) {
   scan.ranges_m = {1, inf, 3, nan, 2};
   Laser laser;
   laser.robot_from_laser = {0.5, 0.25, std::numbers::pi / 2};
-  const auto points = to_points(scan, laser);
+  const auto points = to_points(scan, laser, {});
   ASSERT_EQ(points.size(), 3U);
   EXPECT_EQ(points[0].beam, 0);
   EXPECT_EQ(points[1].beam, 2);
@@ -68,7 +68,7 @@ TEST(Scan, NormalsOnAWallAreItsOwnAndFaceTheLaser) {
   laser.robot_from_laser = {0.2, -0.1, 0.3};
   const Eigen::Vector2d facing_laser = rotate(0.4 + 0.3, {-1, 0});
   int near = 0;
-  for (const ScanPoint& point : to_points(scan, laser)) {
+  for (const ScanPoint& point : to_points(scan, laser, {})) {
     const double distance = (point.position - Eigen::Vector2d(0.2, -0.1)).norm();
     if (distance > 6) continue;  // farther out, beams are too far apart
     ++near;
@@ -84,7 +84,7 @@ TEST(Scan, NormalsNearACornerBelongToOneOfItsWallsOrAreNone) {
   look_at(scan, {{0, 2}, {std::numbers::pi / 2, 2}, {-std::numbers::pi / 2, 2}});
   int along_first = 0;
   int along_second = 0;
-  for (const ScanPoint& point : to_points(scan, {})) {
+  for (const ScanPoint& point : to_points(scan, {}, {})) {
     const Eigen::Vector2d& p = point.position;
     const double from_corner = (p - Eigen::Vector2d(2, 2)).norm();
     if (p.y() < 0 || from_corner < 0.31) continue;
@@ -105,7 +105,7 @@ TEST(Scan, PointsAcrossAJumpDoNotBendNormals) {
   for (std::size_t i = 160; i <= 200; ++i) {
     scan.ranges_m[i] = static_cast<float>(2 / std::cos(testing::bearing_rad(scan, i)));
   }
-  for (const ScanPoint& point : to_points(scan, {})) {
+  for (const ScanPoint& point : to_points(scan, {}, {})) {
     if (point.beam < 120 || point.beam > 240) continue;
     ASSERT_TRUE(point.has_normal()) << point.beam;
     EXPECT_NEAR((point.normal - Eigen::Vector2d(-1, 0)).norm(), 0, 1e-3) << point.beam;
@@ -132,7 +132,7 @@ TEST(Scan, NormalsEndAtAJumpThatIsNearerThanTheirArcReaches) {
 TEST(Scan, LonePointsHaveNoNormal) {
   Scan scan = half_turn(181, inf);
   scan.ranges_m[20] = scan.ranges_m[90] = scan.ranges_m[160] = 5;
-  const auto points = to_points(scan, {});
+  const auto points = to_points(scan, {}, {});
   ASSERT_EQ(points.size(), 3U);
   for (const ScanPoint& point : points) EXPECT_FALSE(point.has_normal());
 }
@@ -140,8 +140,8 @@ TEST(Scan, LonePointsHaveNoNormal) {
 TEST(Scan, NegativeStepGivesTheSamePointsInTheOtherOrder) {
   Scan scan = half_turn(181, 0);
   look_at(scan, {{0.3, 3}, {-1.0, 2}, {1.4, 2.5}});
-  const auto points = to_points(scan, {});
-  const auto other = to_points(reversed(scan), {});
+  const auto points = to_points(scan, {}, {});
+  const auto other = to_points(reversed(scan), {}, {});
   ASSERT_EQ(points.size(), other.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const ScanPoint& same = other[other.size() - 1 - i];
@@ -154,15 +154,16 @@ TEST(Scan, NegativeStepGivesTheSamePointsInTheOtherOrder) {
 TEST(Scan, DegenerateScansGivePointsWithoutNormalsOrNone) {
   Scan scan = half_turn(181, 5);
   scan.ranges_m.clear();
-  EXPECT_TRUE(to_points(scan, {}).empty());
-  EXPECT_TRUE(to_points(half_turn(181, nan), {}).empty());
-  EXPECT_TRUE(to_points(half_turn(181, inf), {}).empty());
+  EXPECT_TRUE(to_points(scan, {}, {}).empty());
+  EXPECT_TRUE(to_points(half_turn(181, nan), {}, {}).empty());
+  EXPECT_TRUE(to_points(half_turn(181, inf), {}, {}).empty());
   scan = half_turn(181, 5);
   scan.bearing_step_rad = 0;
-  for (const ScanPoint& point : to_points(scan, {})) EXPECT_FALSE(point.has_normal()) << "all in one place";
+  for (const ScanPoint& point : to_points(scan, {}, {}))
+    EXPECT_FALSE(point.has_normal()) << "all in one place";
   scan.ranges_m = {5};
-  ASSERT_EQ(to_points(scan, {}).size(), 1U);
-  EXPECT_FALSE(to_points(scan, {})[0].has_normal());
+  ASSERT_EQ(to_points(scan, {}, {}).size(), 1U);
+  EXPECT_FALSE(to_points(scan, {}, {})[0].has_normal());
 }
 
 }  // namespace

@@ -22,8 +22,8 @@ Matched matched(const Walls& walls, const std::vector<Pose>& views, const Pose& 
     result.map.patches.push_back(
         {patch_from(walls, PatchId{static_cast<std::int32_t>(i)}, views[i]), views[i]});
   }
-  result.points = to_points(scan_from(walls, truth), laser_of());
-  result.match = match_scan(result.map, result.points, {truth, Eigen::Matrix3d::Identity()});
+  result.points = to_points(scan_from(walls, truth), laser_of(), {});
+  result.match = match_scan(result.map, result.points, {truth, Eigen::Matrix3d::Identity()}, {});
   return result;
 }
 
@@ -31,7 +31,7 @@ TEST(MatchRelations, EachPatchPairedWithEnoughBeamsGetsOneWhoseMinimumIsTheMatch
   const std::vector<Pose> views = {{-1, 0, 0.2}, {0.5, -1, 0.4}};
   const Pose truth{0.2, -0.4, 0.3};
   const Matched m = matched(furnished_room(), views, truth);
-  const auto relations = match_relations(m.map, m.points, m.match, PatchId{7}, {});
+  const auto relations = match_relations(m.map, m.points, m.match, PatchId{7}, {}, {});
   ASSERT_EQ(relations.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_EQ(relations[k].a, PatchId{static_cast<std::int32_t>(k)});
@@ -50,7 +50,7 @@ TEST(MatchRelations, SayWhereTheLinesAreNotWhereTheMatchCameToRest) {
   const Pose truth{0.2, -0.4, 0.3};
   Matched m = matched(furnished_room(), {{-1, 0, 0.2}}, truth);
   m.match.local_from_robot = truth * Pose{0.03, -0.02, 0};
-  const auto relations = match_relations(m.map, m.points, m.match, PatchId{7}, {});
+  const auto relations = match_relations(m.map, m.points, m.match, PatchId{7}, {}, {});
   ASSERT_EQ(relations.size(), 1U);
   const Pose expected = ominus(truth, Pose{-1, 0, 0.2});
   const Pose found = minimiser(relations[0].measurement, expected);
@@ -67,7 +67,7 @@ TEST(MatchRelations, PatchesPairedWithFewBeamsGetNone) {
 
 TEST(MatchRelations, ACorridorsRelationSaysNothingAlongIt) {
   const Matched m = matched(corridor(), {{0, 0, 0}}, {0.5, 0.1, 0.05});
-  const auto relations = match_relations(m.map, m.points, m.match, PatchId{1}, {});
+  const auto relations = match_relations(m.map, m.points, m.match, PatchId{1}, {}, {});
   ASSERT_EQ(relations.size(), 1U);
   const Eigen::Matrix3d h = information(relations[0].measurement, {0.5, 0.1, 0.05});
   EXPECT_LT(h(0, 0), 1e-3 * h(1, 1));
@@ -82,8 +82,8 @@ TEST(MatchRelations, AFewBeamsAlongTheCorridorAreHardlyTrusted) {
   EXPECT_GT(m.match.quality.weakest_direction, 0);
   Match trusting = m.match;
   trusting.direction_trust.setIdentity();
-  const auto with = match_relations(m.map, m.points, m.match, PatchId{1}, {});
-  const auto without = match_relations(m.map, m.points, trusting, PatchId{1}, {});
+  const auto with = match_relations(m.map, m.points, m.match, PatchId{1}, {}, {});
+  const auto without = match_relations(m.map, m.points, trusting, PatchId{1}, {}, {});
   ASSERT_FALSE(with.empty());
   EXPECT_LT(information(with[0].measurement, {0.5, 0.1, 0.05})(0, 0),
             0.5 * information(without[0].measurement, {0.5, 0.1, 0.05})(0, 0));

@@ -23,8 +23,8 @@ Prediction vague(const Pose& pose) { return {pose, Eigen::Vector3d(1, 1, 1).asDi
 TEST(MatchScan, FindsThePoseInAFurnishedRoomFromAPredictionThatIsOff) {
   const LocalMap map = local_map_of(furnished_room(), {{-1, 0, 0.2}, {0.5, -1, 0.4}});
   const Pose truth{0.2, -0.4, 0.3};
-  const auto points = to_points(scan_from(furnished_room(), truth), laser_of());
-  const Match match = match_scan(map, points, vague({0.32, -0.5, 0.36}));
+  const auto points = to_points(scan_from(furnished_room(), truth), laser_of(), {});
+  const Match match = match_scan(map, points, vague({0.32, -0.5, 0.36}), {});
   ASSERT_TRUE(match.ok);
   EXPECT_NEAR(match.local_from_robot.x, truth.x, 0.01);
   EXPECT_NEAR(match.local_from_robot.y, truth.y, 0.01);
@@ -39,9 +39,9 @@ TEST(MatchScan, FindsThePoseInAFurnishedRoomFromAPredictionThatIsOff) {
 TEST(MatchScan, ACorridorLeavesTheDirectionAlongItToThePrediction) {
   const LocalMap map = local_map_of(corridor(), {{0, 0, 0}, {1, 0.1, 0.05}});
   const Pose truth{0.5, 0.2, 0.1};
-  const auto points = to_points(scan_from(corridor(), truth), laser_of());
+  const auto points = to_points(scan_from(corridor(), truth), laser_of(), {});
   const Pose predicted{0.8, 0.1, 0.12};
-  const Match match = match_scan(map, points, vague(predicted));
+  const Match match = match_scan(map, points, vague(predicted), {});
   ASSERT_TRUE(match.ok);
   EXPECT_NEAR(match.local_from_robot.x, predicted.x, 0.02);
   EXPECT_NEAR(match.local_from_robot.y, truth.y, 0.01);
@@ -55,7 +55,7 @@ TEST(MatchScan, PeopleInFrontOfTheLaserDoNotPullThePoseAway) {
   const Pose truth{0.2, -0.4, 0.3};
   Scan scan = scan_from(furnished_room(), truth);
   for (std::size_t i = 60; i < 90; ++i) scan.ranges_m[i] = 1.0F;
-  const Match match = match_scan(map, to_points(scan, laser_of()), vague({0.25, -0.45, 0.33}));
+  const Match match = match_scan(map, to_points(scan, laser_of(), {}), vague({0.25, -0.45, 0.33}), {});
   ASSERT_TRUE(match.ok);
   EXPECT_NEAR(match.local_from_robot.x, truth.x, 0.02);
   EXPECT_NEAR(match.local_from_robot.y, truth.y, 0.02);
@@ -64,22 +64,22 @@ TEST(MatchScan, PeopleInFrontOfTheLaserDoNotPullThePoseAway) {
 
 TEST(MatchScan, TooFewBeamsAreNoMatchAndLeaveThePrediction) {
   const LocalMap map = local_map_of(furnished_room(), {{0, 0, 0}});
-  auto points = to_points(scan_from(furnished_room(), {}), laser_of());
+  auto points = to_points(scan_from(furnished_room(), {}), laser_of(), {});
   points.resize(5);
-  const Match match = match_scan(map, points, vague({0.1, 0.1, 0}));
+  const Match match = match_scan(map, points, vague({0.1, 0.1, 0}), {});
   EXPECT_FALSE(match.ok);
   EXPECT_EQ(match.local_from_robot, (Pose{0.1, 0.1, 0}));
 }
 
 TEST(MatchScan, AnEmptyLocalMapIsNoMatch) {
-  const auto points = to_points(scan_from(furnished_room(), {}), laser_of());
-  EXPECT_FALSE(match_scan({}, points, vague({})).ok);
+  const auto points = to_points(scan_from(furnished_room(), {}), laser_of(), {});
+  EXPECT_FALSE(match_scan({}, points, vague({}), {}).ok);
 }
 
 TEST(MatchScan, ABeamPairedWithTwoPatchesCountsOnce) {
-  const auto points = to_points(scan_from(furnished_room(), {}), laser_of());
-  const Match one = match_scan(local_map_of(furnished_room(), {{0, 0, 0}}), points, vague({}));
-  const Match two = match_scan(local_map_of(furnished_room(), {{0, 0, 0}, {0, 0, 0}}), points, vague({}));
+  const auto points = to_points(scan_from(furnished_room(), {}), laser_of(), {});
+  const Match one = match_scan(local_map_of(furnished_room(), {{0, 0, 0}}), points, vague({}), {});
+  const Match two = match_scan(local_map_of(furnished_room(), {{0, 0, 0}, {0, 0, 0}}), points, vague({}), {});
   EXPECT_NEAR(two.beam_information(1, 1) / one.beam_information(1, 1), 1, 0.05);
 }
 
@@ -91,10 +91,10 @@ TEST(MatchScan, ABeamPairedWithTwoPatchesCountsOnce) {
 TEST(MatchScan, TheOtherFaceOfAWallIsNoPair) {
   const Walls room_a = {{{-9, 1}, {9, 1}}}, room_b = {{{-9, 1.05}, {9, 1.05}}};
   const LocalMap map = local_map_of(room_a, {{0, 2, 0}});
-  const auto same_side = to_points(scan_from(room_a, {0.2, 2.5, 0}), laser_of());
-  const auto other_side = to_points(scan_from(room_b, {0.2, 0, 0}), laser_of());
-  ASSERT_TRUE(match_scan(map, same_side, vague({0.2, 2.5, 0})).ok);
-  const Match match = match_scan(map, other_side, vague({0.2, 0, 0}));
+  const auto same_side = to_points(scan_from(room_a, {0.2, 2.5, 0}), laser_of(), {});
+  const auto other_side = to_points(scan_from(room_b, {0.2, 0, 0}), laser_of(), {});
+  ASSERT_TRUE(match_scan(map, same_side, vague({0.2, 2.5, 0}), {}).ok);
+  const Match match = match_scan(map, other_side, vague({0.2, 0, 0}), {});
   EXPECT_FALSE(match.ok);
   EXPECT_TRUE(match.pairs.empty());
   EXPECT_EQ(match.local_from_robot, (Pose{0.2, 0, 0}));
@@ -109,7 +109,7 @@ TEST(MatchScan, WhatStandsAsideOfItsLineHasNextToNoWeight) {
   int moved = 0;
   for (std::size_t i = 70; i < 110; i += 2, ++moved) scan.ranges_m[i] -= 0.1F;
   ASSERT_EQ(moved, 20);
-  const Match match = match_scan(map, to_points(scan, laser_of()), vague(truth));
+  const Match match = match_scan(map, to_points(scan, laser_of(), {}), vague(truth), {});
   ASSERT_TRUE(match.ok);
   EXPECT_NEAR(match.local_from_robot.x, truth.x, 0.01);
   EXPECT_NEAR(match.local_from_robot.y, truth.y, 0.01);

@@ -32,12 +32,14 @@ Found found_in(const Walls& walls) {
   Found found;
   found.map.patches.push_back({patch_from(walls, PatchId{0}, Pose{}), Pose{}});
   const Pose truth{0.3, 0.1, 0.05};
-  found.points = to_points(scan_from(walls, truth), laser_of());
-  found.match = match_scan(found.map, found.points, {truth, Eigen::Matrix3d::Zero()});
+  found.points = to_points(scan_from(walls, truth), laser_of(), {});
+  found.match = match_scan(found.map, found.points, {truth, Eigen::Matrix3d::Zero()}, {});
   return found;
 }
 
-double spread_in(const Found& found) { return spread_of_match(found.map, found.points, found.match, 0.6); }
+double spread_in(const Found& found) {
+  return spread_of_match(found.map, found.points, found.match, 0.6, {}, {});
+}
 
 TEST(SpreadOfMatch, IsSmallWhereAStepAsideFitsWorse) {
   const Found found = found_in(furnished_room());
@@ -53,13 +55,13 @@ TEST(SpreadOfMatch, ReachesOverAllThatFitsAsWell) {
 TEST(Widen, RelationsSayTheSpreadAlongAndWhatTheySaidAcross) {
   Found found = found_in(ribbed_corridor());
   const auto information_of = [&] {
-    const auto relations = match_relations(found.map, found.points, found.match, PatchId{1}, {});
+    const auto relations = match_relations(found.map, found.points, found.match, PatchId{1}, {}, {});
     return relations.size() == 1 ? information(relations.front(), found.match.local_from_robot)
                                  : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
   };
   const Eigen::Matrix3d before = information_of();
   const double spread_m = 0.3;
-  widen(found.match, spread_m, relation_sigma_m(found.match.quality, {}));
+  widen(found.match, spread_m, relation_sigma_m(found.match.quality, {}), {});
   const Eigen::Matrix3d after = information_of();
   EXPECT_GT(before(0, 0), 10 / (spread_m * spread_m)) << "ribs look like certainty";
   EXPECT_LT(after(0, 0), 1.5 / (spread_m * spread_m));

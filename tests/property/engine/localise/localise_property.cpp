@@ -35,7 +35,7 @@ Robot robot_at(const Pose& patch_from_robot, const Pose& odom_from_robot) {
 }
 
 Expectation expected(const Robot& robot, const Pose& odom_from_robot) {
-  return expect(robot, odom_from_robot, 1'000'000);
+  return expect(robot, odom_from_robot, 1'000'000, {});
 }
 
 // Eq. 11: only the change of odometry counts, not where its origin is.
@@ -82,7 +82,7 @@ TEST(FollowProperty, MovesNobodyInThePlane) {
     placement.matched = true;
     placement.local_from_robot = any_pose(3);
     placement.covariance = placement.spread = Eigen::Vector3d(0.01, 0.04, 0.001).asDiagonal();
-    follow(map, robot, Expectation{}, placement, {}, 1'000'000);
+    follow(map, robot, Expectation{}, placement, {}, 1'000'000, {});
     assert_near(map.manifold().project(robot.place->pose),
                 map.manifold().pose(PatchId{0}) * placement.local_from_robot);
     // The same ellipse, turned.
@@ -100,7 +100,7 @@ TEST(UncoveredShareProperty, FallsWithEveryPatchThatLooks) {
     double before = 1;
     for (int i = 0; i < 4; ++i) {
       patches.push_back({patch, any_pose(2)});
-      const double share = uncovered_share(patch->star, patches, local_from_robot);
+      const double share = uncovered_share(patch->star, patches, local_from_robot, {});
       RC_ASSERT(share >= 0 && share <= before);
       before = share;
     }

@@ -31,7 +31,7 @@ TEST(AgreementTableProperty, TheSetIsPairwiseConsistentAndNoLargerOneHoldsTheMem
     const auto size = *rc::gen::inRange<std::size_t>(1, 11);
     const AgreementTable table = any_table(size);
     const auto member = *rc::gen::inRange<std::size_t>(0, size);
-    const std::vector<std::size_t> set = table.largest_consistent_with(member);
+    const std::vector<std::size_t> set = table.largest_consistent_with(member, {});
     RC_ASSERT(std::ranges::find(set, member) != set.end());
     RC_ASSERT(is_consistent(table, set));
     for (std::size_t bits = 0; bits < (std::size_t{1} << size); ++bits) {

@@ -77,7 +77,7 @@ TEST(AlignmentProperty, ItsErrorIsAsLargeAsItsCovarianceSays) {
   int within_95 = 0, found = 0;
   for (std::uint32_t seed = 0; seed < meetings; ++seed) {
     const Meeting meeting(seed, 4 + static_cast<int>(seed % 8));
-    const auto alignment = best_alignment(meeting.sightings);
+    const auto alignment = best_alignment(meeting.sightings, {});
     if (!alignment) continue;
     ++found;
     const Eigen::Vector3d error = wrapped_difference(alignment->first_from_second, meeting.first_from_second);
@@ -105,8 +105,8 @@ TEST(AlignmentProperty, DoesNotDependOnWhereEitherChartLies) {
           (s.observer_in_first ? new_from_first : new_from_second) * s.chart_from_observer;
       s.target = (s.observer_in_first ? new_from_second : new_from_first) * s.target;
     }
-    const auto here = best_alignment(meeting.sightings);
-    const auto there = best_alignment(moved);
+    const auto here = best_alignment(meeting.sightings, {});
+    const auto there = best_alignment(moved, {});
     RC_ASSERT(here.has_value() == there.has_value());
     RC_PRE(here.has_value());
     RC_ASSERT(here->supporters == there->supporters);
@@ -122,8 +122,8 @@ TEST(AlignmentProperty, SeenFromTheOtherChartItIsTheInverse) {
     const Meeting meeting(*rc::gen::arbitrary<std::uint32_t>(), *rc::gen::inRange(4, 14));
     std::vector<ChartSighting> exchanged = meeting.sightings;
     for (ChartSighting& s : exchanged) s.observer_in_first = !s.observer_in_first;
-    const auto here = best_alignment(meeting.sightings);
-    const auto there = best_alignment(exchanged);
+    const auto here = best_alignment(meeting.sightings, {});
+    const auto there = best_alignment(exchanged, {});
     RC_ASSERT(here.has_value() == there.has_value());
     RC_PRE(here.has_value());
     RC_PRE(here->supporters == there->supporters);  // one at the very limit may fall to either side
@@ -139,7 +139,7 @@ TEST(AlignmentProperty, AnyMixOfTrueAndFalseGivesAFiniteAnswerOrNone) {
       s.range_m = *rc::gen::inRange(0, 8000) * 1e-3;
       s.bearing_rad = *rc::gen::inRange(-3100, 3100) * 1e-3;
     }
-    const auto alignment = best_alignment(meeting.sightings);
+    const auto alignment = best_alignment(meeting.sightings, {});
     if (!alignment) return;
     RC_ASSERT(alignment->supporters.size() >= 2);
     RC_ASSERT(alignment->supporters.size() <= meeting.sightings.size());

@@ -59,7 +59,7 @@ TEST(ClosureDraft, OfFindsOnOneIslandIsALoopByScans) {
   finds.relations = {odometry_relation(finds.first, finds.second, finds.first_from_second)};
   finds.finds = 4;
   finds.cautious = true;
-  const ClosureDraft draft = draft_of_finds(scene.map, id, finds, now);
+  const ClosureDraft draft = draft_of_finds(scene.map, id, finds, now, {});
   EXPECT_FALSE(draft.proposal.merge);
   EXPECT_TRUE(draft.proposal.from_scans);
   EXPECT_TRUE(draft.proposal.cautious);
@@ -74,11 +74,11 @@ TEST(ClosureDraft, OfSightingsHasARelationForEach) {
   SideBySide scene;
   const std::vector<Evidence> supporters = {scene.evidence(SideBySide::r1_sees_r2(11), 4),
                                             scene.evidence(SideBySide::r2_sees_r1(12), 5)};
-  const SightingGroup group = groups_of(scene.map, supporters).at(0);
+  const SightingGroup group = groups_of(scene.map, supporters, {}).at(0);
   GroupAgreement agreement;
   agreement.older_from_younger = inverse(scene.second_from_world);
   agreement.two_way = true;
-  const ClosureDraft draft = draft_of_sightings(scene.map, id, group, agreement, supporters, now);
+  const ClosureDraft draft = draft_of_sightings(scene.map, id, group, agreement, supporters, now, {});
   ASSERT_EQ(draft.proposal.relations.size(), 2U);
   EXPECT_EQ(draft.proposal.relations[1].origin, (Origin{OriginKind::sighting, id, 5}));
   EXPECT_TRUE(draft.proposal.two_way);

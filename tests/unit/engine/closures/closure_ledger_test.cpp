@@ -90,10 +90,10 @@ TEST(ClosureLedger, FindsTheForbiddenClosureThatAMapBringsAbout) {
   ClosureLedger ledger;
   ClosureLedger::Entry& entry = ledger.enter(draft_of(ledger.take_id(), false));
   entry.joining = {apart.first[0], apart.second[0], {0, 1.5, 0}, 0.01 * Eigen::Matrix3d::Identity()};
-  EXPECT_FALSE(ledger.forbidden_by(apart.map, together.map)) << "nobody has forbidden it";
+  EXPECT_FALSE(ledger.forbidden_by(apart.map, together.map, {})) << "nobody has forbidden it";
   entry.forbidden = true;
-  EXPECT_EQ(ledger.forbidden_by(apart.map, together.map), ClosureId{0});
-  EXPECT_FALSE(ledger.forbidden_by(apart.map, apart.map));
+  EXPECT_EQ(ledger.forbidden_by(apart.map, together.map, {}), ClosureId{0});
+  EXPECT_FALSE(ledger.forbidden_by(apart.map, apart.map, {}));
 }
 
 TEST(ClosureLedger, KeepsTheNewestSightingsThatSayWhatIsForbidden) {

@@ -68,15 +68,17 @@ TEST(Joining, AsMappedIsWhereTheMapHasItsEnds) {
 TEST(Joining, IsFoundAgainFromAnyOtherPlace) {
   const Two two;
   const Joining forbidden = two.side_by_side();
-  EXPECT_TRUE(brings_about(two.map, joined(two.map, two.first[0], two.second[0], {0, 1, 0}), forbidden));
-  EXPECT_TRUE(brings_about(two.map, joined(two.map, two.first[25], two.second[20], {-5, 1, 0}), forbidden));
+  EXPECT_TRUE(brings_about(two.map, joined(two.map, two.first[0], two.second[0], {0, 1, 0}), forbidden, {}));
+  EXPECT_TRUE(
+      brings_about(two.map, joined(two.map, two.first[25], two.second[20], {-5, 1, 0}), forbidden, {}));
 }
 
 TEST(Joining, IsNotAnotherAtAClearlyDifferentPlace) {
   const Two two;
   const Joining forbidden = two.side_by_side();
   for (const Pose& elsewhere : {Pose{3, 1, 0}, Pose{0, -4, 0}, Pose{0, 1, 1}, Pose{0, 1, 3.1}})
-    EXPECT_FALSE(brings_about(two.map, joined(two.map, two.first[0], two.second[0], elsewhere), forbidden));
+    EXPECT_FALSE(
+        brings_about(two.map, joined(two.map, two.first[0], two.second[0], elsewhere), forbidden, {}));
 }
 
 // What has drifted by two metres over the way is the same where so much drift is to be expected, and is not
@@ -85,7 +87,7 @@ TEST(Joining, IsTheSameAsFarAsTheWayMayHaveDrifted) {
   for (const auto& [sigma_m, same] : {std::pair(0.02, false), std::pair(0.2, true)}) {
     const Two two(sigma_m, 0.001);
     const Map drifted = joined(two.map, two.first[29], two.second[29], {2, 1, 0});
-    EXPECT_EQ(brings_about(two.map, drifted, two.side_by_side()), same) << sigma_m;
+    EXPECT_EQ(brings_about(two.map, drifted, two.side_by_side(), {}), same) << sigma_m;
   }
 }
 
@@ -94,9 +96,11 @@ TEST(Joining, IsFoundThroughAThirdIsland) {
   const Joining forbidden = two.side_by_side();
   const std::vector<PatchId> third = add_chain(two.map, "R3", 30, 0.02, 0.005);
   const Map with_third = joined(two.map, two.first[5], third[5], {0, 5, 0});
-  EXPECT_FALSE(brings_about(two.map, with_third, forbidden));
-  EXPECT_TRUE(brings_about(with_third, joined(with_third, third[8], two.second[8], {0, -4, 0}), forbidden));
-  EXPECT_FALSE(brings_about(with_third, joined(with_third, third[8], two.second[8], {0, 4, 0}), forbidden));
+  EXPECT_FALSE(brings_about(two.map, with_third, forbidden, {}));
+  EXPECT_TRUE(
+      brings_about(with_third, joined(with_third, third[8], two.second[8], {0, -4, 0}), forbidden, {}));
+  EXPECT_FALSE(
+      brings_about(with_third, joined(with_third, third[8], two.second[8], {0, 4, 0}), forbidden, {}));
 }
 
 TEST(Joining, OfALoopIsWhatBringsItsEndsTogether) {
@@ -108,10 +112,10 @@ TEST(Joining, OfALoopIsWhatBringsItsEndsTogether) {
   Map closed = map;
   closed.relate(pose_relation(way[1], way[38], {35, 0, 0}, 0.05, 0.02));
   closed.refit_island(way[0]);
-  EXPECT_TRUE(brings_about(map, closed, forbidden));
+  EXPECT_TRUE(brings_about(map, closed, forbidden, {}));
   Map elsewhere = map;  // a small loop far from its ends
   elsewhere.relate(pose_relation(way[18], way[21], {3, 0, 0}, 0.05, 0.02));
-  EXPECT_FALSE(brings_about(map, elsewhere, forbidden));
+  EXPECT_FALSE(brings_about(map, elsewhere, forbidden, {}));
 }
 
 TEST(Joining, ATagsHeadingMeansNothing) {
@@ -125,16 +129,16 @@ TEST(Joining, ATagsHeadingMeansNothing) {
   EXPECT_EQ(ground_of(two.map, two.first[1]), two.first[1]);
   Joining forbidden{two.first[3], tag->id, {0, 2, 2.5}, Eigen::Matrix3d::Zero(), true};
   const Map same = joined(two.map, two.first[3], two.second[3], {0, 0, 0});
-  EXPECT_TRUE(brings_about(two.map, same, forbidden));
+  EXPECT_TRUE(brings_about(two.map, same, forbidden, {}));
   forbidden.first_from_second.y = 4;
-  EXPECT_FALSE(brings_about(two.map, same, forbidden));
+  EXPECT_FALSE(brings_about(two.map, same, forbidden, {}));
 }
 
 // A trial may be older than what has been forbidden since.
 TEST(Joining, OfPatchesThatAMapLacksIsNotBroughtAbout) {
   const Two two;
   const Joining newer{two.first[0], PatchId{1000}, {}, Eigen::Matrix3d::Zero()};
-  EXPECT_FALSE(brings_about(two.map, two.map, newer));
+  EXPECT_FALSE(brings_about(two.map, two.map, newer, {}));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ TEST(SightingGroups, BetweenTwoIslandsAreOneForAllTime) {
   SideBySide scene;
   std::vector<Evidence> pool = pool_of(scene, {10, 500});
   pool.push_back(scene.evidence(SideBySide::r2_sees_r1(12), 2));
-  const std::vector<SightingGroup> groups = groups_of(scene.map, pool);
+  const std::vector<SightingGroup> groups = groups_of(scene.map, pool, {});
   ASSERT_EQ(groups.size(), 1U);
   EXPECT_TRUE(groups[0].is_merge());
   EXPECT_EQ(std::get<IslandPair>(groups[0].key), (IslandPair{PatchId{0}, PatchId{6}}));
@@ -32,7 +32,7 @@ TEST(SightingGroups, OnOneIslandAreThoseOfAnEncounterOfTwo) {
   scene.join();
   std::vector<Evidence> pool = pool_of(scene, {10, 60, 130});
   pool.push_back(scene.evidence(SideBySide::r2_sees_r1(140), 3));
-  const std::vector<SightingGroup> groups = groups_of(scene.map, pool);
+  const std::vector<SightingGroup> groups = groups_of(scene.map, pool, {});
   ASSERT_EQ(groups.size(), 2U) << "more than a minute between the second and the third";
   EXPECT_FALSE(groups[0].is_merge());
   EXPECT_EQ(groups[0].members, (std::vector<std::size_t>{0, 1}));
@@ -44,7 +44,7 @@ TEST(SightingGroups, OfWhatIsNowhereThereAreNone) {
   SideBySide scene;
   std::vector<Evidence> pool = pool_of(scene, {10, 11});
   for (Evidence& evidence : pool) evidence.target_place.reset();
-  EXPECT_TRUE(groups_of(scene.map, pool).empty());
+  EXPECT_TRUE(groups_of(scene.map, pool, {}).empty());
 }
 
 TEST(SightingGroups, AreLookedAtByTimeAndByAge) {
@@ -59,17 +59,17 @@ TEST(Superfluous, AreLoopsThatHaveWaitedForTwoMinutes) {
   SideBySide scene;
   const std::vector<Evidence> pool = pool_of(scene, {10, 20});
   const std::int64_t now = SideBySide::utime(131);
-  EXPECT_TRUE(superfluous(pool, groups_of(scene.map, pool), now).empty()) << "merges wait for ever";
+  EXPECT_TRUE(superfluous(pool, groups_of(scene.map, pool, {}), now, {}).empty()) << "merges wait for ever";
   scene.join();
-  EXPECT_EQ(superfluous(pool, groups_of(scene.map, pool), now), std::set<std::size_t>{0});
+  EXPECT_EQ(superfluous(pool, groups_of(scene.map, pool, {}), now, {}), std::set<std::size_t>{0});
 }
 
 TEST(Superfluous, AreTheOldestOfMoreThanFourHundred) {
   SideBySide scene;
   std::vector<Evidence> pool = pool_of(scene, std::vector<double>(402, 10));
-  EXPECT_EQ(superfluous(pool, groups_of(scene.map, pool), 0), (std::set<std::size_t>{0, 1}));
+  EXPECT_EQ(superfluous(pool, groups_of(scene.map, pool, {}), 0, {}), (std::set<std::size_t>{0, 1}));
   for (Evidence& evidence : pool) evidence.target_place.reset();
-  EXPECT_EQ(superfluous(pool, {}, 0), (std::set<std::size_t>{0, 1})) << "of a tag that is nowhere too";
+  EXPECT_EQ(superfluous(pool, {}, 0, {}), (std::set<std::size_t>{0, 1})) << "of a tag that is nowhere too";
 }
 
 }  // namespace

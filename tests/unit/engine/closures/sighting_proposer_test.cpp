@@ -21,7 +21,7 @@ struct Proposing {
     see(SideBySide::r2_sees_r1(s));
   }
   std::optional<GroupAgreement> look() {
-    const std::vector<SightingGroup> groups = groups_of(scene.map, pool);
+    const std::vector<SightingGroup> groups = groups_of(scene.map, pool, {});
     return proposer.look_at(scene.world(60), pool, groups.at(0));
   }
 };

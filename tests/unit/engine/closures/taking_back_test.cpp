@@ -51,7 +51,7 @@ TEST(TakingBack, ReopensSightingsThatTheMapHadTakenInByIt) {
   its.observations.place(its.scene.world(16), {});
   ASSERT_EQ(its.observations.log()[0].verdict, Verdict::accepted);
   const Evidence seen = its.scene.evidence(SideBySide::r1_sees_r2(15), 0);
-  its.scene.map.relate(*sighting_relation(its.scene.map, seen, {}));
+  its.scene.map.relate(*sighting_relation(its.scene.map, seen, {}, {}, {}));
   its.taken_back();
   EXPECT_EQ(its.observations.log()[0].verdict, Verdict::waiting);
   EXPECT_EQ(its.observations.pool().size(), 1U);

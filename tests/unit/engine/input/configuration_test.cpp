@@ -57,7 +57,7 @@ TEST(Configuration, ExampleShowsTheDefaults) {
   const Configuration shown = parsed(example_switched_on());
   const EngineOptions defaults;
   EXPECT_EQ(shown.any_tag, Configuration{}.any_tag);
-  EXPECT_EQ(tuning_text(shown.engine), tuning_text());
+  EXPECT_EQ(tuning_text(shown.engine), tuning_text({}));
   EXPECT_EQ(shown.engine.local_map.position_m, defaults.local_map.position_m);
   EXPECT_EQ(shown.engine.local_map.yaw_rad, defaults.local_map.yaw_rad);
   EXPECT_EQ(shown.engine.patch_spacing_m, defaults.patch_spacing_m);

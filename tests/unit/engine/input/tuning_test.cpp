@@ -79,12 +79,12 @@ TEST(Tuning, EachGroupOfTheOptionsIsListedOnce) {
 }
 
 TEST(Tuning, WhatIsListedReadsAsTheDefaults) {
-  const std::string text = tuning_text();
+  const std::string text = tuning_text({});
   EXPECT_EQ(tuning_text(options_of(text)), text);
 }
 
 TEST(Tuning, AValueReachesItsMemberAndNoOther) {
-  const std::string defaults = tuning_text();
+  const std::string defaults = tuning_text({});
   const std::string text =
       tuning_text(options_of("[tuning]\ntrial.min_way_m = 17.5\n[tuning.match]\nmin_pairs = 9\n"));
   EXPECT_TRUE(contains(text, "trial.min_way_m = 17.5\n"));

@@ -102,7 +102,7 @@ TEST(BeginIsland, SharesNothingWithTheIslandBefore) {
 TEST(Extend, PutsTheRobotAtTheOriginOfTheNewPatch) {
   InARoom in;
   const Pose truth{0.8, 0.3, 0.2};
-  in.robot.place->since_last_patch.append(truth, in.robot.noise.covariance(truth));
+  in.robot.place->since_last_patch.append(truth, in.robot.noise.covariance(truth, {}));
   in.extended_by(truth, in.matched(truth));
   ASSERT_EQ(in.map.manifold().size(), 2U);
   expect_near(in.map.manifold().pose(PatchId{1}), truth, 0.02);
@@ -122,7 +122,7 @@ TEST(Extend, AppendsTheRelationsOfTheMatchAndOfOdometry) {
   InARoom in;
   const Pose truth{0.8, 0.3, 0.2};
   const Pose said{0.82, 0.31, 0.2};
-  in.robot.place->since_last_patch.append(said, in.robot.noise.covariance(said));
+  in.robot.place->since_last_patch.append(said, in.robot.noise.covariance(said, {}));
   EXPECT_FALSE(in.extended_by(truth, in.matched(truth))) << "no loop";
   const std::vector<const Relation*> relations = relations_between(in.map, 0, 1);
   ASSERT_EQ(relations.size(), 2U);
@@ -137,7 +137,7 @@ TEST(Extend, AppendsTheRelationsOfTheMatchAndOfOdometry) {
 TEST(Extend, RelatesAnUnmatchedScanByOdometryAlone) {
   InARoom in;
   const Pose said{0.8, 0.3, 0.2};
-  in.robot.place->since_last_patch.append(said, in.robot.noise.covariance(said));
+  in.robot.place->since_last_patch.append(said, in.robot.noise.covariance(said, {}));
   Placement placement = in.matched(said);
   placement.matched = false;
   in.extended_by(said, placement);
@@ -145,7 +145,7 @@ TEST(Extend, RelatesAnUnmatchedScanByOdometryAlone) {
   ASSERT_EQ(relations.size(), 1U);
   EXPECT_EQ(relations[0]->kind, RelationKind::odometry);
   EXPECT_TRUE(std::get<RelativePose>(relations[0]->measurement)
-                  .information.isApprox(in.robot.noise.covariance(said).inverse(), 1e-6));
+                  .information.isApprox(in.robot.noise.covariance(said, {}).inverse(), 1e-6));
 }
 
 // Eq. 16 around the new patch: two relations that disagree meet between.
@@ -162,7 +162,7 @@ TEST(Extend, RefitsTheMapAroundTheNewPatch) {
 TEST(OdometryRelation, TellsTheWayFromTheNewestOwnPatch) {
   InARoom in;
   in.robot.place->since_last_patch.append({1, 0, 0}, Eigen::Matrix3d::Identity() * 0.01);
-  const Relation relation = odometry_relation(in.robot, PatchId{5});
+  const Relation relation = odometry_relation(in.robot, PatchId{5}, {});
   EXPECT_EQ(relation.a, PatchId{0});
   EXPECT_EQ(relation.b, PatchId{5});
   EXPECT_EQ(relation.kind, RelationKind::odometry);
@@ -224,7 +224,7 @@ double uncovered_by(const Star& star, const std::vector<std::pair<PatchPtr, Pose
                     const Pose& local_from_robot = {}) {
   std::vector<LocalPatch> near;
   for (const auto& [patch, local_from_patch] : patches) near.push_back({patch, local_from_patch});
-  return uncovered_share(star, near, local_from_robot);
+  return uncovered_share(star, near, local_from_robot, {});
 }
 
 PatchPtr disc_patch(float range_m) { return make_patch(PatchId{0}, "R1", full_turn(360, range_m), {}, {}); }

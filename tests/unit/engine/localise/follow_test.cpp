@@ -44,7 +44,7 @@ struct OnPatches {
     placement.local_from_robot = local_from_robot;
     placement.covariance = Eigen::Vector3d(1, 4, 9).asDiagonal();
     placement.spread = Eigen::Vector3d(2, 8, 18).asDiagonal();
-    follow(map, robot, expectation, placement, {7, 8, 0.5}, 5'000'000);
+    follow(map, robot, expectation, placement, {7, 8, 0.5}, 5'000'000, {});
   }
   const ManifoldPose& pose() const { return robot.place->pose; }
 
@@ -109,7 +109,8 @@ TEST(Follow, RemembersTheScan) {
   expect_near(place.odom_from_robot, {7, 8, 0.5});
   expect_near(place.last_step, {0.5, 0, 0.1});
   expect_near(place.since_last_patch.start_from_end, {0.45, 0, 0.1});
-  EXPECT_TRUE(place.since_last_patch.covariance.isApprox(on.robot.noise.covariance({0.45, 0, 0.1}), 0.01));
+  EXPECT_TRUE(
+      place.since_last_patch.covariance.isApprox(on.robot.noise.covariance({0.45, 0, 0.1}, {}), 0.01));
   EXPECT_FALSE(place.suspect);
   EXPECT_EQ(place.lost_scans, 0);
 }

@@ -84,7 +84,7 @@ TEST(Footprints, FreeIsWhatTheFootprintSwept) {
   std::vector<Pose> way;
   for (int i = 0; i <= 10; ++i) way.push_back({0.2 * i - 2, -2, 0});
   for (int i = 1; i <= 10; ++i) way.push_back({0, 0.2 * i - 2, 0.5 * std::numbers::pi});
-  const PatchPtr patch = make_swept_patch(PatchId{4}, "R1", 77, radius_m, way);
+  const PatchPtr patch = make_swept_patch(PatchId{4}, "R1", 77, radius_m, way, {});
   const double disc_m2 = std::numbers::pi * radius_m * radius_m;
   // Two strips and a disc's two halves, and the corner counted once: the square overlap is there in both.
   const double swept_m2 = 2 * 2 * (2 * radius_m) + disc_m2 - radius_m * radius_m * (1 - std::numbers::pi / 4);
@@ -115,7 +115,7 @@ TEST(Footprints, PatchesOfADriveCoverItsWholeWay) {
 }
 
 TEST(Footprints, ARadiusOfNothingStillSweepsSomething) {
-  const PatchPtr patch = make_swept_patch(PatchId{0}, "R1", 0, 0, {{-1, 0, 0}, {}});
+  const PatchPtr patch = make_swept_patch(PatchId{0}, "R1", 0, 0, {{-1, 0, 0}, {}}, {});
   EXPECT_GT(testing::area_m2(patch->free_space), 0.1);
 }
 

@@ -31,7 +31,7 @@ Robot robot_at(const Pose& patch_from_robot, const Pose& odom_from_robot = {}) {
 }
 
 Expectation expected(const Robot& robot, const Pose& odom_from_robot, double seconds = 1) {
-  return expect(robot, odom_from_robot, static_cast<std::int64_t>(seconds * 1e6));
+  return expect(robot, odom_from_robot, static_cast<std::int64_t>(seconds * 1e6), {});
 }
 
 // Eq. 11: the robot's pose on its patch, followed by the change in pose that odometry measured.
@@ -63,7 +63,7 @@ TEST(Expect, AddsTheNoiseOfOdometryInTheRobotsOwnDirections) {
   const Robot ahead = robot_at({0, 0, 0});
   const Robot aside = robot_at({0, 0, quarter_turn});
   const Pose step{1, 0.4, 0.2};
-  const Eigen::Matrix3d noise = ahead.noise.covariance(step);
+  const Eigen::Matrix3d noise = ahead.noise.covariance(step, {});
   EXPECT_TRUE(expected(ahead, step).covariance.isApprox(noise, 1e-9));
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() << 0, -1, 1, 0;
@@ -107,7 +107,7 @@ Expectation expecting(const Pose& local_from_robot, double sigma_m = 0.1, double
 
 Placement placed(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
                  const Walls& walls, const Pose& truth, const EngineOptions& options = {}) {
-  const std::vector<ScanPoint> points = to_points(scan_from(walls, truth), laser_of());
+  const std::vector<ScanPoint> points = to_points(scan_from(walls, truth), laser_of(), {});
   return place(robot, expectation, local_map, points, options);
 }
 
@@ -158,7 +158,7 @@ TEST(Place, AddsTheInformationOfTheBeamsToThatOfOdometry) {
 
 TEST(Place, StaysAtItsExpectationWithFewReturns) {
   const Expectation expectation = expecting({0.4, -0.3, 0.2});
-  std::vector<ScanPoint> points = to_points(scan_from(furnished_room(), {0.4, -0.3, 0.2}), laser_of());
+  std::vector<ScanPoint> points = to_points(scan_from(furnished_room(), {0.4, -0.3, 0.2}), laser_of(), {});
   points.resize(11);
   const Placement placement =
       place(robot_at({}), expectation, local_map_of(furnished_room()), points, EngineOptions{});
@@ -232,7 +232,7 @@ TEST(Place, GoesWhereAJumpLedToWhereWallsDoNotObject) {
   for (const double x : {-6, -4, -2, 0, 2, 4, 6, 8})
     local_map.patches.push_back({make_patch(PatchId{0}, "R1", scan, laser_of(10), {}), {x, 0, 0}});
   const Placement along =
-      place(robot_at({}), expectation, local_map, to_points(scan, laser_of(10)), EngineOptions{});
+      place(robot_at({}), expectation, local_map, to_points(scan, laser_of(10), {}), EngineOptions{});
   ASSERT_TRUE(along.matched) << along.reason;
   EXPECT_NEAR(along.local_from_robot.x, 2, 0.1);
   const Placement not_along =

@@ -11,7 +11,7 @@ using namespace isthmus::testing;
 
 double contradiction_of(const Walls& a, const Walls& b, const Pose& a_from_b = {}) {
   const std::optional<double> share =
-      contradiction(*patch_from(a, PatchId{0}, {}), *patch_from(b, PatchId{1}, {}), a_from_b);
+      contradiction(*patch_from(a, PatchId{0}, {}), *patch_from(b, PatchId{1}, {}), a_from_b, {});
   EXPECT_TRUE(share.has_value());
   return share.value_or(-1);
 }
@@ -26,7 +26,7 @@ TEST(Contradiction, IsNoneWhereBothSeeTheSame) {
   EXPECT_EQ(contradiction_of(furnished_room(), furnished_room()), 0);
   const PatchPtr here = patch_from(furnished_room(), PatchId{0}, {});
   const PatchPtr there = patch_from(furnished_room(), PatchId{1}, {1, 0.5, 0.4});
-  EXPECT_LT(contradiction(*here, *there, {1, 0.5, 0.4}).value_or(1), 0.1);
+  EXPECT_LT(contradiction(*here, *there, {1, 0.5, 0.4}, {}).value_or(1), 0.1);
 }
 
 // All walls of the small room stand where the large one was seen to be empty, and each patch's walls count:
@@ -48,13 +48,13 @@ TEST(Contradiction, LooksFromWhereThePatchesLie) {
 
 TEST(Contradiction, IsUnknownWhereTheyHardlyLookAtTheSamePlace) {
   const PatchPtr room = patch_from(box(2), PatchId{0}, {});
-  EXPECT_FALSE(contradiction(*room, *patch_from(box(2), PatchId{1}, {}), {50, 0, 0}));
+  EXPECT_FALSE(contradiction(*room, *patch_from(box(2), PatchId{1}, {}), {50, 0, 0}, {}));
 }
 
 TEST(MeanContradiction, IsOverThePairsThatLookAtTheSamePlace) {
   const PatchPtr small = patch_from(box(2), PatchId{0}, {});
   const PatchPtr large = patch_from(box(4), PatchId{1}, {});
-  MeanContradiction mean;
+  MeanContradiction mean{ContradictionOptions{}};
   EXPECT_EQ(mean.mean(0.25), 0.25) << "of none";
   mean.add(*small, *large, {});
   mean.add(*small, *small, {});
@@ -68,7 +68,7 @@ TEST(MeanContradiction, TakesPatchesWhereTheManifoldHasThem) {
   manifold.add(patch_from(box(2), PatchId{0}, {}), {10, 0, 1});
   manifold.add(patch_from(box(4), PatchId{1}, {}), {10, 0, 1});
   manifold.add(patch_from(box(4), PatchId{2}, {}), {60, 0, 1});
-  MeanContradiction mean;
+  MeanContradiction mean{ContradictionOptions{}};
   mean.add(manifold, PatchId{0}, PatchId{1});
   mean.add(manifold, PatchId{0}, PatchId{2});
   EXPECT_EQ(mean.pairs(), 1);

@@ -26,7 +26,7 @@ Map crumpled_chain() {
 // Eq. 16 of the island, whatever the map does meanwhile.
 TEST(FitJob, FitsTheIslandAsItWasWhenItBegan) {
   Map map = crumpled_chain();
-  FitJob job(map, PatchId{0}, 0);
+  FitJob job(map, PatchId{0}, 0, {}, {});
   map.move_island(PatchId{0}, {5, 5, 1});
   const FitJob::Result result = job.take();
   EXPECT_TRUE(result.ok);
@@ -47,7 +47,7 @@ TEST(FitJob, TellsHowSurelyOnePatchWasKnownFromAnother) {
   RelationGraph before;
   for (int i = 0; i < 5; ++i) before.add_patch(PatchId{i});
   for (int i = 1; i < 4; ++i) before.add(odometry_relation(PatchId{i - 1}, PatchId{i}, {}, {100, 100, 1e6}));
-  FitJob job(map, PatchId{0}, 0, FitJob::ConfidenceQuestion{before, PatchId{0}, PatchId{3}});
+  FitJob job(map, PatchId{0}, 0, FitJob::ConfidenceQuestion{before, PatchId{0}, PatchId{3}}, {});
   const FitJob::Result result = job.take();
   ASSERT_TRUE(result.covariance);
   EXPECT_NEAR((*result.covariance)(0, 0), 0.03, 1e-4);
@@ -57,10 +57,10 @@ TEST(FitJob, TellsHowSurelyOnePatchWasKnownFromAnother) {
 // As many events as there are patches, or 20 ms a patch: by what the engine is told, never by the clock.
 TEST(FitJob, IsDueByEventsAndTheirTimeAlone) {
   const Map map = crumpled_chain();
-  FitJob by_events(map, PatchId{0}, 1'000'000);
+  FitJob by_events(map, PatchId{0}, 1'000'000, {}, {});
   for (int i = 0; i < 4; ++i) EXPECT_FALSE(by_events.advance(1'000'000));
   EXPECT_TRUE(by_events.advance(1'000'000));
-  FitJob by_time(map, PatchId{0}, 1'000'000);
+  FitJob by_time(map, PatchId{0}, 1'000'000, {}, {});
   EXPECT_FALSE(by_time.advance(1'099'999));
   EXPECT_TRUE(by_time.advance(1'100'000));
 }

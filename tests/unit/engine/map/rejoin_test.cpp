@@ -26,8 +26,8 @@ struct CameBack {
   Rejoin found(const Walls& walls, const Pose& off, const std::vector<PatchId>& unpaired = {}) const {
     Surroundings surroundings;
     surroundings.update(map, PatchId{1}, options, Surroundings::By::scans);
-    return find_rejoin(map, surroundings, {}, to_points(scan_from(walls, off), laser_of()), unpaired, newest,
-                       options);
+    return find_rejoin(map, surroundings, {}, to_points(scan_from(walls, off), laser_of(), {}), unpaired,
+                       newest, options);
   }
   Rejoin found(const Pose& off) const { return found(furnished_room(), off); }
 
@@ -123,47 +123,47 @@ const Pose moved{1, 0.5, 0.1};
 
 TEST(WaitingRejoins, GiveWhatIsCertainAtOnce) {
   WaitingRejoins waiting;
-  EXPECT_EQ(waiting.take(find_at(0, moved, true)).size(), 1U);
+  EXPECT_EQ(waiting.take(find_at(0, moved, true), {}).size(), 1U);
 }
 
 TEST(WaitingRejoins, WaitForThreeThatAgree) {
   WaitingRejoins waiting;
-  EXPECT_TRUE(waiting.take(find_at(0, moved)).empty());
-  EXPECT_TRUE(waiting.take(find_at(1, moved)).empty());
-  EXPECT_EQ(waiting.take(find_at(2.1, moved)).size(), 3U);
-  EXPECT_TRUE(waiting.take(find_at(3, moved)).empty()) << "what was given waits no more";
+  EXPECT_TRUE(waiting.take(find_at(0, moved), {}).empty());
+  EXPECT_TRUE(waiting.take(find_at(1, moved), {}).empty());
+  EXPECT_EQ(waiting.take(find_at(2.1, moved), {}).size(), 3U);
+  EXPECT_TRUE(waiting.take(find_at(3, moved), {}).empty()) << "what was given waits no more";
 }
 
 TEST(WaitingRejoins, CountOnlyThoseThatMoveTheMapAlike) {
   WaitingRejoins waiting;
-  EXPECT_TRUE(waiting.take(find_at(0, moved)).empty());
-  EXPECT_TRUE(waiting.take(find_at(1, {1.5, 0.5, 0.1})).empty()) << "half a metre aside";
-  EXPECT_TRUE(waiting.take(find_at(2, {1, 0.5, 0.2})).empty()) << "another yaw";
-  EXPECT_TRUE(waiting.take(find_at(2.5, moved)).empty()) << "two of its kind";
-  EXPECT_EQ(waiting.take(find_at(3, moved)).size(), 3U);
+  EXPECT_TRUE(waiting.take(find_at(0, moved), {}).empty());
+  EXPECT_TRUE(waiting.take(find_at(1, {1.5, 0.5, 0.1}), {}).empty()) << "half a metre aside";
+  EXPECT_TRUE(waiting.take(find_at(2, {1, 0.5, 0.2}), {}).empty()) << "another yaw";
+  EXPECT_TRUE(waiting.take(find_at(2.5, moved), {}).empty()) << "two of its kind";
+  EXPECT_EQ(waiting.take(find_at(3, moved), {}).size(), 3U);
 }
 
 // Seen thrice from one place, an alias is still an alias.
 TEST(WaitingRejoins, AskForTwoMetresOfWay) {
   WaitingRejoins waiting;
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(waiting.take(find_at(0.1 * i, moved)).empty());
-  EXPECT_EQ(waiting.take(find_at(2.1, moved)).size(), 6U);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(waiting.take(find_at(0.1 * i, moved), {}).empty());
+  EXPECT_EQ(waiting.take(find_at(2.1, moved), {}).size(), 6U);
 }
 
 TEST(WaitingRejoins, ForgetTheOldestOfMoreThanTwenty) {
   WaitingRejoins waiting;
-  EXPECT_TRUE(waiting.take(find_at(0, moved)).empty());
-  EXPECT_TRUE(waiting.take(find_at(1, moved)).empty());
-  for (int i = 0; i < 19; ++i) EXPECT_TRUE(waiting.take(find_at(0, {10.0 + i, 0, 0})).empty());
-  EXPECT_TRUE(waiting.take(find_at(2.1, moved)).empty());
+  EXPECT_TRUE(waiting.take(find_at(0, moved), {}).empty());
+  EXPECT_TRUE(waiting.take(find_at(1, moved), {}).empty());
+  for (int i = 0; i < 19; ++i) EXPECT_TRUE(waiting.take(find_at(0, {10.0 + i, 0, 0}), {}).empty());
+  EXPECT_TRUE(waiting.take(find_at(2.1, moved), {}).empty());
 }
 
 TEST(WaitingRejoins, HearNothingOfAFindWithoutRelations) {
   WaitingRejoins waiting;
   Rejoin nothing = find_at(0, moved, true);
   nothing.relations.clear();
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(waiting.take(nothing).empty());
-  EXPECT_TRUE(waiting.take(find_at(3, moved)).empty());
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(waiting.take(nothing, {}).empty());
+  EXPECT_TRUE(waiting.take(find_at(3, moved), {}).empty());
 }
 
 }  // namespace

@@ -31,9 +31,9 @@ TEST(Settling, FitsTheIslandThatWasAskedFor) {
   EXPECT_FALSE(settling.busy());
   settling.request(PatchId{1});
   EXPECT_TRUE(settling.busy());
-  settling.advance(map, 0);
+  settling.advance(map, 0, {});
   EXPECT_EQ(x(map, 2), 0) << "beside the engine, applied at a later event";
-  settling.advance(map, much_later);
+  settling.advance(map, much_later, {});
   EXPECT_NEAR(x(map, 2), 2, 1e-6);
   EXPECT_EQ(x(map, 5), 0) << "the other island was not asked for";
   EXPECT_FALSE(settling.busy());
@@ -43,11 +43,11 @@ TEST(Settling, FitsAnIslandOnceHoweverManyOfItsPatchesNameIt) {
   Map map = two_crumpled_islands();
   Settling settling;
   for (const int patch : {0, 1, 2, 4}) settling.request(PatchId{patch});
-  settling.advance(map, 0);
-  settling.advance(map, much_later);
+  settling.advance(map, 0, {});
+  settling.advance(map, much_later, {});
   EXPECT_NEAR(x(map, 2), 2, 1e-6);
   EXPECT_TRUE(settling.busy()) << "the second island is next";
-  settling.advance(map, 2 * much_later);
+  settling.advance(map, 2 * much_later, {});
   EXPECT_NEAR(x(map, 5), 2, 1e-6);
   EXPECT_FALSE(settling.busy());
 }
@@ -57,13 +57,13 @@ TEST(Settling, BeginsAnewWhereTheMapHasChanged) {
   Map map = two_crumpled_islands();
   Settling settling;
   settling.request(PatchId{3});
-  settling.advance(map, 0);
+  settling.advance(map, 0, {});
   map.relate(odometry_relation(PatchId{2}, PatchId{3}, {1, 0, 0}));
   settling.map_changed();
   EXPECT_TRUE(settling.busy());
-  settling.advance(map, much_later);
+  settling.advance(map, much_later, {});
   EXPECT_EQ(x(map, 5), 0);
-  settling.advance(map, 2 * much_later);
+  settling.advance(map, 2 * much_later, {});
   EXPECT_NEAR(x(map, 5), 5, 1e-6) << "the merged island";
   EXPECT_FALSE(settling.busy());
 }
@@ -75,7 +75,7 @@ TEST(Settling, HasNothingToFitOfAPatchAlone) {
   map.add(alone, {7, 0, 0});
   Settling settling;
   settling.request(PatchId{6});
-  settling.advance(map, 0);
+  settling.advance(map, 0, {});
   EXPECT_FALSE(settling.busy());
   EXPECT_EQ(x(map, 6), 7);
 }

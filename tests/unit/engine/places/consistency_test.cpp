@@ -40,7 +40,7 @@ Find found(int query, int anchor, const Pose& anchor_from_query) {
 
 Agreement between(const Map& map, const Find& first, const Find& second) {
   return agreement(map, first, NearbyConfidence(map, first.anchor, 50),
-                   NearbyConfidence(map, first.query, 50), second);
+                   NearbyConfidence(map, first.query, 50), second, {});
 }
 
 TEST(Agreement, FindsThatCloseTheLoopAroundThemAreConsistent) {
@@ -104,8 +104,8 @@ TEST(AgreementTable, FindsTheLargestSetThatHoldsAMember) {
   table.add({no, no});
   table.add({yes, yes, no});
   table.add({no, no, yes, unrelated});
-  EXPECT_EQ(table.largest_consistent_with(0), (std::vector<std::size_t>{0, 1, 3}));
-  EXPECT_EQ(table.largest_consistent_with(4), (std::vector<std::size_t>{2, 4}));
+  EXPECT_EQ(table.largest_consistent_with(0, {}), (std::vector<std::size_t>{0, 1, 3}));
+  EXPECT_EQ(table.largest_consistent_with(4, {}), (std::vector<std::size_t>{2, 4}));
   EXPECT_EQ(table.rivals_of({0, 1, 3}), (std::vector<std::size_t>{2, 4}));
 }
 
@@ -129,7 +129,7 @@ TEST(AgreementTable, ClosesUpWhereMembersLeave) {
   table.add({yes, no, yes});
   table.remove({false, true, false, false});
   EXPECT_EQ(table.size(), 3U);
-  EXPECT_EQ(table.largest_consistent_with(0), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(table.largest_consistent_with(0, {}), (std::vector<std::size_t>{0, 1, 2}));
   EXPECT_TRUE(table.rivals_of({0, 1, 2}).empty());
 }
 

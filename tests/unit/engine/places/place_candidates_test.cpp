@@ -34,7 +34,7 @@ constexpr PatchId newest{39};
 
 TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
   const Map map = round_a_block();
-  const std::vector<PlaceCandidate> places = places_on_own_island(map, newest);
+  const std::vector<PlaceCandidate> places = places_on_own_island(map, newest, {});
   ASSERT_FALSE(places.empty());
   for (const PlaceCandidate& place : places) {
     const Pose r = map.relative_pose(place.anchor, newest);
@@ -48,22 +48,23 @@ TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
 // About where the map has the patch, as wide as three standard deviations of what map and sensors err by.
 TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
   const Map map = round_a_block();
-  const PlaceCandidate place = places_on_own_island(map, newest).front();
+  const PlaceCandidate place = places_on_own_island(map, newest, {}).front();
   const Pose truth = map.relative_pose(place.anchor, newest);
   EXPECT_LE(std::abs(place.window.centre.x - truth.x), place.window.half_x_m);
   EXPECT_LE(std::abs(place.window.centre.y - truth.y), place.window.half_y_m);
-  const double yaw_sigma = std::sqrt(39 * 0.016 * 0.016 + systematic_variance(39).z());
+  const double yaw_sigma = std::sqrt(39 * 0.016 * 0.016 + systematic_variance(39, {}).z());
   EXPECT_NEAR(place.window.half_yaw_rad, 3 * yaw_sigma + 0.1, 0.01);
-  EXPECT_LT(place.window.half_x_m, places_on_own_island(round_a_block(0.2), newest).front().window.half_x_m)
+  EXPECT_LT(place.window.half_x_m,
+            places_on_own_island(round_a_block(0.2), newest, {}).front().window.half_x_m)
       << "worse odometry, wider windows";
-  for (const PlaceCandidate& wide : places_on_own_island(round_a_block(1, 0.2), newest)) {
+  for (const PlaceCandidate& wide : places_on_own_island(round_a_block(1, 0.2), newest, {})) {
     EXPECT_LE(wide.window.half_x_m, 5) << "the next anchor has the rest";
     EXPECT_LE(wide.window.half_yaw_rad, std::numbers::pi);
   }
 }
 
 TEST(PlacesOnOwnIsland, LeaveOutWhatTheMapIsSureOf) {
-  EXPECT_TRUE(places_on_own_island(round_a_block(0.001, 0.0001), newest).empty());
+  EXPECT_TRUE(places_on_own_island(round_a_block(0.001, 0.0001), newest, {}).empty());
 }
 
 TEST(PlacesOnOwnIsland, LeaveOutWhatSawNoWalls) {
@@ -74,7 +75,7 @@ TEST(PlacesOnOwnIsland, LeaveOutWhatSawNoWalls) {
     map.add(blind, round_a_block().manifold().pose(PatchId{i}));
     if (i > 0) map.relate(odometry_relation(PatchId{i - 1}, PatchId{i}, {1, 0, 0}, {400, 400, 4000}));
   }
-  EXPECT_TRUE(places_on_own_island(map, newest).empty());
+  EXPECT_TRUE(places_on_own_island(map, newest, {}).empty());
 }
 
 // Of `count` patches, a metre apart.
@@ -88,7 +89,7 @@ TEST(PlacesOnOtherIslands, CoverThemInEveryDirection) {
   Map map;
   const PatchId own = add_row(map, 10).back();
   const std::vector<PatchId> other = add_row(map, 10);
-  const std::vector<PlaceCandidate> places = places_on_other_islands(map, own);
+  const std::vector<PlaceCandidate> places = places_on_other_islands(map, own, {});
   EXPECT_EQ(places.size(), 3U) << "at 0 m, 4 m and 8 m";
   for (const PatchId id : other) {
     const bool near = std::ranges::any_of(
@@ -107,14 +108,14 @@ TEST(PlacesOnOtherIslands, LeaveOutIslandsOfLessThanSixPatches) {
   Map map;
   const PatchId own = add_row(map, 10).back();
   add_row(map, 5);
-  EXPECT_TRUE(places_on_other_islands(map, own).empty());
+  EXPECT_TRUE(places_on_other_islands(map, own, {}).empty());
   add_row(map, 6);
-  EXPECT_FALSE(places_on_other_islands(map, own).empty());
+  EXPECT_FALSE(places_on_other_islands(map, own, {}).empty());
 }
 
 // What errs the same way all along adds up: standard deviations grow with the way, and not with its root.
 TEST(SystematicVariance, GrowsWithTheSquareOfTheWay) {
-  const auto sigma = [](double way_m) { return Eigen::Vector3d(systematic_variance(way_m).cwiseSqrt()); };
+  const auto sigma = [](double way_m) { return Eigen::Vector3d(systematic_variance(way_m, {}).cwiseSqrt()); };
   EXPECT_TRUE((sigma(200) - sigma(100)).isApprox(sigma(100) - sigma(0), 1e-9));
   EXPECT_GT(sigma(100).x(), sigma(0).x() + 1) << "more than a per cent";
   EXPECT_EQ(sigma(100).x(), sigma(100).y());

@@ -45,8 +45,8 @@ const std::vector<Pose> back = {{2, 0.2, 3}, {0.8, 0.1, 3.1}, {-0.5, 0, -3.1}, {
 TEST(SearchPlace, FindsWhereAWayLiesWhateverItsYaw) {
   const TwoWays ways = two_ways(crooked_room(), there, back);
   const RigidPiece place = place_around(ways.map, PatchId{1}, {});
-  const RigidPiece piece = piece_of_way(ways.map, ways.second_newest_first);
-  const PlaceSearch search = search_place(place, piece, {Pose{}, 4, 4, std::numbers::pi}, 0.5);
+  const RigidPiece piece = piece_of_way(ways.map, ways.second_newest_first, {});
+  const PlaceSearch search = search_place(place, piece, {Pose{}, 4, 4, std::numbers::pi}, 0.5, {});
   ASSERT_FALSE(search.answers.empty());
   EXPECT_FALSE(search.exhausted);
   const Pose truth = ominus(back.back(), there[1]);
@@ -73,8 +73,8 @@ TEST(SearchPlace, FindsNothingElsewhere) {
   std::vector<PatchId> newest_first;
   for (std::int32_t i = first_other + 4; i-- > first_other;) newest_first.push_back(PatchId{i});
   const PlaceSearch search =
-      search_place(place_around(ways.map, PatchId{1}, {}), piece_of_way(ways.map, newest_first),
-                   {Pose{}, 4, 4, std::numbers::pi}, 0.7);
+      search_place(place_around(ways.map, PatchId{1}, {}), piece_of_way(ways.map, newest_first, {}),
+                   {Pose{}, 4, 4, std::numbers::pi}, 0.7, {});
   EXPECT_TRUE(search.answers.empty());
 }
 
@@ -82,7 +82,7 @@ TEST(Refine, ACorridorTellsNotHowFarAlong) {
   const TwoWays ways = two_ways(corridor(), {{0, 0, 0}, {2, 0, 0}, {4, 0, 0}}, {{1, 0.1, 0}, {3, 0, 0}});
   const PlaceAnswer answer{PatchId{1}, Pose{1, 0, 0}, 1, 0, 0};
   EXPECT_FALSE(refine(place_around(ways.map, PatchId{1}, {}),
-                      piece_of_way(ways.map, ways.second_newest_first), answer, {}));
+                      piece_of_way(ways.map, ways.second_newest_first, {}), answer, {}));
 }
 
 TEST(Seam, OneCorridorHasNoWidth) {

@@ -54,10 +54,10 @@ TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
   Map map = round_a_block();
   const std::vector<PatchId> asked = {PatchId{38}, PatchId{5}, PatchId{36}};
   std::vector<std::vector<PlaceCandidate>> expected;
-  for (const PatchId patch : asked) expected.push_back(places_on_own_island(map, patch));
+  for (const PatchId patch : asked) expected.push_back(places_on_own_island(map, patch, {}));
   ASSERT_FALSE(expected.at(0).empty());
 
-  const PlacesJob job(map, asked, 0);
+  const PlacesJob job(map, asked, 0, {});
   map.move_island(PatchId{0}, {3, 4, 1});
   map.refit_island(PatchId{0});
   ASSERT_EQ(job.places().size(), asked.size());
@@ -66,11 +66,11 @@ TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
 
 TEST(PlacesJob, IsDueByTheTimeThatPassesAndTheSizeOfTheMapAlone) {
   const Map map = round_a_block();
-  const PlacesJob job(map, {PatchId{38}}, 5'000'000);
+  const PlacesJob job(map, {PatchId{38}}, 5'000'000, {});
   EXPECT_FALSE(job.is_due(5'000'000));
   EXPECT_FALSE(job.is_due(5'116'999));
   EXPECT_TRUE(job.is_due(5'117'000));
-  const PlacesJob later(map, {PatchId{38}}, 6'000'000);
+  const PlacesJob later(map, {PatchId{38}}, 6'000'000, {});
   EXPECT_FALSE(later.is_due(6'116'999));
 }
 

@@ -78,7 +78,7 @@ std::vector<Relation> induced(const Map& map) {
 TEST(Propagation, RelatesAPatchToThoseBeyondTheSeam) {
   TwoWays ways;
   Propagation propagation = ways.begun();
-  propagation.enqueue(PatchId{1});
+  propagation.enqueue(PatchId{1}, {});
   EXPECT_FALSE(propagation.done());
   EXPECT_TRUE(ways.stepped(propagation));
   const std::vector<Relation> found = induced(ways.map);
@@ -99,7 +99,7 @@ TEST(Propagation, RelatesAPatchToThoseBeyondTheSeam) {
 TEST(Propagation, FindsNothingNewTheSecondTime) {
   TwoWays ways;
   Propagation propagation = ways.begun();
-  propagation.enqueue(PatchId{1});
+  propagation.enqueue(PatchId{1}, {});
   ways.run(propagation);
   std::set<std::pair<PatchId, PatchId>> pairs;
   for (const Relation& relation : induced(ways.map)) {
@@ -109,7 +109,7 @@ TEST(Propagation, FindsNothingNewTheSecondTime) {
   }
   const std::size_t relations = ways.map.graph().relations().size();
   propagation.forget_visits();
-  propagation.enqueue(PatchId{1});
+  propagation.enqueue(PatchId{1}, {});
   EXPECT_FALSE(ways.stepped(propagation));
   EXPECT_TRUE(propagation.done()) << "nothing new, so nobody follows";
   EXPECT_EQ(ways.map.graph().relations().size(), relations);
@@ -120,7 +120,7 @@ TEST(Propagation, RefitsTheMapAroundWhatItFound) {
   TwoWays ways;
   EXPECT_GT(ways.error_m(1, 4), 0.15);
   Propagation propagation = ways.begun();
-  propagation.enqueue(PatchId{1});
+  propagation.enqueue(PatchId{1}, {});
   ASSERT_TRUE(ways.stepped(propagation));
   EXPECT_LT(ways.error_m(1, 4), 0.05);
 }
@@ -129,7 +129,7 @@ TEST(Propagation, RefitsTheMapAroundWhatItFound) {
 TEST(Propagation, GoesOnToAllThatAreRelatedUntilNothingNewIsFound) {
   TwoWays ways;
   Propagation propagation = ways.begun();
-  propagation.enqueue(PatchId{1});
+  propagation.enqueue(PatchId{1}, {});
   ways.run(propagation);
   EXPECT_GE(propagation.steps(), 6);
   EXPECT_LE(propagation.steps(), 24) << "a patch comes to the queue four times at most";
@@ -144,8 +144,8 @@ TEST(Propagation, TakesAPatchOnceWhileItWaitsAndNobodyElseWhereNothingNewIsFound
   add_box(others, -6, -6, 7, 5);
   TwoWays ways(crooked_room(), there, others, again);
   Propagation propagation = ways.begun();
-  propagation.enqueue(PatchId{1});
-  propagation.enqueue(PatchId{1});  // it waits there already
+  propagation.enqueue(PatchId{1}, {});
+  propagation.enqueue(PatchId{1}, {});  // it waits there already
   EXPECT_FALSE(ways.stepped(propagation));
   EXPECT_TRUE(propagation.done());
   EXPECT_TRUE(induced(ways.map).empty());
@@ -155,7 +155,7 @@ TEST(Propagation, TakesAPatchOnceWhileItWaitsAndNobodyElseWhereNothingNewIsFound
 TEST(Propagation, TakesPatchesInTurn) {
   TwoWays ways;
   Propagation propagation = ways.begun();
-  for (const int patch : {2, 0}) propagation.enqueue(PatchId{patch});
+  for (const int patch : {2, 0}) propagation.enqueue(PatchId{patch}, {});
   ways.stepped(propagation);
   ways.stepped(propagation);
   const std::vector<PatchId> in_turn = {PatchId{2}, PatchId{0}};
@@ -168,14 +168,14 @@ TEST(Propagation, TakesAPatchFourTimesAndNoMore) {
   TwoWays ways(crooked_room(), there, others, again);
   Propagation propagation = ways.begun();
   for (int i = 0; i < 4; ++i) {
-    propagation.enqueue(PatchId{1});
+    propagation.enqueue(PatchId{1}, {});
     ASSERT_FALSE(propagation.done());
     ways.stepped(propagation);
   }
-  propagation.enqueue(PatchId{1});
+  propagation.enqueue(PatchId{1}, {});
   EXPECT_TRUE(propagation.done());
   propagation.forget_visits();
-  propagation.enqueue(PatchId{1});
+  propagation.enqueue(PatchId{1}, {});
   EXPECT_FALSE(propagation.done());
 }
 
@@ -186,7 +186,7 @@ TEST(Propagation, RelatesNothingToOtherIslands) {
   add_way(apart, crooked_room(), there);
   add_way(apart, crooked_room(), again);
   Propagation propagation{apart.graph(), of_closure};
-  for (int i = 0; i < 6; ++i) propagation.enqueue(PatchId{i});
+  for (int i = 0; i < 6; ++i) propagation.enqueue(PatchId{i}, {});
   while (!propagation.done()) EXPECT_FALSE(propagation.step(apart, ways.options));
   EXPECT_TRUE(induced(apart).empty());
 }
@@ -194,9 +194,10 @@ TEST(Propagation, RelatesNothingToOtherIslands) {
 TEST(Propagation, TellsTheSidesOfTheSeamByTheGraphBefore) {
   const TwoWays ways;
   const std::vector<PatchId> first = {PatchId{0}, PatchId{1}, PatchId{2}};
-  EXPECT_EQ(ways.begun().same_side(ways.map, PatchId{0}), first);
+  EXPECT_EQ(ways.begun().same_side(ways.map, PatchId{0}, {}), first);
   const Propagation without(std::nullopt, of_closure);
-  EXPECT_EQ(without.same_side(ways.map, PatchId{0}), first) << "a sighting says little of where walls are";
+  EXPECT_EQ(without.same_side(ways.map, PatchId{0}, {}), first)
+      << "a sighting says little of where walls are";
 }
 
 // Where the seam is sharply known, a scan that does not fit what lies there speaks against the change: here
@@ -214,11 +215,11 @@ TEST(Propagation, RemembersWhatMustFitAndDoesNot) {
   ways.map.relate(sharp);
   ways.map.refit_island(PatchId{0});
   Propagation propagation = ways.begun();
-  propagation.enqueue(PatchId{1});
+  propagation.enqueue(PatchId{1}, {});
   EXPECT_FALSE(ways.stepped(propagation));
   EXPECT_EQ(propagation.unmatched(), std::vector<PatchId>{PatchId{1}});
   EXPECT_TRUE(propagation.done());
-  propagation.retry();
+  propagation.retry({});
   EXPECT_FALSE(propagation.done()) << "once more, when poses are better";
 }
 
@@ -253,8 +254,8 @@ TEST(Propagation, OfOneRelationJoinsTwoWaysAllAlong) {
   };
   EXPECT_GT(apart_m(), 1.5);
   Propagation propagation{graph, of_closure};
-  propagation.enqueue(PatchId{0});
-  propagation.enqueue(PatchId{16});
+  propagation.enqueue(PatchId{0}, {});
+  propagation.enqueue(PatchId{16}, {});
   while (!propagation.done()) propagation.step(map, options);
   EXPECT_LT(apart_m(), 0.1);
   EXPECT_GE(propagation.matched().size(), 16U);

@@ -27,8 +27,7 @@ struct Placed {
     return added;
   }
   Seam seam_before(PatchId second, const std::vector<PatchId>& matched) const {
-    return seam(
-        map, island, [&](PatchId id) { return id >= second; }, matched);
+    return seam(map, island, [&](PatchId id) { return id >= second; }, matched, {});
   }
 
   Map map;

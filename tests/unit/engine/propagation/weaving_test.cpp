@@ -33,7 +33,7 @@ struct ThereAndBack {
 TEST(Weaving, RelatesWhereARobotStandsToWhatLiesThere) {
   ThereAndBack room;
   EXPECT_FALSE(room.weaving.busy());
-  room.weaving.stands_on("R1", PatchId{5});
+  room.weaving.stands_on("R1", PatchId{5}, {});
   EXPECT_TRUE(room.weaving.busy());
   room.advance(1'000'000);
   EXPECT_EQ(room.relations(0, 5), 1U);
@@ -44,7 +44,7 @@ TEST(Weaving, RelatesWhereARobotStandsToWhatLiesThere) {
 // One step of 5 ms for every 10 ms that pass, and none saved up.
 TEST(Weaving, WorksOnHalfOfTheTimeThatPasses) {
   ThereAndBack room;
-  room.weaving.weave_all(room.map);
+  room.weaving.weave_all(room.map, {});
   const auto all = [&] { return room.map.graph().relations().size(); };
   const std::size_t before = all();
   room.advance(9'999);
@@ -58,18 +58,18 @@ TEST(Weaving, WorksOnHalfOfTheTimeThatPasses) {
 
 TEST(Weaving, TakesAPatchOnceWhileTheRobotStandsThere) {
   ThereAndBack room;
-  room.weaving.stands_on("R1", PatchId{1});
+  room.weaving.stands_on("R1", PatchId{1}, {});
   while (room.weaving.finish_step(room.map, room.options)) {
   }
-  room.weaving.stands_on("R1", PatchId{1});
+  room.weaving.stands_on("R1", PatchId{1}, {});
   EXPECT_FALSE(room.weaving.busy());
-  room.weaving.stands_on("R2", PatchId{1});
+  room.weaving.stands_on("R2", PatchId{1}, {});
   EXPECT_TRUE(room.weaving.busy()) << "another robot has come";
 }
 
 TEST(Weaving, OfAllTakesEveryPatch) {
   ThereAndBack room;
-  room.weaving.weave_all(room.map);
+  room.weaving.weave_all(room.map, {});
   while (room.weaving.finish_step(room.map, room.options)) {
   }
   EXPECT_FALSE(room.weaving.busy());
@@ -89,7 +89,7 @@ TEST(Weaving, LeavesAloneWhatIsNotWellDetermined) {
                                      {1e4, 1e4, 1 / (sigma_rad * sigma_rad)}));
     }
     Weaving weaving;
-    weaving.stands_on("R1", PatchId{5});
+    weaving.stands_on("R1", PatchId{5}, {});
     weaving.finish_step(map, {});
     const bool well_determined = 1.96 * sigma_rad * std::sqrt(5) < 0.2;
     EXPECT_EQ(map.graph().between(PatchId{0}, PatchId{5}).empty(), !well_determined);

@@ -14,7 +14,7 @@ TEST(HealthRecords, AreOfDeclaredRobotsWithTheirOwnLosses) {
   Counters counters;
   counters.dropped_by_robot["R2"]["no_odometry"] = 100;
   counters.dropped_by_robot["STRANGER"]["unknown_robot"] = 5;
-  const std::vector<HealthRecord> records = health_records(robots, counters);
+  const std::vector<HealthRecord> records = health_records(robots, counters, {});
   ASSERT_EQ(records.size(), 2U);
   EXPECT_EQ(records[0].robot, "R1");
   EXPECT_EQ(records[0].figures.odometry_messages, 3);

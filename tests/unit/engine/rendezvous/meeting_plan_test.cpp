@@ -41,7 +41,7 @@ struct TwoRooms {
       robots[name].place->pose = {PatchId{patch}, {}};
     }
   }
-  std::optional<MeetingPlan> plan() const { return plan_meeting(map, robots, hypothesis); }
+  std::optional<MeetingPlan> plan() const { return plan_meeting(map, robots, hypothesis, {}); }
 
   const Pose second_from_world{50, 20, 1};
   const UndecidedHypothesis hypothesis{ClosureId{3}, PatchId{0}, PatchId{1}, {2, 0, pi}, 1};

@@ -82,7 +82,8 @@ class RendezvousTest : public ::testing::Test {
                                  const Walls& walls = furnished_room()) {
     for (double time_s = from_s; time_s < to_s; time_s += 0.2) {
       for (const char* robot : {"R1", "R2"}) {
-        const auto refuted = rendezvous.take_scan(map_, robots_, robot, scan_of(robot, walls), utime(time_s));
+        const auto refuted =
+            rendezvous.take_scan(map_, robots_, robot, scan_of(robot, walls), utime(time_s), {});
         if (refuted) return refuted;
       }
     }
@@ -91,7 +92,7 @@ class RendezvousTest : public ::testing::Test {
 
   Rendezvous chosen() {
     Rendezvous rendezvous;
-    rendezvous.choose(map_, robots_, std::vector{guess_}, utime(0));
+    rendezvous.choose(map_, robots_, std::vector{guess_}, utime(0), {});
     return rendezvous;
   }
 
@@ -106,7 +107,7 @@ class RendezvousTest : public ::testing::Test {
 };
 
 TEST_F(RendezvousTest, PlacesAreNearFaceOneAnotherAndAreFree) {
-  const auto plan = plan_meeting(map_, robots_, guess_);
+  const auto plan = plan_meeting(map_, robots_, guess_, {});
   ASSERT_TRUE(plan);
   EXPECT_EQ(plan->a.robot, "R1");
   EXPECT_EQ(plan->b.robot, "R2");
@@ -129,19 +130,19 @@ TEST_F(RendezvousTest, PlacesAreNearFaceOneAnotherAndAreFree) {
 TEST_F(RendezvousTest, NoMeetingOfRobotsThatCannotSeeOneAnotherOrAreElsewhere) {
   auto blind = robots_;
   blind["R2"].declaration.barcode = -1;
-  EXPECT_FALSE(plan_meeting(map_, blind, guess_));
+  EXPECT_FALSE(plan_meeting(map_, blind, guess_, {}));
   auto gone = robots_;
   gone["R2"].place.reset();
-  EXPECT_FALSE(plan_meeting(map_, gone, guess_));
+  EXPECT_FALSE(plan_meeting(map_, gone, guess_, {}));
   relate(1, 2);  // the charts have become one
-  EXPECT_FALSE(plan_meeting(map_, robots_, guess_));
+  EXPECT_FALSE(plan_meeting(map_, robots_, guess_, {}));
 }
 
 // Were the guess true, nothing that the one knows for free would be near what the other knows.
 TEST_F(RendezvousTest, NoMeetingOfChartsThatWouldNotTouch) {
   UndecidedHypothesis behind = guess_;
   behind.first_from_second = Pose{14, 0, 0};
-  EXPECT_FALSE(plan_meeting(map_, robots_, behind));
+  EXPECT_FALSE(plan_meeting(map_, robots_, behind, {}));
 }
 
 TEST_F(RendezvousTest, TheMostValuableHypothesisIsChosenAndKept) {
@@ -149,19 +150,19 @@ TEST_F(RendezvousTest, TheMostValuableHypothesisIsChosenAndKept) {
   other.id = ClosureId{8};
   other.value = 15;
   Rendezvous rendezvous;
-  rendezvous.choose(map_, robots_, std::vector{guess_, other}, utime(0));
+  rendezvous.choose(map_, robots_, std::vector{guess_, other}, utime(0), {});
   ASSERT_TRUE(rendezvous.meeting());
   EXPECT_EQ(rendezvous.meeting()->hypothesis.id, other.id);
   EXPECT_FALSE(rendezvous.is_due(utime(0.5)));
   EXPECT_TRUE(rendezvous.is_due(utime(1)));
   UndecidedHypothesis risen = guess_;
   risen.value = 20;  // not worth turning for
-  rendezvous.choose(map_, robots_, std::vector{risen, other}, utime(1));
+  rendezvous.choose(map_, robots_, std::vector{risen, other}, utime(1), {});
   EXPECT_EQ(rendezvous.meeting()->hypothesis.id, other.id);
   risen.value = 40;
-  rendezvous.choose(map_, robots_, std::vector{risen, other}, utime(2));
+  rendezvous.choose(map_, robots_, std::vector{risen, other}, utime(2), {});
   EXPECT_EQ(rendezvous.meeting()->hypothesis.id, guess);
-  rendezvous.choose(map_, robots_, std::vector<UndecidedHypothesis>{}, utime(3));
+  rendezvous.choose(map_, robots_, std::vector<UndecidedHypothesis>{}, utime(3), {});
   EXPECT_FALSE(rendezvous.record());
 }
 
@@ -232,8 +233,8 @@ TEST_F(RendezvousTest, WhereSomebodyStandsNothingIsProved) {
   add_box(walls, b.x - 0.2, b.y - 0.2, b.x + 0.2, b.y + 0.2);
   for (double time_s = 0; time_s < 8; time_s += 0.2) {
     const Scan seen = scan_of("R1", walls), clear = scan_of("R2");
-    EXPECT_FALSE(rendezvous.take_scan(map_, robots_, "R1", seen, utime(time_s)));
-    EXPECT_FALSE(rendezvous.take_scan(map_, robots_, "R2", clear, utime(time_s)));
+    EXPECT_FALSE(rendezvous.take_scan(map_, robots_, "R1", seen, utime(time_s), {}));
+    EXPECT_FALSE(rendezvous.take_scan(map_, robots_, "R2", clear, utime(time_s), {}));
   }
 }
 

@@ -44,8 +44,8 @@ TEST(OdometryNoise, LearnsToTrustOdometryThatAgreesAndToDoubtOneThatDoesNot) {
   OdometryNoise bad;
   const Pose step{0.1, 0, 0.02};
   for (int i = 0; i < 500; ++i) {
-    good.learn(step, step, Eigen::Matrix2d::Identity());
-    bad.learn(step, {0.14, i % 2 == 0 ? 0.03 : -0.03, -0.03}, Eigen::Matrix2d::Identity());
+    good.learn(step, step, Eigen::Matrix2d::Identity(), {});
+    bad.learn(step, {0.14, i % 2 == 0 ? 0.03 : -0.03, -0.03}, Eigen::Matrix2d::Identity(), {});
   }
   EXPECT_LT(good.translation_scale(), 0.7);
   EXPECT_LT(good.rotation_scale(), 0.7);
@@ -56,18 +56,18 @@ TEST(OdometryNoise, LearnsToTrustOdometryThatAgreesAndToDoubtOneThatDoesNot) {
 TEST(OdometryNoise, LearnsNothingFromRestNorAlongADirectionThatTheMatchOnlyGuesses) {
   OdometryNoise noise;
   const double before = noise.translation_scale();
-  for (int i = 0; i < 500; ++i) noise.learn({}, {0.005, 0, 0}, Eigen::Matrix2d::Identity());
+  for (int i = 0; i < 500; ++i) noise.learn({}, {0.005, 0, 0}, Eigen::Matrix2d::Identity(), {});
   EXPECT_EQ(noise.translation_scale(), before);
   const Eigen::Matrix2d across_only = Eigen::Vector2d(0, 1).asDiagonal();
-  for (int i = 0; i < 500; ++i) noise.learn({0.1, 0, 0}, {0.3, 0, 0}, across_only);
+  for (int i = 0; i < 500; ++i) noise.learn({0.1, 0, 0}, {0.3, 0, 0}, across_only, {});
   EXPECT_EQ(noise.translation_scale(), before);
 }
 
 TEST(OdometryNoise, APathThatIsFarOffIsBelievedLess) {
   OdometryNoise noise;
   const Eigen::Matrix3d summed = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
-  const Eigen::Matrix3d near = noise.path_covariance({1, 0, 0}, summed, {1.005, 0, 0}, true);
-  const Eigen::Matrix3d far = noise.path_covariance({1, 0, 0}, summed, {1.5, 0, 0}, true);
+  const Eigen::Matrix3d near = noise.path_covariance({1, 0, 0}, summed, {1.005, 0, 0}, true, {});
+  const Eigen::Matrix3d far = noise.path_covariance({1, 0, 0}, summed, {1.5, 0, 0}, true, {});
   EXPECT_GT(far(0, 0), 10 * near(0, 0));
   // What is off by half a metre is then no contradiction: chi² within its 95 %.
   EXPECT_LE(0.25 / far(0, 0), 7.9);

@@ -36,15 +36,15 @@ RobotHealth driven(Odometry odometry, bool well_seen = true, int scans = 200) {
     const Pose told = odometry(step);
     odom_from_robot = odom_from_robot * told;
     health.heard_odometry(odom_from_robot);
-    health.heard_scan(scan_with(181, 100), laser);
-    health.matched(told, step, well_seen);
+    health.heard_scan(scan_with(181, 100), laser, {}, {});
+    health.matched(told, step, well_seen, {});
   }
   return health;
 }
 
 std::vector<std::string> keys(const RobotHealth& health) {
   std::vector<std::string> all;
-  for (const HealthWarning& warning : health_warnings("R1", laser, health.figures()))
+  for (const HealthWarning& warning : health_warnings("R1", laser, health.figures({}), {}, {}))
     all.push_back(warning.key);
   return all;
 }
@@ -63,7 +63,7 @@ RobotHealth with_clock_ahead(double ahead_s) {
 TEST(RobotHealth, AClockOfAnotherTimeIsTold) {
   EXPECT_EQ(keys(with_clock_ahead(3600)), Keys{"clock_ahead"});
   EXPECT_EQ(keys(with_clock_ahead(-3600)), Keys{"clock_behind"});
-  EXPECT_NEAR(*with_clock_ahead(3600).figures().clock_ahead_s, 3600, 0.1);
+  EXPECT_NEAR(*with_clock_ahead(3600).figures({}).clock_ahead_s, 3600, 0.1);
 }
 
 // What comes late out of a radio shadow says nothing of the clock.
@@ -74,7 +74,7 @@ TEST(RobotHealth, OdometryThatAgreesWarnsOfNothing) {
     return Pose{1.03 * step.x, 0.002, 1.05 * step.yaw};
   });
   EXPECT_EQ(keys(health), Keys{});
-  const HealthFigures figures = health.figures();
+  const HealthFigures figures = health.figures({});
   EXPECT_NEAR(figures.way.laser, 20, 0.5);
   EXPECT_GT(figures.way.explained(), 0.9);
   EXPECT_NEAR(figures.way.ratio(), 1.03, 0.01);
@@ -92,7 +92,7 @@ TEST(RobotHealth, OdometryInAnotherUnit) {
     ASSERT_EQ(keys(health), Keys{"odometry_unit"}) << unit;
   }
   const RobotHealth health = driven([&](const Pose& step) { return Pose{1000 * step.x, 0, step.yaw}; });
-  const std::string text = health_warnings("R1", laser, health.figures()).at(0).text;
+  const std::string text = health_warnings("R1", laser, health.figures({}), {}, {}).at(0).text;
   EXPECT_NE(text.find("is 1000 times"), std::string::npos) << text;
   EXPECT_NE(text.find("millimetres"), std::string::npos) << text;
 }
@@ -135,7 +135,7 @@ TEST(RobotHealth, LateOdometry) {
     return Pose{step.x, 0, then.yaw};
   };
   const RobotHealth health = driven(late);
-  EXPECT_EQ(health.figures().best_lag_scans, 3);
+  EXPECT_EQ(health.figures({}).best_lag_scans, 3);
   const Keys found = keys(health);
   EXPECT_NE(std::ranges::find(found, "time_offset"), found.end());
 }
@@ -148,13 +148,14 @@ RobotHealth driven_late(double late_scans, int scans = 1000) {
   const auto yaw = [](double scan) { return 0.8 * std::sin(0.3 * scan) + 0.5 * std::sin(0.17 * scan); };
   const auto turn = [&](double scan) { return yaw(scan) - yaw(scan - 1); };
   for (int i = 0; i < scans; ++i)
-    health.matched({0.1, 0, turn(i - late_scans) + noise(random)}, {0.1, 0, turn(i) + noise(random)}, true);
+    health.matched({0.1, 0, turn(i - late_scans) + noise(random)}, {0.1, 0, turn(i) + noise(random)}, true,
+                   {});
   return health;
 }
 
 TEST(RobotHealth, OffsetOfOdometryToATenthOfAScan) {
   for (const double late_scans : {-1.6, -1.0, -0.6, -0.3, 0.0, 0.3, 0.8}) {
-    const HealthFigures figures = driven_late(late_scans).figures();
+    const HealthFigures figures = driven_late(late_scans).figures({});
     ASSERT_TRUE(figures.offset_scans);
     EXPECT_NEAR(*figures.offset_scans, late_scans, 0.11);
     if (std::abs(late_scans) > 0.2) {
@@ -164,14 +165,14 @@ TEST(RobotHealth, OffsetOfOdometryToATenthOfAScan) {
 }
 
 TEST(RobotHealth, NoOffsetBeforeTheRobotHasTurnedEnough) {
-  EXPECT_FALSE(driven_late(-0.6, 20).figures().offset_scans);
+  EXPECT_FALSE(driven_late(-0.6, 20).figures({}).offset_scans);
 }
 
 // In a corridor a match only repeats what odometry says of the way along it.
 TEST(RobotHealth, WaysThatTheLaserLeavesOpenAreLeftOut) {
   const RobotHealth health = driven([](const Pose& step) { return step; }, false);
-  EXPECT_EQ(health.figures().way.laser, 0);
-  EXPECT_GT(health.figures().turn.laser, 2);
+  EXPECT_EQ(health.figures({}).way.laser, 0);
+  EXPECT_GT(health.figures({}).turn.laser, 2);
 }
 
 // Matches of a robot at rest tremble; that is no motion.
@@ -179,9 +180,9 @@ TEST(RobotHealth, TremblingAtRestIsNoMotion) {
   RobotHealth health;
   for (int i = 0; i < 10'000; ++i) {
     health.heard_odometry(Pose{});
-    health.heard_scan(scan_with(181, 100), laser);
+    health.heard_scan(scan_with(181, 100), laser, {}, {});
     const double off = i % 2 == 0 ? 0.004 : -0.003;
-    health.matched(Pose{}, Pose{off, off, 0.1 * off}, true);
+    health.matched(Pose{}, Pose{off, off, 0.1 * off}, true, {});
   }
   EXPECT_EQ(keys(health), Keys{});
 }
@@ -191,26 +192,26 @@ TEST(RobotHealth, ScansThatSayNothing) {
   for (int i = 0; i < 100; ++i) {
     none.heard_odometry(Pose{0.1 * i, 0, 0});
     one_beam.heard_odometry(Pose{0.1 * i, 0, 0});
-    one_beam.heard_scan(scan_with(1, 1), laser);
+    one_beam.heard_scan(scan_with(1, 1), laser, {}, {});
     one_beam.unmatched();
     few.heard_odometry(Pose{0.1 * i, 0, 0});
-    few.heard_scan(scan_with(181, i % 4 == 0 ? 50 : 5), laser);
+    few.heard_scan(scan_with(181, i % 4 == 0 ? 50 : 5), laser, {}, {});
     without.heard_odometry(Pose{0.1 * i, 0, 0});
-    without.heard_scan(scan_with(181, 0), laser);
+    without.heard_scan(scan_with(181, 0), laser, {}, {});
     without.unmatched();
   }
   EXPECT_EQ(keys(none), Keys{"no_scans"});
   EXPECT_EQ(keys(one_beam), Keys{"few_beams"});
   EXPECT_EQ(keys(few), Keys{"few_returns"});
   EXPECT_EQ(keys(without), Keys{"no_returns"});
-  EXPECT_EQ(health_warnings("R1", laser, without.figures()).at(0).text.substr(0, 25),
+  EXPECT_EQ(health_warnings("R1", laser, without.figures({}), {}, {}).at(0).text.substr(0, 25),
             "no scan of R1 had a retur");
 }
 
 TEST(RobotHealth, ScansWithoutOdometry) {
   RobotHealth health;
-  for (int i = 0; i < 100; ++i) health.heard_scan(scan_with(181, 100), laser);
-  const auto warnings = health_warnings("R1", laser, health.figures(), {{"absurd_value", 7}});
+  for (int i = 0; i < 100; ++i) health.heard_scan(scan_with(181, 100), laser, {}, {});
+  const auto warnings = health_warnings("R1", laser, health.figures({}), {{"absurd_value", 7}}, {});
   ASSERT_FALSE(warnings.empty());
   EXPECT_EQ(warnings[0].key, "no_odometry");
   EXPECT_NE(warnings[0].text.find("absurd_value 7"), std::string::npos);
@@ -221,7 +222,7 @@ TEST(RobotHealth, SilentWhereNothingIsKnown) {
   EXPECT_EQ(keys(driven([](const Pose&) { return Pose{}; }, true, 10)), Keys{});
   RobotHealth blind;
   for (int i = 0; i < 100; ++i) blind.heard_odometry(Pose{0.1 * i, 0, 0});
-  EXPECT_TRUE(health_warnings("R1", Laser{Pose{}, 0, 0}, blind.figures()).empty());
+  EXPECT_TRUE(health_warnings("R1", Laser{Pose{}, 0, 0}, blind.figures({}), {}, {}).empty());
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST(Teammates, OneJustSeenIsABodyWhereItWasSeen) {
   auto robots = two_robots();
   const Pose odom_then{5, 5, 0.5 * std::numbers::pi};
   note_teammate(robots["R1"], sighting(2, 0), "R2", odom_then);
-  const auto bodies = teammates_around({}, robots, robots["R1"], odom_then, now);
+  const auto bodies = teammates_around({}, robots, robots["R1"], odom_then, now, {});
   ASSERT_EQ(bodies.size(), 1U);
   EXPECT_NEAR((bodies[0].position - Eigen::Vector2d(2, 0)).norm(), 0, 1e-9);
   EXPECT_GT(bodies[0].radius_m, 0.3);  // its footprint
@@ -92,12 +92,12 @@ TEST(Teammates, OneJustSeenIsABodyWhereItWasSeen) {
 
   // The observer has moved on by 1 m and a quarter turn within half a second.
   const Pose odom_now{5, 6, std::numbers::pi};
-  const auto later = teammates_around({}, robots, robots["R1"], odom_now, now + 500'000);
+  const auto later = teammates_around({}, robots, robots["R1"], odom_now, now + 500'000, {});
   ASSERT_EQ(later.size(), 1U);
   EXPECT_NEAR((later[0].position - Eigen::Vector2d(0, -1)).norm(), 0, 1e-9);
   EXPECT_GT(later[0].radius_m, bodies[0].radius_m);
 
-  EXPECT_TRUE(teammates_around({}, robots, robots["R1"], odom_now, now + 2'000'000).empty());
+  EXPECT_TRUE(teammates_around({}, robots, robots["R1"], odom_now, now + 2'000'000, {}).empty());
 }
 
 TEST(Teammates, ARangeOrABearingAloneSaysNotWhereABodyIs) {
@@ -106,7 +106,7 @@ TEST(Teammates, ARangeOrABearingAloneSaysNotWhereABodyIs) {
   ranged.bearing_sigma_rad = turned.range_sigma_m = std::numeric_limits<double>::infinity();
   note_teammate(robots["R1"], ranged, "R2", {});
   note_teammate(robots["R1"], turned, "R2", {});
-  EXPECT_TRUE(teammates_around({}, robots, robots["R1"], {}, now).empty());
+  EXPECT_TRUE(teammates_around({}, robots, robots["R1"], {}, now, {}).empty());
 }
 
 // R1 at (2, 1) looking along y, R2 at (3, 1) of the same island: a metre to the right.
@@ -116,7 +116,7 @@ TEST(Teammates, OneOnTheSameIslandIsABodyWhereTheMapHasIt) {
   auto robots = two_robots();
   stand(robots["R1"], 0, {1, 0, 0.5 * std::numbers::pi});
   stand(robots["R2"], 1, {});
-  const auto bodies = teammates_around(map, robots, robots["R1"], {}, now);
+  const auto bodies = teammates_around(map, robots, robots["R1"], {}, now, {});
   ASSERT_EQ(bodies.size(), 1U);
   EXPECT_NEAR((bodies[0].position - Eigen::Vector2d(0, -1)).norm(), 0, 1e-9);
   EXPECT_NEAR(bodies[0].radius_m, 0.3 + 0.15, 1e-9);
@@ -126,11 +126,11 @@ TEST(Teammates, OneOnAnotherIslandOrLongUnheardOfIsNone) {
   auto robots = two_robots();
   stand(robots["R1"], 0, {});
   stand(robots["R2"], 1, {});
-  EXPECT_TRUE(teammates_around(map_of_two_patches(), robots, robots["R1"], {}, now).empty());
+  EXPECT_TRUE(teammates_around(map_of_two_patches(), robots, robots["R1"], {}, now, {}).empty());
   Map map = map_of_two_patches();
   map.relate(odometry_between(0, 1));
   stand(robots["R2"], 1, {}, now - 60'000'000);
-  EXPECT_TRUE(teammates_around(map, robots, robots["R1"], {}, now).empty());
+  EXPECT_TRUE(teammates_around(map, robots, robots["R1"], {}, now, {}).empty());
 }
 
 }  // namespace

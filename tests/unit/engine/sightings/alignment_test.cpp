@@ -63,7 +63,7 @@ TEST(Alignment, OfAMutualPairIsTheClosedFormOfItsBearingsAndRange) {
   const Pose closed_form = first_from_robot1 * robot1_from_robot2 * inverse(second_from_robot2);
   expect_near(closed_form, first_from_second, 1e-12);
 
-  const auto alignment = best_alignment(pair);
+  const auto alignment = best_alignment(pair, {});
   ASSERT_TRUE(alignment);
   expect_near(alignment->first_from_second, closed_form, 1e-9);
   EXPECT_TRUE(alignment->two_way);
@@ -80,7 +80,7 @@ TEST(Alignment, TakesTheDistanceOfAMutualPairBetweenWhatTheTwoMeasured) {
   const double truth_m = pair[0].range_m;
   pair[0].range_m += 0.03;
   pair[1].range_m -= 0.03;
-  const auto alignment = best_alignment(pair);
+  const auto alignment = best_alignment(pair, {});
   ASSERT_TRUE(alignment);
   const Pose there = alignment->first_from_second * second_from_robot2;
   const double between_m = std::hypot(there.x - first_from_robot1.x, there.y - first_from_robot1.y);
@@ -95,7 +95,7 @@ TEST(Alignment, OneWaySightingsFromDifferentPlacesDetermineIt) {
   const std::vector<ChartSighting> sightings{exact(true, {0, 0, 0.3}, in_second({4, 0})),
                                              exact(true, {1.5, 1, 0.9}, in_second({4, 2})),
                                              exact(true, {0.2, 2, -0.4}, in_second({3, 4}))};
-  const auto alignment = best_alignment(sightings);
+  const auto alignment = best_alignment(sightings, {});
   ASSERT_TRUE(alignment);
   expect_near(alignment->first_from_second, first_from_second, 1e-9);
   EXPECT_FALSE(alignment->two_way);
@@ -107,13 +107,13 @@ TEST(Alignment, OneWaySightingsOfATargetThatStandsStillDetermineNothing) {
   const std::vector<ChartSighting> sightings{exact(true, {0, 0, 0.3}, in_second({4, 0})),
                                              exact(true, {1.5, 1, 0.9}, in_second({4.1, 0.1})),
                                              exact(true, {0.2, 2, -0.4}, in_second({3.9, 0}))};
-  EXPECT_FALSE(best_alignment(sightings));
+  EXPECT_FALSE(best_alignment(sightings, {}));
 }
 
 TEST(Alignment, OneSightingOrNoneDetermineNothing) {
-  EXPECT_FALSE(best_alignment({}));
+  EXPECT_FALSE(best_alignment({}, {}));
   const std::vector<ChartSighting> one{exact(true, {}, in_second({4, 0}))};
-  EXPECT_FALSE(best_alignment(one));
+  EXPECT_FALSE(best_alignment(one, {}));
 }
 
 TEST(Alignment, OutliersDoNotSupportAndDoNotMoveIt) {
@@ -125,19 +125,20 @@ TEST(Alignment, OutliersDoNotSupportAndDoNotMoveIt) {
   sightings[1].bearing_rad = wrap_angle(sightings[1].bearing_rad + 1.5);
   sightings[4].range_m += 2.5;
   sightings[6].target += Eigen::Vector2d(3, 3);
-  const auto alignment = best_alignment(sightings);
+  const auto alignment = best_alignment(sightings, {});
   ASSERT_TRUE(alignment);
   EXPECT_EQ(alignment->supporters, (std::vector<std::size_t>{0, 2, 3, 5, 7, 8, 9}));
   expect_near(alignment->first_from_second, first_from_second, 1e-9);
-  for (const std::size_t i : {1U, 4U, 6U}) EXPECT_FALSE(agrees(sightings[i], alignment->first_from_second));
+  for (const std::size_t i : {1U, 4U, 6U})
+    EXPECT_FALSE(agrees(sightings[i], alignment->first_from_second, {}));
 }
 
 TEST(Alignment, TwoThatContradictOneAnotherAreNoAlignment) {
   std::vector<ChartSighting> pair{exact(true, {0, 0, 0}, in_second({4, 0})),
                                   exact(false, {in_second({4, 0}).x(), in_second({4, 0}).y(), 0}, {0, 0})};
-  ASSERT_TRUE(best_alignment(pair));
+  ASSERT_TRUE(best_alignment(pair, {}));
   pair[1].range_m += 3;
-  EXPECT_FALSE(best_alignment(pair));
+  EXPECT_FALSE(best_alignment(pair, {}));
 }
 
 TEST(Alignment, RangesAloneAndBearingsAloneSupportButCannotBegin) {
@@ -147,18 +148,18 @@ TEST(Alignment, RangesAloneAndBearingsAloneSupportButCannotBegin) {
     partial.push_back(range_only(s));
     partial.push_back(bearing_only(s));
   }
-  EXPECT_FALSE(best_alignment(partial));
+  EXPECT_FALSE(best_alignment(partial, {}));
 
   partial.push_back(exact(true, {0, 0, 0}, in_second({4, 0})));
   partial.push_back(exact(true, {0, 0, 0}, in_second({4, 2})));
-  const auto alignment = best_alignment(partial);
+  const auto alignment = best_alignment(partial, {});
   ASSERT_TRUE(alignment);
   EXPECT_EQ(alignment->supporters.size(), partial.size());
   expect_near(alignment->first_from_second, first_from_second, 1e-9);
 
   partial[0].range_m += 2;        // a range that does not agree
   partial[3].bearing_rad += 0.7;  // nor does this bearing
-  const auto without = best_alignment(partial);
+  const auto without = best_alignment(partial, {});
   ASSERT_TRUE(without);
   EXPECT_EQ(without->supporters, (std::vector<std::size_t>{1, 2, 4, 5, 6, 7, 8, 9}));
 }
@@ -167,8 +168,8 @@ TEST(Alignment, RefiningGoesToTheTruthFromAStartThatIsOff) {
   const std::vector<ChartSighting> sightings{exact(true, {0, 0, 0.3}, in_second({4, 0})),
                                              exact(false, {1.5, 1, 0.9}, {-1, 2}),
                                              exact(true, {0.2, 2, -0.4}, in_second({3, 4}))};
-  const Alignment alignment =
-      refine(sightings, {0, 1, 2}, to_pose(to_vector(first_from_second) + Eigen::Vector3d(0.3, -0.2, 0.2)));
+  const Alignment alignment = refine(
+      sightings, {0, 1, 2}, to_pose(to_vector(first_from_second) + Eigen::Vector3d(0.3, -0.2, 0.2)), {});
   expect_near(alignment.first_from_second, first_from_second, 1e-7);
 }
 
@@ -189,7 +190,7 @@ TEST(Alignment, CovarianceIsTheInverseOfTheCurvatureOfTheChiSquared) {
     const auto half = [&](const Eigen::Vector3d& step) {
       double sum = 0;
       for (const ChartSighting& s : sightings)
-        sum += 0.5 * chi_squared(s, to_pose(to_vector(first_from_second) + step));
+        sum += 0.5 * chi_squared(s, to_pose(to_vector(first_from_second) + step), {});
       return sum;
     };
     constexpr double h = 1e-4;
@@ -199,7 +200,7 @@ TEST(Alignment, CovarianceIsTheInverseOfTheCurvatureOfTheChiSquared) {
         const Eigen::Vector3d a = h * Eigen::Vector3d::Unit(i), b = h * Eigen::Vector3d::Unit(j);
         curvature(i, j) = (half(a + b) - half(a - b) - half(b - a) + half(-a - b)) / (4 * h * h);
       }
-    const Alignment alignment = refine(sightings, {0, 1, 2, 3}, first_from_second);
+    const Alignment alignment = refine(sightings, {0, 1, 2, 3}, first_from_second, {});
     const Eigen::Matrix3d information = alignment.covariance.inverse();
     EXPECT_LT((information - curvature).norm(), 2e-3 * curvature.norm()) << information << "\n\n"
                                                                          << curvature;
@@ -211,22 +212,22 @@ TEST(Alignment, WhatWasMeasuredIsWeighedWithBothPosesAndWhatClocksLeaveOpen) {
   s.range_m += 0.3;
   s.range_sigma_m = 0.1;
   constexpr double floor = 0.05 * 0.05;  // m², of stamps, mounts and odometry
-  EXPECT_NEAR(chi_squared(s, first_from_second), 0.09 / (0.01 + floor), 1e-9);
+  EXPECT_NEAR(chi_squared(s, first_from_second, {}), 0.09 / (0.01 + floor), 1e-9);
   s.observer_covariance(0, 0) = 0.04;  // along the range
   s.observer_covariance(1, 1) = 0.5;   // across it
-  EXPECT_NEAR(chi_squared(s, first_from_second), 0.09 / (0.01 + floor + 0.04), 1e-9);
+  EXPECT_NEAR(chi_squared(s, first_from_second, {}), 0.09 / (0.01 + floor + 0.04), 1e-9);
   s.target_variance = 0.05;
-  EXPECT_NEAR(chi_squared(s, first_from_second), 0.09 / (0.01 + floor + 0.04 + 0.05), 1e-9);
-  EXPECT_TRUE(agrees(s, first_from_second));
+  EXPECT_NEAR(chi_squared(s, first_from_second, {}), 0.09 / (0.01 + floor + 0.04 + 0.05), 1e-9);
+  EXPECT_TRUE(agrees(s, first_from_second, {}));
   s.range_m += 2;
-  EXPECT_FALSE(agrees(s, first_from_second));
+  EXPECT_FALSE(agrees(s, first_from_second, {}));
 }
 
 TEST(Alignment, ABearingIsComparedAcrossTheTurnOfTheAngle) {
   ChartSighting s = exact(true, {0, 0, std::numbers::pi}, in_second({3, 0.001}));
   ASSERT_NEAR(std::abs(s.bearing_rad), std::numbers::pi, 1e-3);
   s.bearing_rad = wrap_angle(s.bearing_rad + 0.002);
-  EXPECT_LT(chi_squared(s, first_from_second), 0.01);
+  EXPECT_LT(chi_squared(s, first_from_second, {}), 0.01);
 }
 
 // Which of some sightings agree, and when they were; 1 s apart from the first on unless said otherwise.
@@ -243,7 +244,7 @@ struct Asked {
   }
   void at(std::size_t i, double time_s) { sightings[i].utime = static_cast<std::int64_t>(1e6 * time_s); }
   bool ready(double now_s = 0, bool no_more_waiting = false) const {
-    return isthmus::ready(alignment, sightings, static_cast<std::int64_t>(1e6 * now_s), no_more_waiting);
+    return isthmus::ready(alignment, sightings, static_cast<std::int64_t>(1e6 * now_s), no_more_waiting, {});
   }
 };
 

@@ -46,7 +46,7 @@ TEST(SightingRelation, RangeWithBearingPutsTheTargetWhereItWasMeasured) {
   const Map map = two_patches_and_a_tag();
   Evidence seen = evidence(3, 0.1, 0.4, 0.05);
   seen.record = 31;
-  const auto relation = sighting_relation(map, seen, ClosureId{7});
+  const auto relation = sighting_relation(map, seen, ClosureId{7}, {}, {});
   ASSERT_TRUE(relation);
   EXPECT_EQ(relation->a, PatchId{0});
   EXPECT_EQ(relation->b, PatchId{1});
@@ -68,7 +68,7 @@ TEST(SightingRelation, CovarianceLiesAlongAndAcrossTheLineOfSight) {
   Evidence seen = evidence(3, 0.1, 0.4, 0.05);
   seen.observer.covariance = Eigen::Vector3d(0.01, 0.01, 0.0004).asDiagonal();
   seen.target_place->covariance = Eigen::Vector3d(0.02, 0.02, 1).asDiagonal();
-  const auto relation = sighting_relation(map, seen, {});
+  const auto relation = sighting_relation(map, seen, {}, {}, {});
   ASSERT_TRUE(relation);
   const Pose least = minimiser(relation->measurement, {1, 1, 0.3});
   const double line_of_sight = seen.observer.pose.patch_from_object.yaw + 0.4;
@@ -89,7 +89,7 @@ TEST(SightingRelation, CovarianceLiesAlongAndAcrossTheLineOfSight) {
 TEST(SightingRelation, LeavesTheTargetsHeadingOpen) {
   const Map map = two_patches_and_a_tag();
   const Evidence seen = evidence(3, 0.1, 0.4, 0.05);
-  const auto relation = sighting_relation(map, seen, {});
+  const auto relation = sighting_relation(map, seen, {}, {}, {});
   ASSERT_TRUE(relation);
   const Pose least = minimiser(relation->measurement, {1, 1, 0.3});
   const Eigen::Vector2d in_b = position(seen.target_place->pose.patch_from_object);
@@ -99,7 +99,7 @@ TEST(SightingRelation, LeavesTheTargetsHeadingOpen) {
 
 TEST(SightingRelation, RangeAloneAndBearingAloneAreThemselves) {
   const Map map = two_patches_and_a_tag();
-  const auto ranged = sighting_relation(map, evidence(3, 0.1, 0, unmeasured), {});
+  const auto ranged = sighting_relation(map, evidence(3, 0.1, 0, unmeasured), {}, {}, {});
   ASSERT_TRUE(ranged);
   EXPECT_EQ(ranged->kind, RelationKind::range);
   const Range& range = std::get<Range>(ranged->measurement);
@@ -108,7 +108,7 @@ TEST(SightingRelation, RangeAloneAndBearingAloneAreThemselves) {
   EXPECT_EQ(range.range_m, 3);
   EXPECT_NEAR(range.sigma_m, correlation * std::hypot(0.1, floor_m), 1e-12);
 
-  const auto turned = sighting_relation(map, evidence(0, unmeasured, -0.8, 0.05), {});
+  const auto turned = sighting_relation(map, evidence(0, unmeasured, -0.8, 0.05), {}, {}, {});
   ASSERT_TRUE(turned);
   EXPECT_EQ(turned->kind, RelationKind::bearing);
   const Bearing& bearing = std::get<Bearing>(turned->measurement);
@@ -121,7 +121,7 @@ TEST(SightingRelation, OfBothEndsOnOnePatchIsNone) {
   const Map map = two_patches_and_a_tag();
   Evidence seen = evidence(3, 0.1, 0.4, 0.05);
   seen.target_place = in_patch(0, {1, 1, 0});
-  EXPECT_FALSE(sighting_relation(map, seen, {}));
+  EXPECT_FALSE(sighting_relation(map, seen, {}, {}, {}));
 }
 
 // A tag's yaw means nothing, but a fit needs one. A tag is placed by two sightings or more.
@@ -130,7 +130,7 @@ TEST(SightingRelation, ATagGetsAWeakYawSoThatItsPlaceIsDetermined) {
   Evidence seen = evidence(3, 0.1, 0.4, 0.05);
   seen.is_tag = true;
   seen.target_place = in_patch(2, {});
-  const auto relation = sighting_relation(map, seen, {});
+  const auto relation = sighting_relation(map, seen, {}, {}, {});
   ASSERT_TRUE(relation);
   const Eigen::Vector2d at =
       seen.observer.pose.patch_from_object * Eigen::Vector2d(3 * std::cos(0.4), 3 * std::sin(0.4));
@@ -199,7 +199,7 @@ class TagPool {
     members.push_back(pool.size());
     pool.push_back(seen);
   }
-  PointConsensus agree() const { return agree_on_a_point(map, pool, members); }
+  PointConsensus agree() const { return agree_on_a_point(map, pool, members, {}); }
 
   const Eigen::Vector2d tag{3, 2};
   Map map;

@@ -14,7 +14,7 @@ Robot driven(PatchId patch) {
   for (int s = 10; s <= 20; ++s) {
     const Pose pose{1.0 * s, 0, 0};
     robot.odometry.add(s * second_us, pose);
-    robot.history.add({s * second_us, 0, {patch, pose}, Eigen::Matrix3d::Zero(), pose});
+    robot.history.add({s * second_us, 0, {patch, pose}, Eigen::Matrix3d::Zero(), pose}, {});
   }
   return robot;
 }
@@ -32,7 +32,7 @@ Evidence seen_at(double seconds, const std::string& target = "R2") {
 }
 
 Placing placed(Evidence& evidence, bool waited, const std::map<std::int32_t, PatchId>& tags = {}) {
-  return place_on_manifold(two_robots(), tags, waited, evidence);
+  return place_on_manifold(two_robots(), tags, waited, evidence, {});
 }
 
 TEST(Placing, PutsBothRobotsWhereTheyWereAtThatTime) {
@@ -81,8 +81,8 @@ TEST(Placing, OfARobotWithoutAScanWaitsAndIsThenImpossible) {
   std::map<std::string, Robot> robots = two_robots();
   robots["R2"] = {};
   Evidence evidence = seen_at(12);
-  EXPECT_EQ(place_on_manifold(robots, {}, false, evidence).state, Placing::State::waits);
-  EXPECT_EQ(place_on_manifold(robots, {}, true, evidence).reason, Reason::before_first_scan);
+  EXPECT_EQ(place_on_manifold(robots, {}, false, evidence, {}).state, Placing::State::waits);
+  EXPECT_EQ(place_on_manifold(robots, {}, true, evidence, {}).reason, Reason::before_first_scan);
 }
 
 }  // namespace

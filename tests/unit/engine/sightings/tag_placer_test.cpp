@@ -75,7 +75,7 @@ TEST(TagPlacer, DisplacesATagThatTooLittleIsLeftOf) {
   for (const RelationId id : map.graph().of(patch)) gone.push_back(*map.graph().find(id));
   gone.pop_back();
   map.remove(std::vector<RelationId>{gone[0].id, gone[1].id});
-  tags.placer.displace(map, gone);
+  tags.placer.displace(map, gone, {});
   EXPECT_TRUE(tags.placer.patches().empty());
   EXPECT_EQ(gone.size(), 3U);
   EXPECT_TRUE(map.graph().of(patch).empty());
@@ -87,7 +87,7 @@ TEST(TagPlacer, KeepsATagThatWouldStillBePlaced) {
   Map& map = tags.scene.map;
   std::vector<Relation> gone{*map.graph().find(map.graph().of(tags.placer.patches().at(50)).front())};
   map.remove(std::vector<RelationId>{gone[0].id});
-  tags.placer.displace(map, gone);
+  tags.placer.displace(map, gone, {});
   EXPECT_TRUE(tags.placer.patches().contains(50));
   EXPECT_EQ(gone.size(), 1U);
 }
