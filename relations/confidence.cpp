@@ -13,10 +13,10 @@ std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
 
 /// Worse than 100 m or 100 rad is not determined: undetermined directions stand with 1e8 where they arise,
 /// and what hangs by them moves with them.
-constexpr double most_variance = 1e4;
+constexpr double max_variance = 1e4;
 
 bool determined(const Eigen::Matrix3d& covariance) {
-  return covariance.allFinite() && covariance.diagonal().maxCoeff() < most_variance;
+  return covariance.allFinite() && covariance.diagonal().maxCoeff() < max_variance;
 }
 
 /// The covariance of a pose of the plane with a held, turned into a's axes.

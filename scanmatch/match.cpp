@@ -122,7 +122,7 @@ class Matcher {
     paired_at_ = pose;
     hits_.clear();
     const double min_cosine = std::cos(options_.max_normal_angle_rad);
-    const double most_off = gate(kernel);
+    const double max_off = gate(kernel);
     const std::vector<Frame> frames = frames_at(pose);
     for (std::size_t i = 0; i < beams_.size(); ++i) {
       const Beam& beam = beams_[i];
@@ -134,7 +134,7 @@ class Matcher {
         const int line = f.patch->index.nearest(at);
         if (line < 0) continue;
         const ScanPoint& target = f.patch->points[static_cast<std::size_t>(line)];
-        if (std::abs(target.normal.dot(at - target.position)) > most_off) continue;
+        if (std::abs(target.normal.dot(at - target.position)) > max_off) continue;
         const Eigen::Vector2d normal(f.c * beam.normal.x() - f.s * beam.normal.y(),
                                      f.s * beam.normal.x() + f.c * beam.normal.y());
         if (has_normal && normal.dot(target.normal) < min_cosine) continue;
@@ -152,7 +152,7 @@ class Matcher {
     NormalEquations sums;
     const double c = std::cos(pose.yaw);
     const double s = std::sin(pose.yaw);
-    const double most_off = gate(kernel);
+    const double max_off = gate(kernel);
     for (std::size_t first = 0, end = 0; first < hits_.size(); first = end) {
       const Eigen::Vector2d& p = hits_[first].position;
       const Eigen::Vector2d arm(c * p.x() - s * p.y(), s * p.x() + c * p.y());
@@ -164,7 +164,7 @@ class Matcher {
         Hit& hit = hits_[end];
         hit.residual = hit.normal.x() * x + hit.normal.y() * y - hit.offset;
         hit.weight = 0;
-        if (std::abs(hit.residual) > most_off) continue;
+        if (std::abs(hit.residual) > max_off) continue;
         hit.weight = robust_weight(hit.residual * hit.residual, kernel);
         best = std::max(best, hit.weight);
         ++count;

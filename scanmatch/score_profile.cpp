@@ -21,21 +21,21 @@ Eigen::Matrix2d axes_of(const Eigen::Matrix3d& information, Eigen::Vector2d* eig
 
 }  // namespace
 
-double spread_of_match(const LocalMap& local_map, std::span<const ScanPoint> points, const Match& match,
-                       double half_width_m, const MatchOptions& options,
-                       const SpreadOptions& spread_options) {
-  const double step_m = spread_options.step_m;
+double sigma_along_weak_direction(const LocalMap& local_map, std::span<const ScanPoint> points,
+                                  const Match& match, double half_width_m, const MatchOptions& options,
+                                  const WeakDirectionOptions& weak_direction_options) {
+  const double step_m = weak_direction_options.step_m;
   Eigen::Vector2d unused;
   const Eigen::Vector2d weakest = axes_of(match.beam_information, &unused).col(0);
   MatchOptions coarse = options;
-  coarse.start_kernel_m = spread_options.start_kernels * options.kernel_m;
-  coarse.max_points = std::min(options.max_points, spread_options.max_points);
+  coarse.start_kernel_m = weak_direction_options.start_kernels * options.kernel_m;
+  coarse.max_points = std::min(options.max_points, weak_direction_options.max_points);
   const auto score_at = [&](double along_m) {
     Prediction prediction{match.local_from_robot, Eigen::Matrix3d::Zero()};
     prediction.local_from_robot.x += along_m * weakest.x();
     prediction.local_from_robot.y += along_m * weakest.y();
     prediction.information.topLeftCorner<2, 2>() =
-        spread_options.held_information * weakest * weakest.transpose();
+        weak_direction_options.held_information * weakest * weakest.transpose();
     const Match held_match = match_scan(local_map, points, prediction, coarse);
     return held_match.ok ? held_match.quality.score : 0.0;
   };
@@ -45,7 +45,7 @@ double spread_of_match(const LocalMap& local_map, std::span<const ScanPoint> poi
   for (const double side : {-1.0, 1.0}) {
     for (double along_m = step_m; along_m <= half_width_m; along_m += step_m) {
       const double weight =
-          std::exp(-spread_options.sharpness * std::max(0.0, 1 - score_at(side * along_m) / best));
+          std::exp(-weak_direction_options.sharpness * std::max(0.0, 1 - score_at(side * along_m) / best));
       weights += weight;
       moment += weight * along_m * along_m;
     }
@@ -53,11 +53,11 @@ double spread_of_match(const LocalMap& local_map, std::span<const ScanPoint> poi
   return std::sqrt(moment / weights);
 }
 
-void widen(Match& match, double spread_m, double sigma_m, const MatchOptions& options) {
+void widen(Match& match, double weak_sigma_m, double sigma_m, const MatchOptions& options) {
   Eigen::Vector2d information;
   const Eigen::Matrix2d axes = axes_of(match.beam_information, &information);
   const double variance = sigma_m * sigma_m / (options.sigma_m * options.sigma_m * information(0));
-  const double trust = std::sqrt(variance / (variance + spread_m * spread_m));
+  const double trust = std::sqrt(variance / (variance + weak_sigma_m * weak_sigma_m));
   const Eigen::Matrix2d narrowed = axes * Eigen::Vector2d(trust, 1).asDiagonal() * axes.transpose();
   match.direction_trust = narrowed * match.direction_trust;
 }

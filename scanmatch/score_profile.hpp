@@ -6,7 +6,7 @@
 
 namespace isthmus {
 
-struct SpreadOptions {
+struct WeakDirectionOptions {
   double step_m = 0.07;
   double sharpness = 120;
   double held_information = 1e7;
@@ -31,11 +31,12 @@ struct SpreadOptions {
 ///
 /// A match's own information is that of its minimum. Along a corridor the next door frame makes another
 /// minimum a step away which fits hardly worse, and a loop closed there bends the map by that step.
-double spread_of_match(const LocalMap& local_map, std::span<const ScanPoint> points, const Match& match,
-                       double half_width_m, const MatchOptions& options, const SpreadOptions& spread_options);
+double sigma_along_weak_direction(const LocalMap& local_map, std::span<const ScanPoint> points,
+                                  const Match& match, double half_width_m, const MatchOptions& options,
+                                  const WeakDirectionOptions& weak_direction_options);
 
-/// The same match, trusted along that direction only as far as a spread leaves it: its relations will say so.
-/// `sigma_m`: the noise of one correspondence.
-void widen(Match& match, double spread_m, double sigma_m, const MatchOptions& options);
+/// The same match, trusted along that direction only as far as that uncertainty leaves it: its relations will
+/// say so. `sigma_m`: the noise of one correspondence.
+void widen(Match& match, double weak_sigma_m, double sigma_m, const MatchOptions& options);
 
 }  // namespace isthmus

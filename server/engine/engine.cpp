@@ -43,10 +43,10 @@ Robot& Engine::State::with_name(const std::string& name) {
 std::string Engine::State::drop(const std::string& robot, const std::string& reason) {
   ++counters.dropped[reason];
   // Anybody can make up names: strangers are counted together, and names beyond so many too.
-  constexpr std::size_t most_names = 256;
-  const bool countable = robots.contains(robot) ||
-                         (reason != "unknown_robot" && (counters.dropped_by_robot.contains(robot) ||
-                                                        counters.dropped_by_robot.size() < most_names));
+  constexpr std::size_t max_names = 256;
+  const bool countable =
+      robots.contains(robot) || (reason != "unknown_robot" && (counters.dropped_by_robot.contains(robot) ||
+                                                               counters.dropped_by_robot.size() < max_names));
   if (!robot.empty()) ++counters.dropped_by_robot[countable ? robot : "(others)"][reason];
   return reason;
 }

@@ -32,7 +32,7 @@ class Engine {
   Engine& operator=(Engine&&) noexcept;
 
   /// A ConfigurationEvent is taken only before every other event, and replaces the configuration. What a
-  /// stranger sends is refused and has no effect on the map, so that a journal need not hold it.
+  /// stranger sends is refused and has no effect on the map, so the journal need not hold it.
   Outcome handle(const Event& event);
 
   /// Whether it is odometry, a scan or a sighting of a robot that has not introduced itself.
@@ -48,7 +48,7 @@ class Engine {
   /// fit of one island: false once all is done. Answers are added to `outcome`. Between pieces the map may be
   /// copied; events may come after the last.
   bool finish_step(Outcome& outcome);
-  /// What the next piece is of, in a word for people.
+  /// A word for people: what the next piece does.
   std::string_view finishing() const;
 
   /// From now on robots are localised and the map changes no more. What is under way on it is finished first,
@@ -62,8 +62,8 @@ class Engine {
   const Configuration& configuration() const;
   MapCopy copy() const;
 
-  /// All that the engine knows but the rows of its trajectory: what `restore` makes an engine of that goes on
-  /// as this one would. Waits for jobs in other threads. Not to be asked of one that is frozen.
+  /// The serialised state without the rows of the trajectory: an engine restored from it continues
+  /// identically. Waits for jobs in other threads. Must not be called once the engine is frozen.
   std::vector<std::uint8_t> save() const;
   /// `trajectory` holds the rows there were. Throws std::runtime_error saying what is wrong with `saved`.
   static Engine restore(std::span<const std::uint8_t> saved, std::shared_ptr<TrajectoryStore> trajectory);

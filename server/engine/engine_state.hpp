@@ -14,8 +14,8 @@
 #include "server/engine/handling.hpp"
 #include "server/engine/hypotheses/hypotheses.hpp"
 #include "server/engine/localise/mapper.hpp"
-#include "server/engine/map/settling.hpp"
-#include "server/engine/propagation/weaving.hpp"
+#include "server/engine/map/island_fits.hpp"
+#include "server/engine/propagation/proximity_matching.hpp"
 #include "server/engine/rendezvous/rendezvous.hpp"
 
 namespace isthmus {
@@ -29,13 +29,13 @@ struct Engine::State {
   std::shared_ptr<TrajectoryStore> trajectory = std::make_shared<TrajectoryStore>();
   Closures closures;
   Hypotheses hypotheses;
-  Settling settling;
-  Weaving weaving;
+  IslandFits island_fits;
+  ProximityMatching proximity_matching;
   Rendezvous rendezvous;
   std::set<std::int32_t> tags;  // declared barcodes
   Counters counters;
   std::set<std::string> starts_related;
-  bool refine_asked = false;  ///< when all is woven, all is to be fitted
+  bool refine_asked = false;  ///< once nothing is left to match, all is to be fitted
   struct Dropped {
     std::vector<Relation> relations;
     PatchId end;  // patches made since are not meant
@@ -96,8 +96,8 @@ struct Engine::State {
   /// For snapshots, which are not made of frozen maps: all but the configuration and the trajectory.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(map, robots, sessions, closures, hypotheses, settling, weaving, rendezvous, tags, counters,
-            starts_related, refine_asked, dropped);
+    archive(map, robots, sessions, closures, hypotheses, island_fits, proximity_matching, rendezvous, tags,
+            counters, starts_related, refine_asked, dropped);
   }
 };
 

@@ -52,7 +52,7 @@ std::string Engine::Mapping::drop_data(const std::string& name) {
   robot->history = {};
   robot->pending.clear();
   robot->unplaced.clear();
-  robot->rejoins.clear();
+  robot->local_loops.clear();
   map_changed(state_.map.graph().islands());
   return "";
 }
@@ -67,10 +67,10 @@ std::string Engine::Mapping::take_back_drop(const std::string& name) {
 }
 
 void Engine::Mapping::map_changed(const std::vector<std::vector<PatchId>>& islands) {
-  state_.settling.map_changed();
-  state_.weaving.map_changed();
+  state_.island_fits.map_changed();
+  state_.proximity_matching.map_changed();
   for (const std::vector<PatchId>& island : islands)
-    if (island.size() > 1) state_.settling.request(island.front());
+    if (island.size() > 1) state_.island_fits.request(island.front());
 }
 
 void Engine::Mapping::arrange_meeting() {
@@ -94,7 +94,7 @@ std::string Engine::Mapping::obey(const CommandEvent& order) {
     case Verb::drop:
       return drop_data(order.robot);
     case Verb::refine:
-      state_.weaving.weave_all(state_.map, options().propagation);
+      state_.proximity_matching.match_all(state_.map, options().propagation);
       state_.refine_asked = true;
       return "";
     case Verb::send_map:
@@ -107,16 +107,16 @@ void Engine::Mapping::work(std::int64_t) {
   state_.closures.advance(state_.world());
   state_.hypotheses.advance(state_.world(), state_.closures);
   for (const PatchId patch : state_.closures.take_changed()) {
-    state_.settling.map_changed();
-    state_.weaving.map_changed();
-    state_.settling.request(patch);
+    state_.island_fits.map_changed();
+    state_.proximity_matching.map_changed();
+    state_.island_fits.request(patch);
   }
-  state_.weaving.advance(state_.map, options(), state_.counters.last_receive_utime);
-  if (state_.refine_asked && !state_.weaving.busy()) {
+  state_.proximity_matching.advance(state_.map, options(), state_.counters.last_receive_utime);
+  if (state_.refine_asked && !state_.proximity_matching.busy()) {
     state_.refine_asked = false;
     map_changed(state_.map.graph().islands());
   }
-  state_.settling.advance(state_.map, state_.counters.last_receive_utime, options().map_fit);
+  state_.island_fits.advance(state_.map, state_.counters.last_receive_utime, options().map_fit);
   arrange_meeting();
 }
 
@@ -142,9 +142,9 @@ void Engine::Mapping::take_scan(Robot& robot, const Scan& scan, const Pose& odom
                                         odom_from_robot, options());
   state_.count_scan(done);
   const std::string& name = robot.declaration.robot;
-  if (done.loop_closed) state_.settling.request(done.pose.island);
+  if (done.loop_closed) state_.island_fits.request(done.pose.island);
   if (done.predicted_reason.empty())
-    state_.weaving.stands_on(name, done.pose.pose.patch, options().propagation);
+    state_.proximity_matching.stands_on(name, done.pose.pose.patch, options().propagation);
   keep(robot, std::move(done), odom_from_robot, outcome);
   const auto met_nobody = state_.rendezvous.take_scan(
       state_.map, state_.robots, name, scan, state_.counters.last_receive_utime, options().rendezvous);
@@ -182,8 +182,8 @@ void Engine::Mapping::restarted(Robot& robot) {
 void Engine::Mapping::forget_place(Robot& robot) { robot.place.reset(); }
 
 bool Engine::Mapping::has_work() const {
-  return state_.closures.has_work() || state_.hypotheses.has_work() || state_.settling.busy() ||
-         state_.weaving.busy();
+  return state_.closures.has_work() || state_.hypotheses.has_work() || state_.island_fits.busy() ||
+         state_.proximity_matching.busy();
 }
 
 }  // namespace isthmus

@@ -30,7 +30,7 @@ class Engine::Mapping : public Engine::Handling {
 
  private:
   /// What of finishing is next; not in snapshots, which are made of maps that go on.
-  enum class FinishStage { scans, trial, searches, finds, sightings, weaving, fit };
+  enum class FinishStage { scans, trial, searches, finds, sightings, proximity_matching, fit };
 
   const EngineOptions& options() const { return state_.configuration.engine; }
   void keep(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);

@@ -31,9 +31,9 @@ bool Engine::Mapping::finish_step(Outcome& outcome) {
       return go_on_with(FinishStage::sightings);
     case FinishStage::sightings:
       if (state_.closures.finish_step(state_.world())) return true;
-      return go_on_with(FinishStage::weaving);
-    case FinishStage::weaving:
-      if (state_.weaving.finish_step(state_.map, options())) return true;
+      return go_on_with(FinishStage::proximity_matching);
+    case FinishStage::proximity_matching:
+      if (state_.proximity_matching.finish_step(state_.map, options())) return true;
       islands_to_fit_ = state_.map.graph().islands();
       return go_on_with(FinishStage::fit);
     case FinishStage::fit:
@@ -59,8 +59,8 @@ std::string_view Engine::Mapping::finishing() const {
       return "trials of finds";
     case Stage::sightings:
       return "trials of sightings";
-    case Stage::weaving:
-      return "weaving";
+    case Stage::proximity_matching:
+      return "matches of nearby patches";
     case Stage::fit:
       return "the last fit";
   }

@@ -26,7 +26,7 @@ MapCopy aligned(const MapCopy& map, const Pose& out_from_map) {
 
 /// Pictures that are drawn at once, in pixels, however many islands there are: each time the whole trajectory
 /// is read.
-constexpr std::size_t most_pixels = 64'000'000;
+constexpr std::size_t max_pixels = 64'000'000;
 
 void write_grids(const MapCopy& map, const RankedIslands& islands, const std::string& directory,
                  double resolution_m) {
@@ -37,7 +37,7 @@ void write_grids(const MapCopy& map, const RankedIslands& islands, const std::st
     write_grid(grid, directory + "/island-" + std::to_string(k));
     pictures.emplace_back(grid);
     pixels += grid.pixels.size();
-    if (pixels < most_pixels && k + 1 < islands.patches.size()) continue;
+    if (pixels < max_pixels && k + 1 < islands.patches.size()) continue;
     const std::size_t first = k + 1 - pictures.size();
     write_pictures(map, islands, first, std::exchange(pictures, {}), directory);
     pixels = 0;

@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   isthmus::Reassembly reassembly(
       {wants,
        [&](std::int64_t, std::string_view channel, std::span<const std::uint8_t> bytes) {
-         if (!wants(channel) || channel.size() > isthmus::most_channel_characters) std::abort();
+         if (!wants(channel) || channel.size() > isthmus::max_channel_characters) std::abort();
          if (bytes.size() > 65'536) std::abort();
        },
        [](std::string_view, std::string_view reason) {

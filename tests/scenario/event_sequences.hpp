@@ -88,8 +88,8 @@ inline std::size_t islands(const MapCopy& map) { return map.graph.islands().size
 struct MapDifference {
   std::size_t compared = 0;
   std::size_t only_in_one = 0;
-  double most_m = 0;
-  double most_rad = 0;
+  double max_m = 0;
+  double max_rad = 0;
 };
 
 inline MapDifference compare_patches(const MapCopy& a, const MapCopy& b,
@@ -114,8 +114,8 @@ inline MapDifference compare_patches(const MapCopy& a, const MapCopy& b,
     const auto& [first_a, first_b] = first.emplace(key.first, std::pair(pose, other->second)).first->second;
     const Pose off = ominus(ominus(pose, first_a), ominus(other->second, first_b));
     ++difference.compared;
-    difference.most_m = std::max(difference.most_m, std::hypot(off.x, off.y));
-    difference.most_rad = std::max(difference.most_rad, std::abs(off.yaw));
+    difference.max_m = std::max(difference.max_m, std::hypot(off.x, off.y));
+    difference.max_rad = std::max(difference.max_rad, std::abs(off.yaw));
   }
   for (const auto& [key, pose] : of_b) difference.only_in_one += of_a.contains(key) ? 0 : 1;
   return difference;

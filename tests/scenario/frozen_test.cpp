@@ -78,7 +78,7 @@ struct Fared {
   double found_s = std::numeric_limits<double>::infinity();
   double found_way_m = std::numeric_limits<double>::infinity();
   double mean_m = 0;
-  double most_m = 0;
+  double max_m = 0;
 
   bool found() const { return poses > 0; }
 };
@@ -114,7 +114,7 @@ Fared play(Engine& engine, const Visit& visit, const Events& events, const Truth
           ominus(pose.pose.patch_from_object, ominus(world_from_robot, truth.at({patch.robot, patch.utime})));
       const double off_m = std::hypot(off.x, off.y);
       fared.mean_m += off_m;
-      fared.most_m = std::max(fared.most_m, off_m);
+      fared.max_m = std::max(fared.max_m, off_m);
       if (off_m > 1) ++fared.wrong;
     }
   }
@@ -124,7 +124,7 @@ Fared play(Engine& engine, const Visit& visit, const Events& events, const Truth
       "most %.3f m, %d wrong\n",
       visit.of.c_str(), 1e-6 * static_cast<double>(visit.from_utime - events.front().receive_utime),
       fared.scans, fared.found_s, fared.found_way_m, fared.matched, fared.scans_since, fared.mean_m,
-      fared.most_m, fared.wrong);
+      fared.max_m, fared.wrong);
   return fared;
 }
 

@@ -68,13 +68,13 @@ TEST(Withdraw, LeavesWhatForbiddingFromTheBeginningLeaves) {
     const MapDifference difference = compare_patches(map, reference);
     const MapDifference before = compare_patches(map, reference, after_s(meeting().events, at_s));
     std::printf("withdrawn at %.1f s: %zu patches, %zu in one map only, at most %.4f m, %.5f rad off\n", at_s,
-                difference.compared, difference.only_in_one, difference.most_m, difference.most_rad);
+                difference.compared, difference.only_in_one, difference.max_m, difference.max_rad);
     EXPECT_EQ(before.only_in_one, 0U) << at_s;
-    EXPECT_LT(before.most_m, 0.01) << at_s;
-    EXPECT_LT(before.most_rad, 0.003) << at_s;
+    EXPECT_LT(before.max_m, 0.01) << at_s;
+    EXPECT_LT(before.max_rad, 0.003) << at_s;
     EXPECT_GT(difference.compared, 50U) << at_s;
-    EXPECT_LT(difference.most_m, 0.02) << at_s;
-    EXPECT_LT(difference.most_rad, 0.005) << at_s;
+    EXPECT_LT(difference.max_m, 0.02) << at_s;
+    EXPECT_LT(difference.max_rad, 0.005) << at_s;
   }
 }
 

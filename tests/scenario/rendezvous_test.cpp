@@ -9,7 +9,7 @@
 #include "tools/simulate/true_patches.hpp"
 
 // Two wings of one plan, one turned by half a circle against the other, and two robots that have mapped. A
-// hypothesis says how their charts lie to one another; the engine is asked where a meeting would settle it,
+// hypothesis says how their islands lie to one another; the engine is asked where a meeting would settle it,
 // the robots drive there and wait.
 
 namespace isthmus {
@@ -166,7 +166,7 @@ Met meet(const Scenario& scenario, const std::function<Pose(const Pose&, const P
   return met;
 }
 
-// The charts look as if the robots were in one wing: they go where they would meet, and meet nobody.
+// The islands look as if the robots were in one wing: they go where they would meet, and meet nobody.
 TEST(RendezvousScenario, AWrongGuessIsRefutedByMeetingNobody) {
   const Met met = meet(two_wings(), [](const Pose& first, const Pose& second) {
     return ominus(inverse(east_from_west) * second, first);

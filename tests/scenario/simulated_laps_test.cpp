@@ -16,11 +16,11 @@ void expect_no_growth(const std::string& scenario) {
 
   const TrajectoryError error = judge_trajectories(often);
   std::printf("%s: mean error %.4f m, %.5f rad, at most %.3f m\n", scenario.c_str(), error.mean_m,
-              error.mean_rad, error.most_m);
+              error.mean_rad, error.max_m);
   EXPECT_GT(error.relations, 100U);
   EXPECT_EQ(error.missing, 0U);
   EXPECT_LT(error.mean_m, 0.03);
-  EXPECT_LT(error.most_m, 0.2);
+  EXPECT_LT(error.max_m, 0.2);
 }
 
 TEST(SimulatedLaps, TenTimesToAndFroAddNothingToTheMapOfOnce) { expect_no_growth("to_and_fro"); }

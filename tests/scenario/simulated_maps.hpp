@@ -36,7 +36,7 @@ struct TrajectoryError {
   std::size_t missing = 0;
   double mean_m = 0;
   double mean_rad = 0;
-  double most_m = 0;
+  double max_m = 0;
 };
 
 /// Judges the trajectories by the relations within each robot's run (kind intra), of scans from a time on.
@@ -60,7 +60,7 @@ inline TrajectoryError judge_trajectories(const SimulatedMap& simulated, std::in
     const double off_m = std::hypot(estimate.x - r.pose.x, estimate.y - r.pose.y);
     ++error.relations;
     error.mean_m += off_m;
-    error.most_m = std::max(error.most_m, off_m);
+    error.max_m = std::max(error.max_m, off_m);
     error.mean_rad += std::abs(wrap_angle(estimate.yaw - r.pose.yaw));
   }
   if (error.relations > 0) {

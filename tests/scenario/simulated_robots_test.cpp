@@ -23,7 +23,7 @@ TEST(SimulatedRobots, FourRobotsMergeTheirIslands) {
   EXPECT_GT(matched_share(office.map), 0.98);
   const TrajectoryError error = judge_trajectories(office);
   std::printf("office: mean error %.4f m, %.5f rad, at most %.3f m\n", error.mean_m, error.mean_rad,
-              error.most_m);
+              error.max_m);
   EXPECT_EQ(error.missing, 0U);
   EXPECT_LT(error.mean_m, 0.05);
   EXPECT_LT(error.mean_rad, 0.01);
@@ -42,9 +42,9 @@ TEST(SimulatedRobots, KidnappedRobotStartsANewIslandAndLeavesTheOldOneUnharmed) 
   EXPECT_EQ(islands_of(kidnap.map, "R1").size(), 2U);
   EXPECT_EQ(sessions_of(kidnap.map, "R2").size(), 1U);
   const TrajectoryError error = judge_trajectories(kidnap);
-  std::printf("kidnap: mean error %.4f m, at most %.3f m\n", error.mean_m, error.most_m);
+  std::printf("kidnap: mean error %.4f m, at most %.3f m\n", error.mean_m, error.max_m);
   EXPECT_LT(error.mean_m, 0.05);
-  EXPECT_LT(error.most_m, 0.5);
+  EXPECT_LT(error.max_m, 0.5);
 }
 
 // While odometry stands still and scans say otherwise, and when it jumps, the map stays whole; afterwards the
@@ -57,10 +57,10 @@ TEST(SimulatedRobots, FrozenOdometryIsSurvived) {
   const std::int64_t end_of_freezes = freeze.run.events.front().receive_utime + 64'000'000;
   const TrajectoryError after = judge_trajectories(freeze, end_of_freezes);
   std::printf("freeze: mean error %.4f m, at most %.3f m; after the last freeze %.4f, %.3f m\n", error.mean_m,
-              error.most_m, after.mean_m, after.most_m);
+              error.max_m, after.mean_m, after.max_m);
   EXPECT_LT(error.mean_m, 0.05);
   EXPECT_GT(after.relations, 20U);
-  EXPECT_LT(after.most_m, 0.3);
+  EXPECT_LT(after.max_m, 0.3);
 }
 
 // Two patches of a map and what is said and true of one seen from the other, along and across the corridor
@@ -125,7 +125,7 @@ TEST(SimulatedRobots, WhatMakesRealLogsHardIsSurvived) {
   const SimulatedMap hard = map_scenario("hard");
   const TrajectoryError error = judge_trajectories(hard);
   std::printf("hard: mean error %.4f m, %.5f rad, at most %.3f m\n", error.mean_m, error.mean_rad,
-              error.most_m);
+              error.max_m);
   EXPECT_GT(matched_share(hard.map), 0.95);
   EXPECT_EQ(sessions_of(hard.map, "R1").size(), 1U);
   EXPECT_EQ(sessions_of(hard.map, "R2").size(), 1U);

@@ -75,9 +75,9 @@ TEST(SimulatedTeams, OneMeetingCollapsesADoubleSpiral) {
   EXPECT_GE(judge_sightings(spiral.run, spiral.map.sightings).true_share(), 0.95);
   const TrajectoryError error = judge_trajectories(spiral);
   std::printf("double spiral: %zu patches, %d touched; intra mean %.4f m, at most %.3f m\n",
-              spiral.map.patches.size(), merge->patches_touched, error.mean_m, error.most_m);
+              spiral.map.patches.size(), merge->patches_touched, error.mean_m, error.max_m);
   EXPECT_LT(error.mean_m, 0.012);
-  EXPECT_LT(error.most_m, 0.1);
+  EXPECT_LT(error.max_m, 0.1);
   EXPECT_LT(inter_error_m(spiral), 0.02);
 }
 
@@ -93,12 +93,12 @@ TEST(SimulatedTeams, RobotsWithoutALaserAreMappedByWhatTheySee) {
     const TrajectoryError error = judge_trajectories(blind);
     const double inter_m = inter_error_m(blind);
     std::printf("blind, seed %lu: intra %.4f m and %.4f rad, at most %.3f m; inter %.4f m\n", seed,
-                error.mean_m, error.mean_rad, error.most_m, inter_m);
+                error.mean_m, error.mean_rad, error.max_m, inter_m);
     EXPECT_GT(error.relations, 500U);
     EXPECT_EQ(error.missing, 0U);
     EXPECT_LT(error.mean_m, 0.05);
     EXPECT_LT(error.mean_rad, 0.02);
-    EXPECT_LT(error.most_m, 0.6);
+    EXPECT_LT(error.max_m, 0.6);
     EXPECT_LT(inter_m, 0.09);
   }
 }

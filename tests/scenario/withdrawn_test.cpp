@@ -148,7 +148,7 @@ TEST(Withdrawn, MergeOfRobotsWithoutALaserPartsThemToTheEnd) {
 }
 
 TEST(Withdrawn, LoopTakesWhatRestedOnItAlong) {
-  const ClosureId loop = first_accepted(blind().plain, ClosureKind::closure);
+  const ClosureId loop = first_accepted(blind().plain, ClosureKind::loop);
   ASSERT_TRUE(loop.valid());
   const Events events = with_command(blind().run.events, 30, Verb::withdraw, loop);
   Played played = play(events, after_s(events, 30));
@@ -235,16 +235,16 @@ TEST(Withdrawn, MergeOfARecordedTeamLeavesTheIslandsOfTheReference) {
   const double end_s = seconds_of(events, events.back().receive_utime);
   const double merged_s = seconds_of(events, closure_of(plain, merge.value).end_utime);
   // In the end much of what R2 drove on is mapped by R1 alone, and its own patches have less to hold them.
-  for (const auto& [at_s, most_m] : {std::pair(merged_s + 60, 0.1), std::pair(end_s - 1, 1.0)}) {
+  for (const auto& [at_s, max_m] : {std::pair(merged_s + 60, 0.1), std::pair(end_s - 1, 1.0)}) {
     const MapCopy map = map_events(with_command(events, at_s, Verb::withdraw, merge));
     EXPECT_EQ(robots_together(map), robots_together(reference)) << at_s;
     EXPECT_EQ(relations_between_robots(map), 0U) << at_s;
     const MapDifference difference = compare_patches(map, reference);
     std::printf("withdrawn at %.0f of %.0f s: %zu patches in both, at most %.3f m, %.4f rad off\n", at_s,
-                end_s, difference.compared, difference.most_m, difference.most_rad);
+                end_s, difference.compared, difference.max_m, difference.max_rad);
     EXPECT_GT(difference.compared, 100U) << at_s;
-    EXPECT_LT(difference.most_m, most_m) << at_s;
-    EXPECT_LT(difference.most_rad, 0.1) << at_s;
+    EXPECT_LT(difference.max_m, max_m) << at_s;
+    EXPECT_LT(difference.max_rad, 0.1) << at_s;
   }
 }
 

@@ -95,9 +95,9 @@ class Words {
   /// The same of beams: as many as a message may hold.
   std::size_t beams() {
     const std::size_t count = length();
-    if (count <= static_cast<std::size_t>(most_beams)) return count;
+    if (count <= static_cast<std::size_t>(max_beams)) return count;
     --at_;
-    fail("counts more beams than the " + std::to_string(most_beams) + " of a message");
+    fail("counts more beams than the " + std::to_string(max_beams) + " of a message");
     return 0;
   }
 

@@ -4,13 +4,13 @@
 
 namespace isthmus {
 namespace {
-constexpr std::size_t most_slots = 4096;
+constexpr std::size_t max_slots = 4096;
 }
 
 void CostProfile::add(double seconds) {
-  if (count_ == per_slot_ * most_slots) {
-    for (std::size_t i = 0; i < most_slots / 2; ++i) slots_[i] = slots_[2 * i] + slots_[2 * i + 1];
-    slots_.resize(most_slots / 2);
+  if (count_ == per_slot_ * max_slots) {
+    for (std::size_t i = 0; i < max_slots / 2; ++i) slots_[i] = slots_[2 * i] + slots_[2 * i + 1];
+    slots_.resize(max_slots / 2);
     per_slot_ *= 2;
   }
   if (count_ % per_slot_ == 0) slots_.push_back(0);

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double most_cells = 4e6;
+constexpr double max_cells = 4e6;
 
 // Where from + t direction meets the segment, if ahead. A hair beyond the ends counts, so that no ray slips
 // through a corner.
@@ -90,7 +90,7 @@ RayCaster::RayCaster(const FloorPlan& plan, double cell_m) : segments_(plan.segm
   const Vector2d margin = Vector2d::Constant(1e-6);
   low_ = plan.low - margin;
   const Vector2d size = plan.high + margin - low_;
-  cell_m_ = std::max(cell_m, std::sqrt(size.x() * size.y() / most_cells));
+  cell_m_ = std::max(cell_m, std::sqrt(size.x() * size.y() / max_cells));
   columns_ = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m_)));
   rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m_)));
 

@@ -9,7 +9,7 @@ namespace isthmus {
 namespace {
 
 constexpr double largest = 1e9;
-constexpr int most_laps = 1'000'000'000;
+constexpr int max_laps = 1'000'000'000;
 
 Pose as_pose_degrees(const Setting& setting) {
   const auto n = as_numbers(setting, 3, "[x, y, yaw] in metres and degrees");
@@ -105,7 +105,7 @@ std::string upper(std::string text) {
 
 RobotPlan read_common(Fields& scenario) {
   RobotPlan common;
-  scenario.read_within("laps", common.laps, 0, most_laps);
+  scenario.read_within("laps", common.laps, 0, max_laps);
   read_laser(scenario.find("laser"), common.laser);
   read_odometry(scenario.find("odometry"), common.odometry);
   read_camera(scenario.find("camera"), common.camera);
@@ -122,7 +122,7 @@ RobotFromFile read_robot(const std::string& name, const Setting& setting, const 
   const auto find = [&](const char* key) { return has_tour ? fields.find(key) : &fields.require(key); };
   if (const Setting* start = find("start")) plan.start = as_pose_degrees(*start);
   fields.read_within("barcode", plan.barcode, -1, std::numeric_limits<std::int32_t>::max());
-  fields.read_within("laps", plan.laps, 0, most_laps);
+  fields.read_within("laps", plan.laps, 0, max_laps);
   fields.read("silent", plan.silent);
   fields.read_within("start_s", plan.start_s, 0, largest);
   fields.read_within("radius_m", plan.radius_m, 0.01, 10);

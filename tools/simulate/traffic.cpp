@@ -12,11 +12,11 @@ namespace {
 
 constexpr std::size_t steps_in_tick = 10;
 constexpr double tick_s = steps_in_tick * TruePath::step_s;
-constexpr std::size_t most_delay = 1000;  // ticks
-constexpr double apart_m = 0.1;           // between two robots' hulls
+constexpr std::size_t max_delay = 1000;  // ticks
+constexpr double apart_m = 0.1;          // between two robots' hulls
 constexpr double cell_m = 1;
 
-using Delays = std::bitset<most_delay + 1>;
+using Delays = std::bitset<max_delay + 1>;
 using Cell = std::pair<int, int>;
 
 Cell cell_of(const Pose& pose, int right = 0, int up = 0) {
@@ -32,7 +32,7 @@ class Timetable {
       : paths_(paths), radii_m_(radii_m), robot_(robot), start_s_(paths[robot].stretches()[0].start_s) {
     double end_s = paths[robot].end_s();
     for (std::size_t other = 0; other < robot; ++other) end_s = std::max(end_s, paths[other].end_s());
-    ticks_ = static_cast<std::size_t>((end_s - start_s_) / tick_s) + most_delay + 2;
+    ticks_ = static_cast<std::size_t>((end_s - start_s_) / tick_s) + max_delay + 2;
     for (std::size_t tick = 0; tick <= ticks_; ++tick) {
       way_.push_back(*paths[robot].at(start_s_ + static_cast<double>(tick) * tick_s));
       ticks_in_[cell_of(way_.back())].push_back(tick);
@@ -70,7 +70,7 @@ class Timetable {
         const auto near = ticks_in_.find(cell_of(*pose, right, up));
         if (near == ticks_in_.end()) continue;
         for (const std::size_t driven : near->second) {
-          if (driven > tick || tick - driven > most_delay) continue;
+          if (driven > tick || tick - driven > max_delay) continue;
           if (std::hypot(way_[driven].x - pose->x, way_[driven].y - pose->y) < least_m)
             delays.set(tick - driven);
         }

@@ -11,8 +11,8 @@ constexpr double key_spacing_m = 0.5;
 constexpr double key_spacing_rad = 0.3;
 constexpr double near_m = 10;
 constexpr std::int64_t long_term_us = 30'000'000;
-constexpr std::size_t most_long_term = 500;  // for each robot
-constexpr std::size_t most_between = 300;    // for each pair of robots
+constexpr std::size_t max_long_term = 500;  // for each robot
+constexpr std::size_t max_between = 300;    // for each pair of robots
 constexpr int tries = 50;
 
 using Keys = std::vector<TruePose>;
@@ -69,7 +69,7 @@ std::vector<TrueRelation> sample_relations(const std::vector<RobotTruth>& truth,
     const auto long_term = [](const TruePose& a, const TruePose& b) {
       return a.stretch == b.stretch && b.utime - a.utime >= long_term_us && distance(a, b) < near_m;
     };
-    for (std::size_t n = 0; n < std::min(most_long_term, keys[i].size()); ++n) {
+    for (std::size_t n = 0; n < std::min(max_long_term, keys[i].size()); ++n) {
       if (const auto pair = pick(keys[i], keys[i], random, long_term)) {
         relations.push_back(relation(truth[i].robot, pair->first, truth[i].robot, pair->second));
       }
@@ -78,7 +78,7 @@ std::vector<TrueRelation> sample_relations(const std::vector<RobotTruth>& truth,
   const auto near = [](const TruePose& a, const TruePose& b) { return distance(a, b) < near_m; };
   for (std::size_t i = 0; i < truth.size(); ++i) {
     for (std::size_t j = i + 1; j < truth.size(); ++j) {
-      for (std::size_t n = 0; n < std::min(most_between, keys[i].size()); ++n) {
+      for (std::size_t n = 0; n < std::min(max_between, keys[i].size()); ++n) {
         if (const auto pair = pick(keys[i], keys[j], random, near)) {
           relations.push_back(relation(truth[i].robot, pair->first, truth[j].robot, pair->second));
         }

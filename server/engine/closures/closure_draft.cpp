@@ -13,7 +13,7 @@ namespace {
 ClosureDraft draft(Proposal proposal, Joining joining, std::int64_t now_utime) {
   ClosureDraft made{std::move(proposal), std::move(joining), {}};
   made.record.id = made.proposal.id;
-  made.record.kind = made.proposal.merge ? ClosureKind::merge : ClosureKind::closure;
+  made.record.kind = made.proposal.merge ? ClosureKind::merge : ClosureKind::loop;
   made.record.start_utime = made.record.end_utime = now_utime;
   return made;
 }

@@ -6,7 +6,7 @@
 namespace isthmus {
 namespace {
 
-constexpr std::size_t most_kept = 400;  // of the sightings that say what is forbidden, the newest
+constexpr std::size_t max_kept = 400;  // of the sightings that say what is forbidden, the newest
 
 }  // namespace
 
@@ -38,7 +38,7 @@ ClosureLedger::Entry* ClosureLedger::find(ClosureId id) {
 void ClosureLedger::decide(Entry& entry, ClosureState state, Reason reason, double value) {
   entry.record.state = state;
   entry.record.reason = reason;
-  if (entry.from_scans) rulings_.push_back({entry.record.id, state, reason, value});
+  if (entry.from_scans) outcomes_.push_back({entry.record.id, state, reason, value});
 }
 
 void ClosureLedger::allow(Entry& entry) {
@@ -49,7 +49,7 @@ void ClosureLedger::allow(Entry& entry) {
   for (auto& [other, its] : entries_) {
     if (!its.from_scans || (other != id && its.forbidden_as != id)) continue;
     its.forbidden_as = {};
-    rulings_.push_back({other, ClosureState::waiting, Reason::allowed_again, 0});
+    outcomes_.push_back({other, ClosureState::waiting, Reason::allowed_again, 0});
   }
 }
 
@@ -65,7 +65,7 @@ std::optional<ClosureId> ClosureLedger::forbidden_by(const Map& map, const Map& 
 void ClosureLedger::keep_with_forbidden(ClosureId forbidden, std::vector<Evidence> evidence) {
   std::vector<Evidence>& kept = at(forbidden).evidence;
   std::ranges::move(evidence, std::back_inserter(kept));
-  if (kept.size() > most_kept) kept.erase(kept.begin(), kept.end() - static_cast<std::ptrdiff_t>(most_kept));
+  if (kept.size() > max_kept) kept.erase(kept.begin(), kept.end() - static_cast<std::ptrdiff_t>(max_kept));
 }
 
 void ClosureLedger::correct(const std::function<void(Evidence&)>& change) {

@@ -17,7 +17,7 @@
 namespace isthmus {
 
 /// What became of a closure that scans proposed: accepted, refused, or waiting for more support.
-struct Ruling {
+struct ClosureOutcome {
   ClosureId id;
   ClosureState state = ClosureState::waiting;
   Reason reason = Reason::none;
@@ -48,14 +48,14 @@ class ClosureLedger {
   void strike(ClosureId id);
 
   Entry& at(ClosureId id) { return entries_.at(id); }
-  /// Nothing for what was not proposed.
+  /// Nothing for an id that was never proposed.
   Entry* find(ClosureId id);
 
-  /// Where scans proposed it, that is a ruling for them.
+  /// Where scans proposed it, they get the outcome.
   void decide(Entry& entry, ClosureState state, Reason reason, double value = 0);
-  std::vector<Ruling> take_rulings() { return std::exchange(rulings_, {}); }
+  std::vector<ClosureOutcome> take_outcomes() { return std::exchange(outcomes_, {}); }
 
-  /// What operators forbid before it is proposed, they forbid by its id.
+  /// Operators may forbid a closure by its id before it is proposed.
   void forbid_id(ClosureId id) { forbidden_ids_.insert(id); }
   bool is_forbidden_id(ClosureId id) const { return forbidden_ids_.contains(id); }
   /// Whether there was something to allow.
@@ -71,12 +71,12 @@ class ClosureLedger {
   void correct(const std::function<void(Evidence&)>& change);
   std::vector<ClosureRecord> records() const;
 
-  auto members() { return std::tie(entries_, forbidden_ids_, rulings_, next_id_); }
+  auto members() { return std::tie(entries_, forbidden_ids_, outcomes_, next_id_); }
 
  private:
   std::map<ClosureId, Entry> entries_;
   std::set<ClosureId> forbidden_ids_;
-  std::vector<Ruling> rulings_;
+  std::vector<ClosureOutcome> outcomes_;
   std::int32_t next_id_ = 0;
 };
 

@@ -11,8 +11,8 @@
 namespace isthmus {
 
 enum class ClosureKind : std::uint8_t {
-  closure,  ///< of a loop on one island
-  merge,    ///< of two islands
+  loop,   ///< of a loop on one island
+  merge,  ///< of two islands
 };
 
 template <>
@@ -27,7 +27,7 @@ inline constexpr auto words_of<ClosureState> = std::to_array<std::string_view>({
 /// A closure or merge, as report.json lists it.
 struct ClosureRecord {
   ClosureId id;
-  ClosureKind kind = ClosureKind::closure;
+  ClosureKind kind = ClosureKind::loop;
   ClosureState state = ClosureState::waiting;
   std::int64_t utime = 0;
   std::vector<std::string> robots;

@@ -16,21 +16,21 @@
 namespace isthmus {
 
 /// From sightings and finds to closures (Howard et al. 2006, IV-B and IV-C): lets the owners of what is seen,
-/// of tags, of groups that agree, of the running trial and of the record work together. What is undecided
-/// waits, at no harm.
+/// of tags, of groups that agree, of the running trial and of the record work together. Undecided
+/// closures wait; the map stays consistent.
 class Closures {
  public:
   /// A sighting that makes sense on its own. `is_tag`: the barcode is a fixed tag's.
   void take(const SightingEvent& sighting, const std::string& target, bool is_tag, std::int64_t now_utime);
-  /// One that does not; kept for the record.
+  /// A sighting that does not make sense; kept for the record.
   void refuse(const SightingEvent& sighting, Reason reason);
   /// A robot starts at a measured place relative to another (configuration, `start`).
   void propose_start(World world, const Relation& relation, const std::string& robot,
                      const std::string& with);
 
-  /// What an event brings on: places and judges sightings, and works at the trial within its credit.
+  /// After each event: places and judges sightings, and works at the trial within its credit.
   void advance(World world);
-  /// The same to the end, as if nothing more will come: first this, then steps until one returns false.
+  /// The same to the end, when no more events will come: first this, then steps until one returns false.
   void begin_finish(World world);
   bool finish_step(World world);
   /// Whether something is on trial: one thing at a time.
@@ -42,7 +42,7 @@ class Closures {
   ClosureId propose_from_scans(World world, const ScanProposal& finds);
   /// One that scans proposed and something else has refuted.
   void refuse_from_scans(ClosureId id, Reason reason);
-  std::vector<Ruling> take_rulings() { return ledger_.take_rulings(); }
+  std::vector<ClosureOutcome> take_outcomes() { return ledger_.take_outcomes(); }
 
   bool has_work() const { return observations_.has_work() || on_trial(); }
 

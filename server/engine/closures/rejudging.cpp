@@ -83,12 +83,12 @@ std::optional<bool> Rejudging::agrees(const Relation& relation) {
                                                options_.surroundings.confidence_patches);
   const auto covariance = known->second.find(relation.b);
   if (covariance == known->second.end()) return std::nullopt;
-  if (is_match(relation) && !well_determined(covariance->second, {options_.surroundings.rejoin_position_m,
-                                                                  options_.surroundings.rejoin_yaw_rad}))
+  if (is_match(relation) && !well_determined(covariance->second, {options_.surroundings.loop_position_m,
+                                                                  options_.surroundings.loop_yaw_rad}))
     return std::nullopt;
   const Pose a_from_b = rest_.relative_pose(relation.a, relation.b);
   return chi_squared(relation.measurement, a_from_b, covariance->second) <
-         options_.rejoin.max_surprise.value();
+         options_.local_loops.max_surprise.value();
 }
 
 void Rejudging::fit() {

@@ -7,8 +7,8 @@
 
 namespace isthmus {
 
-/// A closure that scans propose (hypotheses.hpp): how a patch of one chart lies to one of another, by several
-/// finds that agree.
+/// A closure that scans propose (hypotheses.hpp): how a patch of one island lies to one of another, by
+/// several finds that agree.
 struct ScanProposal {
   ClosureId id;   ///< of a record there is already; invalid: a new one
   PatchId first;  ///< of the older island, in a merge
@@ -17,7 +17,7 @@ struct ScanProposal {
   std::vector<Relation> relations;  ///< of the finds; their origin is still to be given
   int finds = 0;
   double way_m = 0;  ///< of a loop: what lies between its ends, over the map
-  /// The map hardly says where one lies to the other: buildings that repeat themselves are to be feared.
+  /// Their relative position is weakly known: guard against perceptual aliasing.
   bool cautious = false;
   std::vector<std::string> robots;
 };

@@ -50,17 +50,17 @@ std::vector<SightingGroup> groups_of(const Map& map, const std::vector<Evidence>
 
 std::set<std::size_t> superfluous(const std::vector<Evidence>& pool, const std::vector<SightingGroup>& groups,
                                   std::int64_t now_utime, const ClosureOptions& options) {
-  const std::size_t most_waiting = options.max_waiting;
+  const std::size_t max_waiting = options.max_waiting;
   std::set<std::size_t> gone;
   std::map<std::int32_t, std::size_t> of_unplaced_tag;
   for (std::size_t i = pool.size(); i-- > 0;)
-    if (!pool[i].target_place && ++of_unplaced_tag[pool[i].sighting.barcode] > most_waiting) gone.insert(i);
+    if (!pool[i].target_place && ++of_unplaced_tag[pool[i].sighting.barcode] > max_waiting) gone.insert(i);
   for (const SightingGroup& group : groups) {
     const std::size_t size = group.members.size();
     for (std::size_t k = 0; k < size; ++k) {
       const std::size_t i = group.members[k];
       const bool old = !group.is_merge() && now_utime - pool[i].receive_utime > 2 * options.encounter_us;
-      if (old || k + most_waiting < size) gone.insert(i);
+      if (old || k + max_waiting < size) gone.insert(i);
     }
   }
   return gone;

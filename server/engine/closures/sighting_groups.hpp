@@ -50,7 +50,7 @@ struct SightingGroup {
 std::vector<SightingGroup> groups_of(const Map& map, const std::vector<Evidence>& pool,
                                      const ClosureOptions& options);
 
-/// What of a pool is too much, or has waited for too long in vain.
+/// The sightings of a pool that are too many, or have waited too long without support.
 std::set<std::size_t> superfluous(const std::vector<Evidence>& pool, const std::vector<SightingGroup>& groups,
                                   std::int64_t now_utime, const ClosureOptions& options);
 

@@ -11,18 +11,18 @@ bool observer_is_first(const Map& map, const Evidence& evidence, const SightingG
   return evidence.sighting.robot < evidence.target;
 }
 
-std::vector<ChartSighting> charts(const Map& map, const std::vector<Evidence>& pool,
-                                  const SightingGroup& group) {
-  std::vector<ChartSighting> sightings;
+std::vector<ProjectedSighting> projected(const Map& map, const std::vector<Evidence>& pool,
+                                         const SightingGroup& group) {
+  std::vector<ProjectedSighting> sightings;
   for (const std::size_t i : group.members) {
-    sightings.push_back(chart_sighting(map, pool[i]));
+    sightings.push_back(project_sighting(map, pool[i]));
     sightings.back().observer_in_first = observer_is_first(map, pool[i], group);
   }
   return sightings;
 }
 
 // Every so manieth of a group's members, the newest among them.
-SightingGroup spread(SightingGroup group, std::size_t most) {
+SightingGroup evenly_taken(SightingGroup group, std::size_t most) {
   const std::size_t size = group.members.size();
   if (size <= most) return group;
   std::vector<std::size_t> some;
@@ -40,10 +40,10 @@ Joining joining_of(const Map& map, const Evidence& first, bool observer_first, c
   joining.second = observer_first ? target : observer;
   const Pose first_from_map = inverse(map.manifold().pose(joining.first));
   const Pose& second = map.manifold().pose(joining.second);
-  const Pose first_from_chart = first_from_map * alignment.first_from_second;
-  joining.first_from_second = first_from_chart * second;
+  const Pose first_from_plane = first_from_map * alignment.first_from_second;
+  joining.first_from_second = first_from_plane * second;
   const Eigen::Matrix3d by_alignment =
-      compose_jacobians(first_from_chart, second).by_left *
+      compose_jacobians(first_from_plane, second).by_left *
       compose_jacobians(first_from_map, alignment.first_from_second).by_right;
   joining.covariance = by_alignment * alignment.covariance * by_alignment.transpose();
   return joining;
@@ -63,7 +63,7 @@ Joining joining_of_tag(const Map& map, const Evidence& first, const Eigen::Vecto
   return joining;
 }
 
-// A tag that the map has far from where it is seen now: a loop. One point does not tell how the two charts
+// A tag that the map has far from where it is seen now: a loop. One point does not tell how the two islands
 // lie to each other, but where the point is in this one.
 std::optional<GroupAgreement> agreement_on_tag(World world, const std::vector<Evidence>& pool,
                                                const SightingGroup& group, std::size_t least) {
@@ -77,9 +77,9 @@ std::optional<GroupAgreement> agreement_on_tag(World world, const std::vector<Ev
                         joining_of_tag(world.map, pool[consensus.supporters.front()], consensus.point)};
 }
 
-std::optional<GroupAgreement> agreement_on_charts(World world, const std::vector<Evidence>& pool,
-                                                  const SightingGroup& group, std::size_t least) {
-  const std::vector<ChartSighting> sightings = charts(world.map, pool, group);
+std::optional<GroupAgreement> agreement_of_islands(World world, const std::vector<Evidence>& pool,
+                                                   const SightingGroup& group, std::size_t least) {
+  const std::vector<ProjectedSighting> sightings = projected(world.map, pool, group);
   const std::optional<Alignment> alignment = best_alignment(sightings, world.options.alignment);
   if (!alignment || alignment->supporters.size() < least) return std::nullopt;
   if (!ready(*alignment, sightings, world.now_utime, world.no_more_waiting, world.options.alignment))
@@ -105,10 +105,10 @@ std::optional<GroupAgreement> SightingProposer::look_at(World world, const std::
   const auto tried = tried_.find(group.key);
   const std::size_t least = tried == tried_.end() ? 2 : tried->second * 3 / 2 + 1;
   if (group.members.size() < least) return std::nullopt;
-  const SightingGroup some = spread(group, world.options.closures.max_compared);
+  const SightingGroup some = evenly_taken(group, world.options.closures.max_compared);
   if (!group.is_merge() && pool[some.members.front()].is_tag)
     return agreement_on_tag(world, pool, some, least);
-  return agreement_on_charts(world, pool, some, least);
+  return agreement_of_islands(world, pool, some, least);
 }
 
 void SightingProposer::forget() {

@@ -28,7 +28,7 @@ class SightingProposer {
   /// Nothing where too few agree, or nothing is new since it was looked at last.
   std::optional<GroupAgreement> look_at(World world, const std::vector<Evidence>& pool,
                                         const SightingGroup& group);
-  /// So many have been on trial: next time it takes half as many again.
+  /// So many sightings were tried: the next trial needs half as many again.
   void note_trial(const GroupKey& key, std::size_t supporters) { tried_[key] = supporters; }
   /// The map, or what may be accepted, has changed: every group is worth a look.
   void forget();

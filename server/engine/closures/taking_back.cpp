@@ -14,7 +14,7 @@ void put_on_own_ground(World world, const Map& together, ClosureLedger& ledger,
   const OwnGround own(together, world.map);
   for (auto& [name, robot] : world.robots) {
     robot.history.correct([&own, &robot_name = name](PastPlace& place) { own.put_back(robot_name, place); });
-    robot.rejoins.clear();  // some may be of patches that lie on two islands now
+    robot.local_loops.clear();  // some may be of patches that lie on two islands now
   }
   const auto put_back = [&](Evidence& evidence) {
     own.put_back(evidence.sighting.robot, evidence.observer);

@@ -15,10 +15,10 @@ namespace isthmus {
 /// event waits long for a closure.
 class TrialRunner {
  public:
-  /// There must be none on trial.
+  /// No trial may be running.
   void begin(World world, Proposal proposal);
-  /// An event's share of the work. True: the trial was done at an event before; it is to be taken and ruled
-  /// on, which may take some milliseconds as its last step did.
+  /// An event's share of the work. True: the trial was done at an event before; its result is to be taken and
+  /// decided, which may take some milliseconds as its last step did.
   bool work(World world);
   /// One step, whatever the credit; waits for a job that has to end first.
   void step(World world) { trial_->finish_step(world.now_utime); }

@@ -16,7 +16,7 @@ void put_back(const Map& map, Robot& robot) {
   Localisation& place = *robot.place;
   if (map.graph().island(place.pose.patch) == map.graph().island(place.last_patch)) return;
   place.pose = {place.last_patch, place.since_last_patch.start_from_end};
-  place.covariance = place.spread = place.since_last_patch.covariance;
+  place.covariance = place.tracking_covariance = place.since_last_patch.covariance;
 }
 
 void take_over(Map& map, const Rejudging& judged) {

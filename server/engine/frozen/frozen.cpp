@@ -9,7 +9,7 @@
 namespace isthmus {
 namespace {
 
-constexpr std::size_t most_unplaced = 10'000;
+constexpr std::size_t max_unplaced = 10'000;
 
 double way_since_match_m(const Localisation& place) {
   const Pose& path = place.since_last_patch.start_from_end;
@@ -27,7 +27,7 @@ Localisation guessed(const ManifoldPose& pose, const Pose& odom_from_robot, std:
                      const FrozenOptions& options) {
   Localisation place;
   place.pose = pose;
-  place.covariance = place.spread =
+  place.covariance = place.tracking_covariance =
       Eigen::Vector3d(options.guess_variance_m2, options.guess_variance_m2, options.guess_variance_rad2)
           .asDiagonal();
   place.odom_from_robot = odom_from_robot;
@@ -55,7 +55,7 @@ std::optional<ScanOutcome> Frozen::take_scan(const Map& map, Robot& robot, Obser
     std::erase_if(robot.unplaced,
                   [&](const UnplacedScan& unplaced) { return unplaced.utime < finder.since_utime(); });
   robot.unplaced.push_back({utime, odom_from_robot});
-  if (robot.unplaced.size() > most_unplaced) robot.unplaced.erase(robot.unplaced.begin());
+  if (robot.unplaced.size() > max_unplaced) robot.unplaced.erase(robot.unplaced.begin());
   return std::nullopt;
 }
 
@@ -76,7 +76,7 @@ std::optional<ScanOutcome> Frozen::follow_on(const Map& map, Robot& robot, const
   const std::int64_t utime = observation.scan.utime;
   const Expectation expectation = expect(robot, odom_from_robot, utime, options);
   choose_local_map(map, robot, expectation.local_from_robot, points, options);
-  const Placement placement = place(robot, expectation, robot.local_map, points, options);
+  const Placement placement = localise(robot, expectation, robot.local_map, points, options);
   follow(map, robot, expectation, placement, odom_from_robot, utime, options);
   const std::string& name = robot.declaration.robot;
   if (placement.matched) {

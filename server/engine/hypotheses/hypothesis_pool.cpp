@@ -45,7 +45,7 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
   std::set<std::string> robots;
   for (const Find* find : finds) {
     proposal.way_m = std::max(proposal.way_m, find->way_m);
-    proposal.cautious = proposal.cautious || find->sigma_m > options.surely_near_m;
+    proposal.cautious = proposal.cautious || find->sigma_m > options.known_sigma_m;
     std::ranges::copy(find->relations, std::back_inserter(proposal.relations));
     robots.insert(map.manifold().patch(find->query).robot);
     robots.insert(map.manifold().patch(find->anchor).robot);
@@ -141,29 +141,29 @@ std::size_t Hypotheses::rivals(const Map& map, const std::vector<std::size_t>& s
 // What became of those that were proposed, and what others have refuted.
 void Hypotheses::hear(World world, Closures& closures) {
   for (const auto& [id, reason] : std::exchange(refuted_, {})) closures.refuse_from_scans(id, reason);
-  for (const Ruling& ruling : closures.take_rulings()) {
-    if (ruling.state == ClosureState::waiting && parked_.contains(ruling.id)) {
-      for (Waiting& waiting : parked_[ruling.id]) take(world, waiting.robot, std::move(waiting.find));
-      parked_.erase(ruling.id);
+  for (const ClosureOutcome& outcome : closures.take_outcomes()) {
+    if (outcome.state == ClosureState::waiting && parked_.contains(outcome.id)) {
+      for (Waiting& waiting : parked_[outcome.id]) take(world, waiting.robot, std::move(waiting.find));
+      parked_.erase(outcome.id);
       continue;
     }
-    const auto found = hypotheses_.find(ruling.id);
+    const auto found = hypotheses_.find(outcome.id);
     if (found == hypotheses_.end()) continue;
-    if (ruling.state == ClosureState::waiting) {
+    if (outcome.state == ClosureState::waiting) {
       found->second.undecided = true;
-      found->second.says.value = ruling.value;
-      if (ruling.reason == Reason::map_changed) found->second.tried = 0;
+      found->second.says.value = outcome.value;
+      if (outcome.reason == Reason::map_changed) found->second.tried = 0;
       pool_changed_ = true;
       continue;
     }
     std::vector<bool> gone(pool_.size(), false);
     for (std::size_t i = 0; i < pool_.size(); ++i) {
-      if (pool_[i].hypothesis != ruling.id) continue;
+      if (pool_[i].hypothesis != outcome.id) continue;
       gone[i] = true;
-      if (ruling.state == ClosureState::accepted || ruling.reason == Reason::forbidden)
-        parked_[ruling.id].push_back(pool_[i]);
+      if (outcome.state == ClosureState::accepted || outcome.reason == Reason::forbidden)
+        parked_[outcome.id].push_back(pool_[i]);
     }
-    if (ruling.state == ClosureState::accepted) {
+    if (outcome.state == ClosureState::accepted) {
       for (std::size_t i = 0; i < pool_.size(); ++i)
         gone[i] = gone[i] || agrees_with_map(world.map, pool_[i].find, world.options.hypotheses);
     }

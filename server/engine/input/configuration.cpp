@@ -11,7 +11,7 @@ namespace isthmus {
 namespace {
 
 /// One byte less than the journal's configuration message can hold.
-constexpr std::size_t most_toml_bytes = 64 * 1024 - 1;
+constexpr std::size_t max_toml_bytes = 64 * 1024 - 1;
 
 void read_engine(const Setting& table, EngineOptions& options) {
   Fields fields(table, " in [engine]");
@@ -127,8 +127,8 @@ Configuration read_configuration(const Setting& table) {
 
 std::variant<Configuration, std::string> parse_configuration(const std::string& toml,
                                                              const std::string& file) {
-  if (toml.size() > most_toml_bytes) {
-    return file + ": longer than " + std::to_string(most_toml_bytes) + " bytes";
+  if (toml.size() > max_toml_bytes) {
+    return file + ": longer than " + std::to_string(max_toml_bytes) + " bytes";
   }
   try {
     Configuration configuration = read_configuration(parse_settings(toml, file));

@@ -38,17 +38,17 @@ struct EngineOptions {
   double patch_spacing_rad = 0.7;
   /// A scan with more than this share of its free space outside the local map becomes a patch.
   double uncovered_share = 0.3;
-  /// A robot adds no more: it is localised in the map that there is.
+  /// Maximum of one robot; from then on it is only localised.
   std::size_t patches_per_robot = 20'000;
   PatchOptions patch;
 
   MatchOptions match;
   MatchRelationOptions relations;
-  SpreadOptions spread;
+  WeakDirectionOptions weak_direction;
   CorrelativeOptions correlative;
   AmbiguityOptions ambiguity;
   SurroundingsOptions surroundings;
-  RejoinOptions rejoin;
+  LocalLoopOptions local_loops;
   ContradictionOptions contradiction;
   MapFitOptions map_fit;
   LocaliseOptions localise;
@@ -61,9 +61,9 @@ struct EngineOptions {
   HealthOptions health;
   HealthWarningOptions health_warnings;
   PropagationOptions propagation;
-  SeamOptions seam;
+  SharedPartOptions shared_part;
   TrialOptions trial;
-  WeavingOptions weaving;
+  ProximityMatchingOptions proximity_matching;
   PlaceCandidateOptions place_candidates;
   PlaceSearchOptions place_search;
   ConsistencyOptions consistency;
@@ -85,11 +85,11 @@ struct EngineOptions {
     group("outline", patch.free_space.outline);
     group("match", match);
     group("relations", relations);
-    group("spread", spread);
+    group("weak_direction", weak_direction);
     group("correlative", correlative);
     group("ambiguity", ambiguity);
     group("surroundings", surroundings);
-    group("rejoin", rejoin);
+    group("local_loops", local_loops);
     group("contradiction", contradiction);
     group("map_fit", map_fit);
     group("localise", localise);
@@ -102,9 +102,9 @@ struct EngineOptions {
     group("health", health);
     group("health_warnings", health_warnings);
     group("propagation", propagation);
-    group("seam", seam);
+    group("shared_part", shared_part);
     group("trial", trial);
-    group("weaving", weaving);
+    group("proximity_matching", proximity_matching);
     group("place_candidates", place_candidates);
     group("place_search", place_search);
     group("consistency", consistency);

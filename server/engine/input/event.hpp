@@ -10,7 +10,7 @@
 
 namespace isthmus {
 
-/// What the engine is told. The wire makes events of messages that it has checked; the journal keeps the
+/// The engine's input. The wire makes events of messages that it has checked; the journal keeps the
 /// messages; the engine is a function from a sequence of events to a map. Times in microseconds; `utime` is
 /// the sender's stamp. Robot names are upper case.
 

@@ -10,14 +10,14 @@
 namespace isthmus {
 
 /// The words of an enumeration in files, messages and logs, in the order of its values, which count up from
-/// 0. Given beside each enumeration; nothing but input, output and people has to do with words.
+/// 0. Given beside each enumeration; only input, output and people deal with words.
 template <class Enum>
 inline constexpr std::array<std::string_view, 0> words_of{};
 
 template <class Enum>
 concept HasWords = std::is_enum_v<Enum> && !words_of<Enum>.empty();
 
-/// Whether it is one of the enumeration's values: of what comes from elsewhere.
+/// Whether it is one of the enumeration's values: checks what was read from a file.
 template <HasWords Enum>
 constexpr bool has_word(Enum value) {
   return static_cast<std::size_t>(value) < words_of<Enum>.size();

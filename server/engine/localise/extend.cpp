@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "scanmatch/match_relations.hpp"
-#include "server/engine/map/rejoin.hpp"
+#include "server/engine/map/local_loop.hpp"
 
 namespace isthmus {
 namespace {
@@ -62,7 +62,7 @@ Relation odometry_relation(Robot& robot, PatchId next, const EngineOptions& opti
 void put_robot_on(Robot& robot, PatchId patch) {
   Localisation& place = *robot.place;
   place.pose = {patch, Pose{}};
-  place.covariance = place.spread = Eigen::Matrix3d::Identity() * 1e-8;
+  place.covariance = place.tracking_covariance = Eigen::Matrix3d::Identity() * 1e-8;
   place.last_patch = patch;
   place.since_last_patch = {};
   ++robot.patches;
@@ -110,7 +110,7 @@ bool worth_a_patch(const Map& map, const Surroundings& surroundings, const Place
   const ExtendOptions& its = options.extend;
   const Pose& local_from_robot = placement.local_from_robot;
   for (const Determined& determined : surroundings.patches()) {
-    if (!determined.firm) continue;
+    if (!determined.well_determined) continue;
     const Pose& local_from_patch = determined.local_from_patch;
     const double distance =
         std::hypot(local_from_robot.x - local_from_patch.x, local_from_robot.y - local_from_patch.y);
@@ -144,7 +144,7 @@ void begin_island(Map& map, Robot& robot, Observation observation, const Pose& o
   const std::int64_t utime = observation.scan.utime;
   map.add(make_patch(id, robot.declaration.robot, std::move(observation), options.patch), Pose{});
   robot.place = Localisation{};
-  robot.rejoins.clear();
+  robot.local_loops.clear();
   robot.place->odom_from_robot = odom_from_robot;
   robot.place->utime = utime;
   put_robot_on(robot, id);
@@ -163,9 +163,9 @@ bool extend(Map& map, Robot& robot, Observation observation, const Placement& pl
   std::vector<Relation> loop;
   if (placement.matched) {
     const std::vector<PatchId> unpaired = unpaired_patches(robot.local_map, relations);
-    loop = robot.rejoins.take(
-        find_rejoin(map, robot.surroundings, local_from_robot, points, unpaired, id, options),
-        options.rejoin);
+    loop = robot.local_loops.take(
+        find_local_loop(map, robot.surroundings, local_from_robot, points, unpaired, id, options),
+        options.local_loops);
   }
   const Pose map_from_robot = map.manifold().pose(robot.surroundings.reference()) * local_from_robot;
   map.add(make_patch(id, robot.declaration.robot, std::move(observation), options.patch), map_from_robot);

@@ -13,12 +13,13 @@ void project_on_manifold(const Map& map, Robot& robot, const Placement& placemen
                          const FollowOptions& options) {
   const PatchId present = robot.surroundings.reference();
   const Pose& local_from_robot = placement.local_from_robot;
-  std::vector<PatchId> firm;
+  std::vector<PatchId> well_determined;
   for (const Determined& determined : robot.surroundings.patches()) {
-    if (determined.firm) firm.push_back(determined.patch);
+    if (determined.well_determined) well_determined.push_back(determined.patch);
   }
   const ManifoldPose here{present, local_from_robot};
-  ManifoldPose best = map.manifold().project_back(map.manifold().project(here), firm).value_or(here);
+  ManifoldPose best =
+      map.manifold().project_back(map.manifold().project(here), well_determined).value_or(here);
   const auto distance = [](const Pose& r) { return std::hypot(r.x, r.y); };
   if (distance(best.patch_from_object) > distance(local_from_robot) - options.clearly_nearer_m) best = here;
 
@@ -27,7 +28,7 @@ void project_on_manifold(const Map& map, Robot& robot, const Placement& placemen
   const Pose present_from_best = map.relative_pose(present, best.patch);
   const Eigen::Matrix3d turn = ominus_jacobians(local_from_robot, present_from_best).by_q;
   place.covariance = turn * placement.covariance * turn.transpose();
-  place.spread = turn * placement.spread * turn.transpose();
+  place.tracking_covariance = turn * placement.tracking_covariance * turn.transpose();
 }
 
 }  // namespace

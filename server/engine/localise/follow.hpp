@@ -17,7 +17,7 @@ void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot
 void follow(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,
             const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options);
 
-/// The robot's place, as it is told.
+/// The robot's pose, as it is published.
 RobotPose answer(const Map& map, const Robot& robot, bool matched);
 
 }  // namespace isthmus

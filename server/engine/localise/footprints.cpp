@@ -97,7 +97,7 @@ std::optional<ScanOutcome> take_odometry(Map& map, Robot& robot, const Pose& odo
     robot.place = Localisation{};
     robot.place->odom_from_robot = odom_from_robot;
     robot.place->utime = utime;
-    robot.rejoins.clear();
+    robot.local_loops.clear();
     robot.way.clear();
     stand_on_new_patch(map, robot, Pose{}, options);
     return answered(map, robot, true);
@@ -107,7 +107,7 @@ std::optional<ScanOutcome> take_odometry(Map& map, Robot& robot, const Pose& odo
   Localisation& place = *robot.place;
   place.pose.patch_from_object = expectation.local_from_robot;
   place.covariance = expectation.covariance;
-  place.spread = expectation.spread;
+  place.tracking_covariance = expectation.tracking_covariance;
   place.last_step = expectation.step;
   place.since_last_patch.append(expectation.step,
                                 robot.noise.covariance(expectation.step, options.odometry_noise));

@@ -11,8 +11,8 @@ namespace {
 
 Eigen::Matrix3d symmetric(const Eigen::Matrix3d& m) { return 0.5 * (m + m.transpose()); }
 
-Eigen::Matrix3d spread_after(const Eigen::Matrix3d& before, const ComposeJacobians& j,
-                             const Eigen::Matrix3d& step) {
+Eigen::Matrix3d covariance_after(const Eigen::Matrix3d& before, const ComposeJacobians& j,
+                                 const Eigen::Matrix3d& step) {
   return symmetric(j.by_left * before * j.by_left.transpose() + j.by_right * step * j.by_right.transpose());
 }
 
@@ -20,7 +20,7 @@ Eigen::Matrix3d spread_after(const Eigen::Matrix3d& before, const ComposeJacobia
 // sigma is never smaller than what matching itself errs by.
 double surprise(const Pose& pose, const Expectation& expectation, const LocaliseOptions& options) {
   const Eigen::Vector3d innovation = wrapped_difference(pose, expectation.local_from_robot);
-  Eigen::Matrix3d covariance = expectation.spread;
+  Eigen::Matrix3d covariance = expectation.tracking_covariance;
   covariance.diagonal() +=
       Eigen::Vector3d(options.match_variance_m2, options.match_variance_m2, options.match_variance_rad2);
   return innovation.dot(covariance.inverse() * innovation);
@@ -53,7 +53,7 @@ SearchWindow window_of(const Expectation& expectation, const LocaliseOptions& op
 }  // namespace
 
 void OdometryPath::append(const Pose& step, const Eigen::Matrix3d& step_covariance) {
-  covariance = spread_after(covariance, compose_jacobians(start_from_end, step), step_covariance);
+  covariance = covariance_after(covariance, compose_jacobians(start_from_end, step), step_covariance);
   start_from_end = start_from_end * step;
 }
 
@@ -75,17 +75,17 @@ Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t
   const Pose& r = place.pose.patch_from_object;
   const ComposeJacobians jacobians = compose_jacobians(r, expectation.step);
   expectation.local_from_robot = r * expectation.step;
-  expectation.covariance = spread_after(place.covariance, jacobians, noise);
-  expectation.spread = spread_after(place.spread, jacobians, noise);
+  expectation.covariance = covariance_after(place.covariance, jacobians, noise);
+  expectation.tracking_covariance = covariance_after(place.tracking_covariance, jacobians, noise);
   return expectation;
 }
 
-Placement place(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
-                std::span<const ScanPoint> points, const EngineOptions& options) {
+Placement localise(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
+                   std::span<const ScanPoint> points, const EngineOptions& options) {
   Placement placement;
   placement.local_from_robot = expectation.local_from_robot;
   placement.covariance = expectation.covariance;
-  placement.spread = expectation.spread;
+  placement.tracking_covariance = expectation.tracking_covariance;
   if (static_cast<int>(points.size()) < options.match.min_pairs) {
     placement.reason = "few_returns";
     return placement;
@@ -98,7 +98,7 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
   const LocaliseOptions& its = options.localise;
   MatchOptions match_options = options.match;
   match_options.sigma_m /= std::sqrt(its.match_trust);
-  const Eigen::Matrix3d information = expectation.spread.inverse();
+  const Eigen::Matrix3d information = expectation.tracking_covariance.inverse();
   // Far from where it was expected, or where odometry cannot be believed, a match needs more to be.
   const bool doubtful = !expectation.plausible || robot.place->suspect;
   const auto fits = [&](const Match& match) {
@@ -139,7 +139,8 @@ Placement place(const Robot& robot, const Expectation& expectation, const LocalM
   // The same beams, at the calibrated noise of relations, for what is published.
   const double calibration =
       std::pow(match_options.sigma_m / relation_sigma_m(placement.match.quality, options.relations), 2);
-  placement.spread = symmetric((information + its.match_trust * placement.match.beam_information).inverse());
+  placement.tracking_covariance =
+      symmetric((information + its.match_trust * placement.match.beam_information).inverse());
   placement.covariance = symmetric(
       (expectation.covariance.inverse() + calibration * placement.match.beam_information).inverse());
   return placement;

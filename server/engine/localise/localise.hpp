@@ -11,7 +11,7 @@ namespace isthmus {
 struct Expectation {
   Pose local_from_robot;       ///< in the frame of the robot's patch
   Eigen::Matrix3d covariance;  ///< grown from the calibrated covariance
-  Eigen::Matrix3d spread;
+  Eigen::Matrix3d tracking_covariance;
   Pose step;              ///< odometry since the last scan; none where that is implausible
   Pose claimed_step;      ///< what odometry said
   bool plausible = true;  ///< false: no robot moves like that
@@ -19,20 +19,20 @@ struct Expectation {
 Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
                    const EngineOptions& options);
 
-/// What matching said of a scan.
+/// The result of matching a scan.
 struct Placement {
   bool matched = false;
   std::string reason;  ///< why not
   Pose local_from_robot;
   Eigen::Matrix3d covariance;
-  Eigen::Matrix3d spread;
+  Eigen::Matrix3d tracking_covariance;
   Match match;
 };
 
 /// Fits a scan to the local map from where odometry puts it (Howard et al. 2006, IV-A, steps 3 and 4). Where
 /// that fits badly, or far from where it was expected, other beginnings are tried: motion as before, no
 /// motion, and a search whose window comes from the covariance.
-Placement place(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
-                std::span<const ScanPoint> points, const EngineOptions& options);
+Placement localise(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
+                   std::span<const ScanPoint> points, const EngineOptions& options);
 
 }  // namespace isthmus

@@ -42,7 +42,7 @@ ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pos
   const bool full = has_all_patches(robot, options);
   const Expectation expectation = expect(robot, odom_from_robot, observation.scan.utime, options);
   choose_local_map(map, robot, expectation.local_from_robot, points, options);
-  const Placement placement = place(robot, expectation, robot.local_map, points, options);
+  const Placement placement = localise(robot, expectation, robot.local_map, points, options);
   if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
       robot.place->lost_scans + 1 >= options.follow.max_lost_scans && !full) {
     robot.health.unmatched();

@@ -18,7 +18,7 @@ struct ScanOutcome {
 /// Whether a robot has as many patches as it may have. What it shows from then on is no longer mapped, so
 /// that no robot can fill the memory; it is localised by what there is, else by its odometry.
 bool has_all_patches(const Robot& robot, const EngineOptions& options);
-/// Such a one that has no place: it would need a patch to begin with.
+/// Such a robot without a place: it would need a first patch.
 bool may_not_begin(const Robot& robot, const EngineOptions& options);
 
 /// Incremental localisation and mapping (Howard et al. 2006, IV-A) of what one robot has seen in one scan;

@@ -27,12 +27,12 @@ class PastGraph {
   /// The relations of the shortest way between a relation's ends that was there before it, along those that
   /// `along` says yes to; nothing where there is none of at most so many.
   template <class Along>
-  std::optional<std::vector<RelationId>> way(const Relation& relation, std::size_t most_hops,
+  std::optional<std::vector<RelationId>> way(const Relation& relation, std::size_t max_hops,
                                              const Along& along) {
     ++search_;
     std::vector<PatchId> level{relation.a};
     reached_[index(relation.a)] = {search_, {}};
-    for (std::size_t hops = 0; hops < most_hops && !level.empty(); ++hops) {
+    for (std::size_t hops = 0; hops < max_hops && !level.empty(); ++hops) {
       std::vector<PatchId> next;
       for (const PatchId patch : level) {
         for (const RelationId id : graph_.of(patch)) {

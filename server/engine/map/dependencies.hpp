@@ -8,7 +8,7 @@
 
 namespace isthmus {
 
-/// So few relations apart, two patches are known to be near one another whatever else holds the map together.
+/// Patches at most so many relations apart are near one another, whatever else holds the map together.
 inline constexpr int known_near_hops = 4;
 
 /// Whether a relation may carry what another says: where walls are is told by matches and odometry only.

@@ -6,7 +6,7 @@
 namespace isthmus {
 namespace {
 
-constexpr std::size_t most_abandoned = 4;  // so many threads at most are for nothing
+constexpr std::size_t max_abandoned = 4;  // so many threads at most are for nothing
 
 FitJob::Result fit_copy(const RelationGraph& graph, std::vector<Pose> poses, IslandId island,
                         const std::optional<FitJob::ConfidenceQuestion>& question) {
@@ -44,7 +44,7 @@ bool FitJob::advance(std::int64_t now_utime) {
 
 void AbandonedFits::add(std::unique_ptr<FitJob> job) {
   jobs_.push_back(std::move(job));
-  if (jobs_.size() > most_abandoned) jobs_.pop_front();
+  if (jobs_.size() > max_abandoned) jobs_.pop_front();
 }
 
 void AbandonedFits::let_go() {

@@ -17,7 +17,7 @@ namespace isthmus {
 
 /// A fit of a whole island on a copy of the map, in a thread of its own: begun at one event, and applied at a
 /// later one that a rule decides (after as many events as there are patches, or 20 ms a patch, so that it is
-/// hardly ever late). Who asks earlier waits.
+/// hardly ever late). A caller who asks earlier waits.
 class FitJob {
  public:
   struct Result {
@@ -43,8 +43,8 @@ class FitJob {
   /// Tells the job that an event was handled. Returns whether its result is due.
   bool advance(std::int64_t now_utime);
   IslandId island() const { return island_; }
-  /// Whether the thread has ended. It says nothing to what the map becomes: only whether letting go of the
-  /// job would wait.
+  /// Whether the thread has ended. It does not influence the map: it only tells whether destroying the job
+  /// would wait.
   bool ended() const { return result_.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
   /// Waits for the result where it is late.
   Result take() { return result_.get(); }
@@ -58,12 +58,12 @@ class FitJob {
   std::shared_future<Result> result_;
 };
 
-/// Fits that nobody waits for any more, until their threads end: letting go of one before would be a wait.
-/// They say nothing to what the map becomes, and are not in snapshots.
+/// Abandoned fits, kept until their threads end, since destroying one earlier would wait for its thread.
+/// They do not influence the map, and are not in snapshots.
 class AbandonedFits {
  public:
   void add(std::unique_ptr<FitJob> job);
-  /// Of those that have ended.
+  /// Destroys those whose threads have ended.
   void let_go();
 
  private:

@@ -57,8 +57,8 @@ void Map::adopt(std::span<const PatchId> of, std::span<const Pose> poses) {
   }
 }
 
-void Map::refit_around(PatchId centre, std::size_t most_patches) {
-  std::vector<PatchId> window = graph_.nearest_in_graph(centre, most_patches);
+void Map::refit_around(PatchId centre, std::size_t max_patches) {
+  std::vector<PatchId> window = graph_.nearest_in_graph(centre, max_patches);
   std::erase(window, graph_.island(centre));
   if (!window.empty() && fit(graph_, window, manifold_.poses()).ok)
     std::for_each(window.begin(), window.end(), [this](PatchId id) { touch(id); });

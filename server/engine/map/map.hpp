@@ -33,13 +33,13 @@ class Map {
 
   /// Refits the patches nearest in the graph to one, at most so many, their surroundings held. The island's
   /// oldest patch carries its frame and is held too.
-  void refit_around(PatchId centre, std::size_t most_patches);
+  void refit_around(PatchId centre, std::size_t max_patches);
   void refit_island(IslandId island);
 
   /// The newest stamp on any of these patches.
   std::int64_t stamp(std::span<const PatchId> patches) const;
 
-  /// Whether its parts are of the same patches: of what comes from elsewhere.
+  /// Whether its parts agree on the patches: checks a map that was read from a file.
   bool is_sound() const;
 
   auto members() { return std::tie(manifold_, graph_, stamps_, changes_); }

@@ -44,27 +44,26 @@ double overlap_share(const Patch& patch, const Pose& patch_from_robot, std::span
 }
 
 void Surroundings::update(const Map& map, PatchId reference, const EngineOptions& options, By by,
-                          std::size_t most_patches) {
-  if (reference == reference_ && most_patches == most_ && by == by_ && map.stamp(looked_at_) == stamp_)
+                          std::size_t max_patches) {
+  if (reference == reference_ && max_patches == max_patches_ && by == by_ && map.stamp(looked_at_) == stamp_)
     return;
-  most_ = most_patches;
+  max_patches_ = max_patches;
   by_ = by;
   reference_ = reference;
   patches_.clear();
-  looked_at_ = map.graph().nearest_in_graph(reference, most_patches);
+  looked_at_ = map.graph().nearest_in_graph(reference, max_patches);
   stamp_ = map.stamp(looked_at_);
   const Pose& map_from_reference = map.manifold().pose(reference);
   const auto by_scans = local_relative_covariances(map.graph(), map.manifold().poses(), reference,
-                                                   most_patches, says_where_walls_are);
+                                                   max_patches, says_where_walls_are);
   const auto covariances =
       by == By::all && any_coarse(map.graph(), looked_at_)
-          ? local_relative_covariances(map.graph(), map.manifold().poses(), reference, most_patches)
+          ? local_relative_covariances(map.graph(), map.manifold().poses(), reference, max_patches)
           : by_scans;
   patches_.push_back({reference, Pose{}, Eigen::Matrix3d::Zero(), true, true});
-  const ConfidenceThreshold rejoin{options.surroundings.rejoin_position_m,
-                                   options.surroundings.rejoin_yaw_rad};
+  const ConfidenceThreshold loop{options.surroundings.loop_position_m, options.surroundings.loop_yaw_rad};
   for (const auto& [id, covariance] : covariances) {
-    if (id == reference || !well_determined(covariance, rejoin)) continue;
+    if (id == reference || !well_determined(covariance, loop)) continue;
     const auto fine = by_scans.find(id);
     patches_.push_back({id, ominus(map.manifold().pose(id), map_from_reference), covariance,
                         fine != by_scans.end() && well_determined(fine->second, options.local_map),
@@ -80,7 +79,7 @@ LocalMap Surroundings::local_map(const Map& map, const Pose& local_from_robot,
   };
   std::vector<Candidate> candidates;
   for (const Determined& determined : patches_) {
-    if (!determined.firm) continue;
+    if (!determined.well_determined) continue;
     const Pose patch_from_robot = ominus(local_from_robot, determined.local_from_patch);
     const double distance = std::hypot(patch_from_robot.x, patch_from_robot.y);
     if (distance > options.surroundings.reach_m) continue;

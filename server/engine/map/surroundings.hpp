@@ -15,17 +15,17 @@ struct Determined {
   PatchId patch;
   Pose local_from_patch;       ///< in the frame of the reference patch
   Eigen::Matrix3d covariance;  ///< of that pose
-  /// Eq. 12 holds by scans and odometry alone: it belongs to the local map. What sightings say is good to
-  /// some centimetres, too coarse to lay walls on walls.
-  bool firm = false;
-  bool sure = false;  ///< eq. 12 holds by all relations
+  /// Eq. 12 holds by scans and odometry alone: it belongs to the local map. Sightings are exact to
+  /// some centimetres only, too coarse for aligning walls.
+  bool well_determined = false;
+  bool by_all_relations = false;  ///< eq. 12 holds by all relations
 
-  auto members() { return std::tie(patch, local_from_patch, covariance, firm, sure); }
+  auto members() { return std::tie(patch, local_from_patch, covariance, well_determined, by_all_relations); }
 };
 
 /// The surroundings of a patch: what is determined relative to it, kept until the patch or the graph near it
-/// changes. `firm` patches, those of eq. 12, make the local map that every scan is matched with; the others
-/// are where a local loop may be about to close, and are matched on their own (rejoin.hpp).
+/// changes. `well_determined` patches, those of eq. 12, make the local map that every scan is matched with;
+/// the others are where a local loop may be about to close, and are matched on their own (local_loop.hpp).
 class Surroundings {
  public:
   /// By which relations patches are determined here. What scans and odometry say is all that localisation
@@ -37,30 +37,30 @@ class Surroundings {
     update(map, reference, options, by, options.surroundings.confidence_patches);
   }
   void update(const Map& map, PatchId reference, const EngineOptions& options, By by,
-              std::size_t most_patches);
+              std::size_t max_patches);
 
   PatchId reference() const { return reference_; }
   /// Changes whenever `update` had to look again.
   std::int64_t stamp() const { return stamp_; }
   const std::vector<Determined>& patches() const { return patches_; }
 
-  /// The firm patches near a pose that a scan from there would overlap with: the oldest, which hold the map
-  /// together, and the newest.
+  /// The well determined patches near a pose that a scan from there would overlap with: the oldest, which
+  /// hold the map together, and the newest.
   LocalMap local_map(const Map& map, const Pose& local_from_robot, std::span<const ScanPoint> points,
                      const EngineOptions& options) const;
 
-  auto members() { return std::tie(reference_, stamp_, most_, by_, looked_at_, patches_); }
+  auto members() { return std::tie(reference_, stamp_, max_patches_, by_, looked_at_, patches_); }
 
  private:
   PatchId reference_;
   std::int64_t stamp_ = -1;  // of `looked_at_` when they were looked at
-  std::size_t most_ = 0;
+  std::size_t max_patches_ = 0;
   By by_ = By::scans;
   std::vector<PatchId> looked_at_;
   std::vector<Determined> patches_;
 };
 
-/// Whether a relation was made of scans.
+/// Whether a relation was measured by matching scans.
 bool is_match(const Relation& relation);
 /// Whether a relation is as fine as matching needs: of scans, or of odometry from patch to patch.
 bool says_where_walls_are(const Relation& relation);

@@ -52,9 +52,9 @@ class CliqueSearch {
 
 }  // namespace
 
-NearbyConfidence::NearbyConfidence(const Map& map, PatchId of, std::size_t most_patches)
+NearbyConfidence::NearbyConfidence(const Map& map, PatchId of, std::size_t max_patches)
     : reference(of),
-      covariances(local_relative_covariances(map.graph(), map.manifold().poses(), of, most_patches)) {}
+      covariances(local_relative_covariances(map.graph(), map.manifold().poses(), of, max_patches)) {}
 
 std::optional<Eigen::Matrix3d> NearbyConfidence::of(PatchId patch) const {
   if (patch == reference) return Eigen::Matrix3d::Zero();

@@ -23,7 +23,7 @@ struct NearbyConfidence {
   PatchId reference;
   std::map<PatchId, Eigen::Matrix3d> covariances;
 
-  NearbyConfidence(const Map& map, PatchId of, std::size_t most_patches);
+  NearbyConfidence(const Map& map, PatchId of, std::size_t max_patches);
   /// Nothing where the patch is not near.
   std::optional<Eigen::Matrix3d> of(PatchId patch) const;
 };

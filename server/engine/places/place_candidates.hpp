@@ -27,7 +27,7 @@ Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& o
 
 /// Places of the patch's own island that are far from it over the map's relations, but whose projection could
 /// come to lie on it within the relative covariance. Those so well determined that a find could only be what
-/// the map says are left out: local loops are for rejoin.hpp. The likeliest first.
+/// the map says are left out: local loops are for local_loop.hpp. The likeliest first.
 std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
                                                  const PlaceCandidateOptions& options);
 

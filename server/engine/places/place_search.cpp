@@ -95,7 +95,7 @@ RigidPiece place_around(const Map& map, PatchId anchor, const EngineOptions& opt
   const PlaceSearchOptions& its = options.place_search;
   std::vector<const Determined*> near;
   for (const Determined& determined : surroundings.patches())
-    if (determined.firm &&
+    if (determined.well_determined &&
         std::hypot(determined.local_from_patch.x, determined.local_from_patch.y) < its.place_radius_m)
       near.push_back(&determined);
   RigidPiece place;
@@ -177,7 +177,7 @@ std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, con
     best = std::move(match);
     carrier = &seen;
   }
-  if (!best || (whole.quality.score < its.min_score && best->quality.score < its.sure_scan_score))
+  if (!best || (whole.quality.score < its.min_score && best->quality.score < its.min_carrier_score))
     return std::nullopt;
   Find find;
   find.query = carrier->patch->id;

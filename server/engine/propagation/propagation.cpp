@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/engine/map/rejoin.hpp"
+#include "server/engine/map/local_loop.hpp"
 
 namespace isthmus {
 namespace {
@@ -83,8 +83,8 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   surroundings.update(map, id, options, Surroundings::By::all);
   const auto wanted = [&](const Determined& determined) {
     if (!std::ranges::binary_search(near, determined.patch)) return false;
-    if (!before_ && !determined.sure) return false;
-    return !determined.sure || shows(map, determined, patch.points, options);
+    if (!before_ && !determined.by_all_relations) return false;
+    return !determined.by_all_relations || shows(map, determined, patch.points, options);
   };
   LoopQuery query;
   query.points = patch.points;
@@ -92,9 +92,9 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   query.patch = id;
   query.origin = origin_;
   query.partly_known = true;
-  const Rejoin found = find_loop(map, surroundings, query, options);
-  if (found.relations.empty() || (!before_ && !found.certain)) {
-    if (found.compared && found.certain && !visits(id).matched && !visits(id).unmatched) {
+  const LocalLoop found = match_loop(map, surroundings, query, options);
+  if (found.relations.empty() || (!before_ && !found.unambiguous)) {
+    if (found.compared && found.unambiguous && !visits(id).matched && !visits(id).unmatched) {
       visits(id).unmatched = true;
       unmatched_.push_back(id);
     }

@@ -15,16 +15,18 @@ namespace isthmus {
 /// patches, each of which is matched with what now lies near it, and whose neighbours follow where that found
 /// new relations.
 ///
-/// *New* is a relation across the seam: between patches that, before the change, were far from one another in
-/// the graph or not connected, and that have no relation yet; far by matches and odometry, since a sighting
-/// says little of where walls are. A patch comes to the queue a few times at most, so the queue ends.
+/// *New* is a relation across the border: between patches that, before the change, were far from one another
+/// in the graph or not connected, and that have no relation yet; far by matches and odometry, since a
+/// sighting says little of where walls are. A patch comes to the queue a few times at most, so the queue
+/// ends.
 ///
-/// The same serves without a single change to start from ("weaving"): patches that have come to be well
-/// determined relative to one another, by whatever means, and lie near, but are not related.
+/// The same serves without a single change to start from ("proximity matching"): patches that have come to be
+/// well determined relative to one another, by whatever means, and lie near, but are not related.
 class Propagation {
  public:
   Propagation() = default;  ///< to be read from a snapshot
-  /// `before` is the graph without the change; none for weaving, where it is the graph as it stands.
+  /// `before` is the graph without the change; none for proximity matching, which takes the
+  /// current graph.
   Propagation(std::optional<RelationGraph> before, Origin origin)
       : before_(std::move(before)), origin_(origin) {}
 
@@ -36,10 +38,10 @@ class Propagation {
   /// Puts back on the queue what was compared and did not fit, once more: poses are better now.
   void retry(const PropagationOptions& options);
 
-  /// For weaving: patches may come to the queue again.
+  /// For proximity matching: patches may come to the queue again.
   void forget_visits();
 
-  /// Those of a patch's side of the seam, by id.
+  /// Those of a patch's side of the border, by id.
   std::vector<PatchId> same_side(const Map& map, PatchId patch, const PropagationOptions& options) const;
 
   /// The graph without the change.

@@ -6,7 +6,7 @@
 
 #include "relations/confidence.hpp"
 #include "server/engine/map/contradiction.hpp"
-#include "server/engine/propagation/seam.hpp"
+#include "server/engine/propagation/shared_part.hpp"
 
 namespace isthmus {
 namespace {
@@ -102,8 +102,8 @@ bool Trial::step(std::int64_t now_utime) {
 }
 
 void Trial::propagate(std::int64_t now_utime) {
-  // A few dozen places that match tell as much as a thousand: the rest is woven where robots come
-  // (weaving.hpp).
+  // A few dozen places that match tell as much as a thousand: the rest is matched where robots come
+  // (proximity_matching.hpp).
   const bool enough =
       proposal_.from_scans && propagation_.matched().size() >= options_.trial.max_matched_scans;
   if (!propagation_.done() && !enough) {
@@ -134,7 +134,7 @@ void Trial::finish(std::int64_t now_utime) {
 
 double Trial::mean_contradiction() const {
   const TrialOptions& its = options_.trial;
-  const ConfidenceThreshold nearly_certain{its.nearly_certain_m, its.nearly_certain_rad};
+  const ConfidenceThreshold bound{its.contradiction_bound_m, its.contradiction_bound_rad};
   MeanContradiction found(options_.contradiction);
   for (const PatchId a : propagation_.matched()) {
     if (found.pairs() >= its.max_pairs) break;
@@ -144,7 +144,8 @@ double Trial::mean_contradiction() const {
       found.add(map_.manifold(), a, b);
     }
   }
-  // Where nothing matched, only patches whose relative pose is nearly certain can contradict one another.
+  // Where nothing matched, only patches whose relative pose is very well determined can contradict one
+  // another.
   int looked_at = 0;
   for (const PatchId a : propagation_.unmatched()) {
     if (++looked_at > its.max_unmatched) break;
@@ -152,8 +153,7 @@ double Trial::mean_contradiction() const {
     const auto covariances = local_relative_covariances(map_.graph(), map_.manifold().poses(), a,
                                                         options_.surroundings.confidence_patches);
     for (const auto& [b, covariance] : covariances) {
-      if (b == a || !well_determined(covariance, nearly_certain) || std::ranges::binary_search(own, b))
-        continue;
+      if (b == a || !well_determined(covariance, bound) || std::ranges::binary_search(own, b)) continue;
       found.add(map_.manifold(), a, b);
     }
   }
@@ -211,7 +211,7 @@ void Trial::judge() {
   }
 }
 
-// Where nobody has seen anybody, buildings that repeat themselves are to be feared.
+// Without sightings, guard against perceptual aliasing: many buildings repeat themselves.
 void Trial::judge_scans() {
   const std::vector<PatchId>& matched = propagation_.matched();
   const auto count = static_cast<int>(matched.size());
@@ -232,15 +232,15 @@ void Trial::judge_scans() {
   } else if (proposal_.merge || proposal_.cautious) {
     const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
     const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
-    const Seam seam = isthmus::seam(map_, island, is_younger, matched, options_);
-    if (proposal_.merge && seam.border_contradiction > its.max_contradiction + own_contradiction()) {
+    const SharedPart shared = isthmus::shared_part(map_, island, is_younger, matched, options_);
+    if (proposal_.merge && shared.border_contradiction > its.max_contradiction + own_contradiction()) {
       refusal_ = Reason::walls_in_free_space;
     } else if (count < its.min_matched ||
-               seam.way_m < (proposal_.merge ? its.min_way_m : its.min_loop_way_m)) {
+               shared.way_m < (proposal_.merge ? its.min_way_m : its.min_loop_way_m)) {
       undecided(Reason::too_little_support);
-    } else if (seam.width_m < its.min_width_m && seam.way_m < its.min_corridor_m) {
+    } else if (shared.width_m < its.min_width_m && shared.way_m < its.min_corridor_m) {
       undecided(Reason::one_corridor);
-    } else if (proposal_.merge && std::min(seam.own_first_m, seam.own_second_m) < its.min_own_m) {
+    } else if (proposal_.merge && std::min(shared.own_first_m, shared.own_second_m) < its.min_own_m) {
       undecided(Reason::nothing_beyond_the_seam);
     }
   }

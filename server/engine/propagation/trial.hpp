@@ -16,7 +16,7 @@ inline Eigen::Vector3d slip_variances(const TrialOptions& options) {
   return {options.slip_variance_m2, options.slip_variance_m2, options.slip_variance_rad2};
 }
 
-/// A closure that several sightings, or finds of scans, propose: how the patches of one chart lie to those of
+/// A closure that several sightings, or finds of scans, propose: how the patches of one map lie to those of
 /// another.
 struct Proposal {
   ClosureId id;
@@ -41,7 +41,7 @@ struct Proposal {
 
 /// A proposal tried out beside the map: provisional relations and poses over the shared patches (Howard et
 /// al. 2006, IV-B and IV-C, on a copy). Advances in bounded steps, one at a time; fits of whole islands are
-/// jobs in another thread. The map hears of it only when it is accepted.
+/// jobs in another thread. The map itself changes only when it is accepted.
 class Trial {
  public:
   Trial() = default;  ///< to be read from a snapshot

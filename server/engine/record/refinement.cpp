@@ -29,15 +29,15 @@ void Refinement::take(const RobotEvent& robot) {
     lasers_[robot.robot] = robot.laser;
 }
 
-const std::vector<LocalPatch>& Refinement::firm_around(PatchId patch) {
-  const auto [found, is_new] = firm_.try_emplace(patch);
+const std::vector<LocalPatch>& Refinement::well_determined_around(PatchId patch) {
+  const auto [found, is_new] = well_determined_.try_emplace(patch);
   if (!is_new) return found->second;
   Surroundings surroundings;
   surroundings.update(map_, patch, options_, Surroundings::By::scans);
   for (const Determined& determined : surroundings.patches()) {
     const bool far = std::hypot(determined.local_from_patch.x, determined.local_from_patch.y) >
                      2 * options_.surroundings.reach_m;
-    if (determined.firm && !far)
+    if (determined.well_determined && !far)
       found->second.push_back({map_.manifold().shared_patch(determined.patch), determined.local_from_patch});
   }
   return found->second;
@@ -49,7 +49,7 @@ LocalMap Refinement::local_map(const TrajectoryRow& row, std::span<const ScanPoi
     double distance_m;
   };
   std::vector<Near> near;
-  for (const LocalPatch& local : firm_around(row.patch)) {
+  for (const LocalPatch& local : well_determined_around(row.patch)) {
     const Pose patch_from_robot = ominus(row.patch_from_robot, local.local_from_patch);
     const double distance_m = std::hypot(patch_from_robot.x, patch_from_robot.y);
     if (distance_m > options_.surroundings.reach_m) continue;

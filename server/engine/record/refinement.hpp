@@ -34,7 +34,7 @@ class Refinement {
   void take(const RobotEvent& robot);
   void take(const ScanEvent& scan);
   /// What is determined with respect to a patch (eq. 12), where it lies in the patch's frame.
-  const std::vector<LocalPatch>& firm_around(PatchId patch);
+  const std::vector<LocalPatch>& well_determined_around(PatchId patch);
   LocalMap local_map(const TrajectoryRow& row, std::span<const ScanPoint> points);
 
   const Configuration configuration_;
@@ -43,7 +43,7 @@ class Refinement {
   std::map<std::string, Laser> lasers_;
   std::vector<TrajectoryRow> rows_;
   std::map<std::pair<std::string, std::int64_t>, std::size_t> row_of_;  ///< by robot and stamp
-  std::map<PatchId, std::vector<LocalPatch>> firm_;
+  std::map<PatchId, std::vector<LocalPatch>> well_determined_;
   std::size_t refined_ = 0;
 };
 

@@ -4,7 +4,7 @@
 
 namespace isthmus {
 
-/// A system call made again for as long as signals interrupt it: what it returns then, below 0 with errno for
+/// Repeats a system call while signals interrupt it. Returns its result; below 0 with errno for
 /// an error.
 template <class Call>
 auto uninterrupted(const Call& call) {

@@ -9,14 +9,14 @@
 namespace isthmus {
 namespace {
 
-// A patch of a chart and its pose in the plane of the hypothesis' first island.
+// A patch of an island and its pose in the plane of the hypothesis' first island.
 struct Placed {
   const Patch* patch = nullptr;
   Pose plane_from_patch;
 };
 
-// The robot that stands on a patch's chart now: who saw the patch, or else another.
-std::string robot_on_chart(const Map& map, const std::map<std::string, Robot>& robots, PatchId patch) {
+// The robot that stands on a patch's island now: who saw the patch, or else another.
+std::string robot_on_island(const Map& map, const std::map<std::string, Robot>& robots, PatchId patch) {
   const IslandId island = map.graph().island(patch);
   const auto is_there = [&](const Robot& robot) {
     return robot.declared && robot.place && map.graph().island(robot.place->pose.patch) == island;
@@ -28,7 +28,7 @@ std::string robot_on_chart(const Map& map, const std::map<std::string, Robot>& r
   return "";
 }
 
-// The patches of a chart near one of it, by distance from there.
+// The patches of an island near one of it, by distance from there.
 std::vector<Placed> patches_near(const Map& map, PatchId centre, const Pose& plane_from_map,
                                  const MeetingOptions& options) {
   const Pose& from = map.manifold().pose(centre);
@@ -52,31 +52,31 @@ bool is_free(const Placed& placed, const Eigen::Vector2d& point, double margin_m
   return seen.norm() < Manifold::footprint_m - margin_m || placed.patch->star.depth_m(seen) > margin_m;
 }
 
-const Placed* patch_that_knows_free(const std::vector<Placed>& chart, const Eigen::Vector2d& point,
+const Placed* patch_that_knows_free(const std::vector<Placed>& island, const Eigen::Vector2d& point,
                                     double margin_m) {
   const auto found =
-      std::ranges::find_if(chart, [&](const Placed& placed) { return is_free(placed, point, margin_m); });
-  return found == chart.end() ? nullptr : &*found;
+      std::ranges::find_if(island, [&](const Placed& placed) { return is_free(placed, point, margin_m); });
+  return found == island.end() ? nullptr : &*found;
 }
 
-// Whether a chart knows a disc for free: its middle and its rim.
-bool is_roomy(const std::vector<Placed>& chart, const Eigen::Vector2d& centre, double radius_m,
+// Whether an island knows a disc for free: its middle and its rim.
+bool is_roomy(const std::vector<Placed>& island, const Eigen::Vector2d& centre, double radius_m,
               int rim_points) {
-  if (patch_that_knows_free(chart, centre, 0) == nullptr) return false;
+  if (patch_that_knows_free(island, centre, 0) == nullptr) return false;
   for (int k = 0; k < rim_points; ++k) {
     const double bearing = k * 2 * std::numbers::pi / rim_points;
     const Eigen::Vector2d rim = centre + radius_m * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
-    if (patch_that_knows_free(chart, rim, 0) == nullptr) return false;
+    if (patch_that_knows_free(island, rim, 0) == nullptr) return false;
   }
   return true;
 }
 
-bool is_clear_line(const std::vector<Placed>& chart, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+bool is_clear_line(const std::vector<Placed>& island, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                    const MeetingOptions& options) {
   const int steps = std::max(1, static_cast<int>((to - from).norm() / options.sight_step_m));
   for (int k = 0; k <= steps; ++k) {
     const Eigen::Vector2d at = from + static_cast<double>(k) / steps * (to - from);
-    if (patch_that_knows_free(chart, at, options.sight_margin_m) == nullptr) return false;
+    if (patch_that_knows_free(island, at, options.sight_margin_m) == nullptr) return false;
   }
   return true;
 }
@@ -104,8 +104,8 @@ std::optional<MeetingPlan> plan_meeting(const Map& map, const std::map<std::stri
   const IslandId first_island = map.graph().island(hypothesis.first),
                  second_island = map.graph().island(hypothesis.second);
   if (first_island == second_island) return std::nullopt;
-  const std::string a = robot_on_chart(map, robots, hypothesis.first),
-                    b = robot_on_chart(map, robots, hypothesis.second);
+  const std::string a = robot_on_island(map, robots, hypothesis.first),
+                    b = robot_on_island(map, robots, hypothesis.second);
   if (a.empty() || b.empty() || !could_see_one_another(robots.at(a), robots.at(b))) return std::nullopt;
 
   const std::vector<Placed> first = patches_near(map, hypothesis.first, Pose{}, options),

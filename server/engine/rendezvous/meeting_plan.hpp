@@ -13,20 +13,20 @@
 
 namespace isthmus {
 
-/// Two poses, each on its robot's own chart, at which the two would see one another if a hypothesis is true,
+/// Two poses, each on its robot's own island, at which the two would see one another if a hypothesis is true,
 /// and would not if it is false.
 struct MeetingPlan {
   UndecidedHypothesis hypothesis;
-  MeetingPlace a;  ///< on the chart of the hypothesis' first patch
+  MeetingPlace a;  ///< on the island of the hypothesis' first patch
   MeetingPlace b;  ///< and of its second
 
   auto members() { return std::tie(hypothesis, a, b); }
 };
 
-/// Plans a meeting for a hypothesis between the charts of two robots. Each place is free in its own robot's
-/// chart; both charts hold the way from one to the other for free, as far as they know it. Nothing where the
-/// patches are on one island, where no two robots that could see one another are there now, or where no two
-/// such places are near.
+/// Plans a meeting for a hypothesis between the islands of two robots. Each place is free in its own robot's
+/// island; both islands hold the way from one to the other for free, as far as they know it. Nothing where
+/// the patches are on one island, where no two robots that could see one another are there now, or where no
+/// two such places are near.
 std::optional<MeetingPlan> plan_meeting(const Map& map, const std::map<std::string, Robot>& robots,
                                         const UndecidedHypothesis& hypothesis, const MeetingOptions& options);
 

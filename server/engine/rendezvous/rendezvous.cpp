@@ -14,7 +14,7 @@ const UndecidedHypothesis* find(std::span<const UndecidedHypothesis> undecided, 
   return found == undecided.end() ? nullptr : &*found;
 }
 
-bool is_on_chart(const Map& map, const std::map<std::string, Robot>& robots, const MeetingPlace& place) {
+bool is_on_island(const Map& map, const std::map<std::string, Robot>& robots, const MeetingPlace& place) {
   const auto robot = robots.find(place.robot);
   return robot != robots.end() && robot->second.place &&
          map.graph().island(robot->second.place->pose.patch) == map.graph().island(place.pose.patch);
@@ -45,7 +45,7 @@ std::optional<double> nearest_hit_m(const Scan& scan, const Laser& laser, const 
 bool watches_for_the_other(const Map& map, const std::map<std::string, Robot>& robots,
                            const MeetingPlan& meeting, const std::string& robot, const Scan& scan,
                            const RendezvousOptions& options) {
-  if (!is_on_chart(map, robots, meeting.a) || !is_on_chart(map, robots, meeting.b)) return false;
+  if (!is_on_island(map, robots, meeting.a) || !is_on_island(map, robots, meeting.b)) return false;
   const bool is_a = robot == meeting.a.robot;
   const MeetingPlace &own = is_a ? meeting.a : meeting.b, &others = is_a ? meeting.b : meeting.a;
   const Robot &watcher = robots.at(own.robot), &other = robots.at(others.robot);
@@ -77,8 +77,8 @@ void Rendezvous::choose(const Map& map, const std::map<std::string, Robot>& robo
   double kept_value = 0;
   if (meeting_) {
     const UndecidedHypothesis* still = find(undecided, meeting_->hypothesis.id);
-    const bool stands = still != nullptr && is_on_chart(map, robots, meeting_->a) &&
-                        is_on_chart(map, robots, meeting_->b) &&
+    const bool stands = still != nullptr && is_on_island(map, robots, meeting_->a) &&
+                        is_on_island(map, robots, meeting_->b) &&
                         map.graph().island(still->first) != map.graph().island(still->second);
     if (stands) {
       meeting_->hypothesis.value = kept_value = still->value;

@@ -35,7 +35,7 @@ class Rendezvous {
   void take_sighting(const std::string& observer, const std::string& target);
 
   const std::optional<MeetingPlan>& meeting() const { return meeting_; }
-  /// The same, as it is told.
+  /// The same, for publishing.
   std::optional<MeetingRecord> record() const;
 
   auto members() { return std::tie(meeting_, next_choice_utime_, watch_); }

@@ -14,7 +14,7 @@ Pose interpolate(const Pose& from, const Pose& to, double share) {
 
 void OdometryTrack::add(std::int64_t utime, const Pose& odom_from_robot) {
   samples_.push_back({utime, odom_from_robot});
-  if (samples_.size() > most_samples) samples_.pop_front();
+  if (samples_.size() > max_samples) samples_.pop_front();
 }
 
 std::optional<Pose> OdometryTrack::newest() const {

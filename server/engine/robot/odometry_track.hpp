@@ -29,7 +29,7 @@ class OdometryTrack {
   auto members() { return std::tie(samples_); }
 
  private:
-  static constexpr std::size_t most_samples = 2000;
+  static constexpr std::size_t max_samples = 2000;
 
   struct Sample {
     std::int64_t utime = 0;

@@ -39,9 +39,9 @@ void PoseHistory::add(const PastPlace& place, const PoseHistoryOptions& options)
   while (after != places_.begin() && std::prev(after)->utime > place.utime) --after;
   places_.insert(after, place);
   ++since_thinned_;
-  if (places_.size() <= most_places) return;
-  if (since_thinned_ >= most_places / 4) thin(options);
-  if (places_.size() > most_places) places_.pop_front();
+  if (places_.size() <= max_places) return;
+  if (since_thinned_ >= max_places / 4) thin(options);
+  if (places_.size() > max_places) places_.pop_front();
 }
 
 void PoseHistory::thin(const PoseHistoryOptions& options) {

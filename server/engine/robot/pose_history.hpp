@@ -46,7 +46,7 @@ class PoseHistory {
  private:
   void thin(const PoseHistoryOptions& options);
 
-  static constexpr std::size_t most_places = 4000;
+  static constexpr std::size_t max_places = 4000;
   std::deque<PastPlace> places_;   // by utime
   std::size_t since_thinned_ = 0;  // places added
 };

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/engine/input/event.hpp"
-#include "server/engine/map/rejoin.hpp"
+#include "server/engine/map/local_loop.hpp"
 #include "server/engine/map/surroundings.hpp"
 #include "server/engine/robot/odometry_noise.hpp"
 #include "server/engine/robot/odometry_track.hpp"
@@ -34,7 +34,7 @@ struct Localisation {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   /// Of the same, without the errors that successive matches with the same map have in common: what odometry
   /// has to bridge from scan to scan.
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d tracking_covariance = Eigen::Matrix3d::Zero();
   Pose odom_from_robot;
   Pose last_step;  ///< motion over the last scan period
   std::int64_t utime = 0;
@@ -44,8 +44,8 @@ struct Localisation {
   bool suspect = false;           ///< odometry did something implausible since the last match
 
   auto members() {
-    return std::tie(pose, covariance, spread, odom_from_robot, last_step, utime, last_patch, since_last_patch,
-                    lost_scans, suspect);
+    return std::tie(pose, covariance, tracking_covariance, odom_from_robot, last_step, utime, last_patch,
+                    since_last_patch, lost_scans, suspect);
   }
 };
 
@@ -90,7 +90,7 @@ struct Robot {
   std::int64_t local_map_stamp = -1;
   std::int64_t last_scan_utime = 0;
   std::int64_t newest_scan_utime = 0;
-  WaitingRejoins rejoins;
+  WaitingLoops local_loops;
   std::vector<UnplacedScan> unplaced;
   PoseHistory history;
   std::vector<Pose> way;  ///< of one without a laser: odometry since its last patch; empty: it had one
@@ -101,8 +101,8 @@ struct Robot {
 
   auto members() {
     return std::tie(declaration, declared, odometry, noise, health, pending, place, session, surroundings,
-                    local_map, local_map_centre, local_map_stamp, last_scan_utime, newest_scan_utime, rejoins,
-                    unplaced, history, way, seen, first_patch, stale_scans, patches);
+                    local_map, local_map_centre, local_map_stamp, last_scan_utime, newest_scan_utime,
+                    local_loops, unplaced, history, way, seen, first_patch, stale_scans, patches);
   }
 };
 

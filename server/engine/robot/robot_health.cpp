@@ -132,19 +132,19 @@ void RobotHealth::compare_lags(double odometry_rad, double laser_rad) {
   turns_kept_ = std::min(turns_kept_ + 1, lags);
   if (turns_kept_ < lags) return;
   for (std::size_t i = 0; i < off_at_lag_.size(); ++i)
-    off_at_lag_[i] += std::abs(laser_turns_[most_lag_scans] - odometry_turns_[i]);
+    off_at_lag_[i] += std::abs(laser_turns_[max_lag_scans] - odometry_turns_[i]);
   compare_offsets();
 }
 
 // The same between the scans: odometry is taken to turn evenly from one to the next. Counted in scans and not
 // in seconds, as the stamps of many a log tell when a message was handled, not when it was measured.
 void RobotHealth::compare_offsets() {
-  const double laser_rad = laser_turns_[most_lag_scans];
+  const double laser_rad = laser_turns_[max_lag_scans];
   turn_compared_rad_ += std::abs(laser_rad);
   for (int i = 0; i < offsets; ++i) {
     const int whole = i / offsets_per_scan;
     const double share = static_cast<double>(i % offsets_per_scan) / offsets_per_scan;
-    const auto before = static_cast<std::size_t>(most_lag_scans + least_offset_scans + whole);
+    const auto before = static_cast<std::size_t>(max_lag_scans + least_offset_scans + whole);
     const double odometry_rad = (1 - share) * odometry_turns_[before] +
                                 share * odometry_turns_[std::min<std::size_t>(before + 1, lags - 1)];
     off_at_offset_[static_cast<std::size_t>(i)] += std::abs(laser_rad - odometry_rad);
@@ -158,11 +158,11 @@ HealthFigures RobotHealth::figures(const HealthOptions& options) const {
   const double squares = std::sqrt(odometry_turn_squared_ * laser_turn_squared_);
   figures.turn_correlation = squares > 0 ? turn_product_ / squares : 0;
   const auto best = std::ranges::min_element(off_at_lag_);
-  figures.best_lag_scans = static_cast<int>(best - off_at_lag_.begin()) - most_lag_scans;
-  const double off_at_none = off_at_lag_[most_lag_scans];
+  figures.best_lag_scans = static_cast<int>(best - off_at_lag_.begin()) - max_lag_scans;
+  const double off_at_none = off_at_lag_[max_lag_scans];
   figures.off_at_best_lag = off_at_none > 0 ? *best / off_at_none : 1;
   if (off_at_none <= *best) figures.best_lag_scans = 0;
-  if (turn_compared_rad_ < options.enough_turn_rad) return figures;
+  if (turn_compared_rad_ < options.min_offset_turn_rad) return figures;
   const auto offset = std::ranges::min_element(off_at_offset_);
   const auto tenths = static_cast<double>(offset - off_at_offset_.begin());
   figures.offset_scans =

@@ -29,8 +29,8 @@ struct MotionAccounts {
 /// What is known of a robot's own data.
 struct HealthFigures {
   /// The most that a stamp lay ahead of the time of its receipt: what a robot's clock is ahead, less the time
-  /// that its fastest message took. Nothing before a message came. One that was out of reach sends late, so
-  /// what is least late tells.
+  /// that its fastest message took. Nothing before a message came. A robot that was out of reach sends
+  /// late, so the least delay counts.
   std::optional<double> clock_ahead_s;
   std::int64_t odometry_messages = 0;
   double odometry_way_m = 0;  ///< from message to message, matched or not
@@ -67,7 +67,7 @@ struct HealthFigures {
   }
 };
 
-/// Gathers what tells whether a robot's sensors agree with one another and with what it declares. Constant
+/// Gathers evidence whether a robot's sensors agree with one another and with what it declares. Constant
 /// memory.
 ///
 /// A match begins where odometry puts the robot and is fitted together with it, so it errs towards odometry.
@@ -102,12 +102,12 @@ class RobotHealth {
   }
 
  private:
-  static constexpr int most_lag_scans = 3;
-  static constexpr int lags = 2 * most_lag_scans + 1;
+  static constexpr int max_lag_scans = 3;
+  static constexpr int lags = 2 * max_lag_scans + 1;
   static constexpr int offsets_per_scan = 10;
   static constexpr int least_offset_scans = -2;
-  static constexpr int most_offset_scans = 1;
-  static constexpr int offsets = (most_offset_scans - least_offset_scans) * offsets_per_scan + 1;
+  static constexpr int max_offset_scans = 1;
+  static constexpr int offsets = (max_offset_scans - least_offset_scans) * offsets_per_scan + 1;
 
   // Short ways are summed over a few scans, or the trembling of matches at rest would count as motion.
   struct Way {

@@ -16,9 +16,9 @@ struct Residual {
   Eigen::Matrix<double, 2, 3> by_pose = Eigen::Matrix<double, 2, 3>::Zero();
 };
 
-// How what an observer sees moves with the pose of the second chart in the first.
-Eigen::Matrix<double, 2, 3> by_charts(const ChartSighting& s, const Pose& first_from_second,
-                                      double observer_from_chart_rad) {
+// How what an observer sees moves with the pose of the second plane in the first.
+Eigen::Matrix<double, 2, 3> by_planes(const ProjectedSighting& s, const Pose& first_from_second,
+                                      double observer_from_plane_rad) {
   Eigen::Matrix<double, 2, 3> by_pose;
   if (s.observer_in_first) {
     by_pose = point_jacobian(first_from_second, s.target);
@@ -29,18 +29,19 @@ Eigen::Matrix<double, 2, 3> by_charts(const ChartSighting& s, const Pose& first_
     by_pose.leftCols<2>() = -turn;
     by_pose.col(2) = Eigen::Vector2d(back.y(), -back.x());
   }
-  return Eigen::Rotation2Dd(observer_from_chart_rad).toRotationMatrix() * by_pose;
+  return Eigen::Rotation2Dd(observer_from_plane_rad).toRotationMatrix() * by_pose;
 }
 
-Residual residual_of(const ChartSighting& s, const Pose& first_from_second, const AlignmentOptions& options) {
-  const Pose chart_from_chart = s.observer_in_first ? first_from_second : inverse(first_from_second);
-  const Pose observer_from_chart = inverse(s.chart_from_observer);
-  const Eigen::Vector2d seen = observer_from_chart * (chart_from_chart * s.target);
+Residual residual_of(const ProjectedSighting& s, const Pose& first_from_second,
+                     const AlignmentOptions& options) {
+  const Pose plane_from_target_plane = s.observer_in_first ? first_from_second : inverse(first_from_second);
+  const Pose observer_from_plane = inverse(s.plane_from_observer);
+  const Eigen::Vector2d seen = observer_from_plane * (plane_from_target_plane * s.target);
   const double range = std::max(seen.norm(), 1e-3);
   const Eigen::Vector2d radial = seen / range;
   const Eigen::Vector2d across(-radial.y(), radial.x());
 
-  const Eigen::Matrix<double, 2, 3> by_pose = by_charts(s, first_from_second, observer_from_chart.yaw);
+  const Eigen::Matrix<double, 2, 3> by_pose = by_planes(s, first_from_second, observer_from_plane.yaw);
   // And how it moves with the observer's own pose, in its own axes.
   Eigen::Matrix<double, 2, 3> by_observer;
   by_observer << -1, 0, seen.y(), 0, -1, -seen.x();
@@ -63,27 +64,27 @@ Residual residual_of(const ChartSighting& s, const Pose& first_from_second, cons
   return residual;
 }
 
-// The points of both charts that a sighting says are one.
+// The points of both planes that a sighting says are one.
 struct Tie {
   std::size_t sighting;
   Eigen::Vector2d first;
   Eigen::Vector2d second;
 };
 
-std::vector<Tie> ties_of(std::span<const ChartSighting> sightings) {
+std::vector<Tie> ties_of(std::span<const ProjectedSighting> sightings) {
   std::vector<Tie> ties;
   for (std::size_t i = 0; i < sightings.size(); ++i) {
-    const ChartSighting& s = sightings[i];
+    const ProjectedSighting& s = sightings[i];
     if (!s.has_range() || !s.has_bearing()) continue;
     const Eigen::Vector2d measured =
-        s.chart_from_observer *
+        s.plane_from_observer *
         Eigen::Vector2d(s.range_m * std::cos(s.bearing_rad), s.range_m * std::sin(s.bearing_rad));
     ties.push_back(s.observer_in_first ? Tie{i, measured, s.target} : Tie{i, s.target, measured});
   }
   return ties;
 }
 
-// Two points of the second chart laid on two of the first; nothing where their distances disagree.
+// Two points of the second plane laid on two of the first; nothing where their distances disagree.
 std::optional<Pose> lay(const Tie& a, const Tie& b, const AlignmentOptions& options) {
   const Eigen::Vector2d first = b.first - a.first;
   const Eigen::Vector2d second = b.second - a.second;
@@ -96,7 +97,7 @@ std::optional<Pose> lay(const Tie& a, const Tie& b, const AlignmentOptions& opti
   return Pose{middle.x(), middle.y(), yaw};
 }
 
-std::vector<std::size_t> supporters_of(std::span<const ChartSighting> sightings, const Pose& pose,
+std::vector<std::size_t> supporters_of(std::span<const ProjectedSighting> sightings, const Pose& pose,
                                        const AlignmentOptions& options) {
   std::vector<std::size_t> supporters;
   for (std::size_t i = 0; i < sightings.size(); ++i)
@@ -104,7 +105,7 @@ std::vector<std::size_t> supporters_of(std::span<const ChartSighting> sightings,
   return supporters;
 }
 
-double cost(std::span<const ChartSighting> sightings, std::span<const std::size_t> supporters,
+double cost(std::span<const ProjectedSighting> sightings, std::span<const std::size_t> supporters,
             const Pose& pose, const AlignmentOptions& options) {
   double sum = 0;
   for (const std::size_t i : supporters) sum += chi_squared(sightings[i], pose, options);
@@ -124,22 +125,23 @@ double widest(std::span<const Tie> ties, std::span<const std::size_t> supporters
 
 }  // namespace
 
-bool ChartSighting::has_range() const { return std::isfinite(range_sigma_m); }
-bool ChartSighting::has_bearing() const { return std::isfinite(bearing_sigma_rad); }
+bool ProjectedSighting::has_range() const { return std::isfinite(range_sigma_m); }
+bool ProjectedSighting::has_bearing() const { return std::isfinite(bearing_sigma_rad); }
 
-double chi_squared(const ChartSighting& sighting, const Pose& first_from_second,
+double chi_squared(const ProjectedSighting& sighting, const Pose& first_from_second,
                    const AlignmentOptions& options) {
   return residual_of(sighting, first_from_second, options).e.squaredNorm();
 }
 
-bool agrees(const ChartSighting& sighting, const Pose& first_from_second, const AlignmentOptions& options) {
+bool agrees(const ProjectedSighting& sighting, const Pose& first_from_second,
+            const AlignmentOptions& options) {
   const bool both = sighting.has_range() && sighting.has_bearing();
   return chi_squared(sighting, first_from_second, options) <=
          (both ? options.max_disagreement_two : options.max_disagreement_one).value();
 }
 
-Alignment refine(std::span<const ChartSighting> sightings, std::vector<std::size_t> supporters,
-                 const Pose& start, const AlignmentOptions& options) {
+Alignment fit_alignment(std::span<const ProjectedSighting> sightings, std::vector<std::size_t> supporters,
+                        const Pose& start, const AlignmentOptions& options) {
   Alignment alignment;
   Pose pose = start;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -166,7 +168,7 @@ Alignment refine(std::span<const ChartSighting> sightings, std::vector<std::size
   return alignment;
 }
 
-std::optional<Alignment> best_alignment(std::span<const ChartSighting> sightings,
+std::optional<Alignment> best_alignment(std::span<const ProjectedSighting> sightings,
                                         const AlignmentOptions& options) {
   const std::vector<Tie> ties = ties_of(sightings);
   std::vector<std::size_t> best;
@@ -186,22 +188,22 @@ std::optional<Alignment> best_alignment(std::span<const ChartSighting> sightings
     }
   }
   if (best.size() < 2) return std::nullopt;
-  Alignment alignment = refine(sightings, best, best_pose, options);
+  Alignment alignment = fit_alignment(sightings, best, best_pose, options);
   // What agrees with the refined pose; twice is enough to settle.
   for (int round = 0; round < 2; ++round) {
     std::vector<std::size_t> supporters = supporters_of(sightings, alignment.first_from_second, options);
     if (supporters == alignment.supporters || supporters.size() < alignment.supporters.size()) break;
-    alignment = refine(sightings, std::move(supporters), alignment.first_from_second, options);
+    alignment = fit_alignment(sightings, std::move(supporters), alignment.first_from_second, options);
   }
   // Its supporters are those that agree with it as it is now.
   std::vector<std::size_t> still = supporters_of(sightings, alignment.first_from_second, options);
   if (still.size() < alignment.supporters.size())
-    alignment = refine(sightings, std::move(still), alignment.first_from_second, options);
+    alignment = fit_alignment(sightings, std::move(still), alignment.first_from_second, options);
   if (alignment.supporters.size() < 2) return std::nullopt;
   return alignment;
 }
 
-bool ready(const Alignment& alignment, std::span<const ChartSighting> sightings, std::int64_t now_utime,
+bool ready(const Alignment& alignment, std::span<const ProjectedSighting> sightings, std::int64_t now_utime,
            bool no_more_waiting, const AlignmentOptions& options) {
   std::int64_t from = sightings[alignment.supporters.front()].utime;
   std::int64_t to = from;

@@ -13,7 +13,7 @@ Eigen::Matrix3d in_own_axes(const Eigen::Matrix3d& covariance, double yaw) {
   return turn * covariance * turn.transpose();
 }
 
-double position_variance(const Eigen::Matrix3d& covariance) {
+double axis_variance(const Eigen::Matrix3d& covariance) {
   return 0.5 * covariance.topLeftCorner<2, 2>().trace();
 }
 
@@ -49,27 +49,27 @@ PatchPtr make_tag_patch(PatchId id, std::int32_t barcode, std::int64_t utime) {
   return patch;
 }
 
-ChartSighting chart_sighting_of_point(const Map& map, const Evidence& evidence, const Eigen::Vector2d& target,
-                                      double target_variance) {
+ProjectedSighting project_sighting_of_point(const Map& map, const Evidence& evidence,
+                                            const Eigen::Vector2d& target, double target_variance) {
   const SightingEvent& s = evidence.sighting;
-  ChartSighting chart;
-  chart.utime = s.utime;
-  chart.chart_from_observer = map.manifold().project(evidence.observer.pose);
-  chart.observer_covariance =
+  ProjectedSighting sighting;
+  sighting.utime = s.utime;
+  sighting.plane_from_observer = map.manifold().project(evidence.observer.pose);
+  sighting.observer_covariance =
       in_own_axes(evidence.observer.covariance, evidence.observer.pose.patch_from_object.yaw);
-  chart.target = target;
-  chart.target_variance = target_variance;
-  chart.range_m = s.range_m;
-  chart.range_sigma_m = s.range_sigma_m;
-  chart.bearing_rad = s.bearing_rad;
-  chart.bearing_sigma_rad = s.bearing_sigma_rad;
-  return chart;
+  sighting.target = target;
+  sighting.target_variance = target_variance;
+  sighting.range_m = s.range_m;
+  sighting.range_sigma_m = s.range_sigma_m;
+  sighting.bearing_rad = s.bearing_rad;
+  sighting.bearing_sigma_rad = s.bearing_sigma_rad;
+  return sighting;
 }
 
-ChartSighting chart_sighting(const Map& map, const Evidence& evidence) {
+ProjectedSighting project_sighting(const Map& map, const Evidence& evidence) {
   const PastPlace& target = *evidence.target_place;
-  return chart_sighting_of_point(map, evidence, position(map.manifold().project(target.pose)),
-                                 position_variance(target.covariance));
+  return project_sighting_of_point(map, evidence, position(map.manifold().project(target.pose)),
+                                   axis_variance(target.covariance));
 }
 
 std::optional<Eigen::Vector2d> measured_point(const Map& map, const Evidence& evidence) {
@@ -79,12 +79,12 @@ std::optional<Eigen::Vector2d> measured_point(const Map& map, const Evidence& ev
          Eigen::Vector2d(s.range_m * std::cos(s.bearing_rad), s.range_m * std::sin(s.bearing_rad));
 }
 
-bool enough_for_a_point(std::size_t sightings, double apart_m, const EvidenceOptions& options) {
+bool places_a_point(std::size_t sightings, double apart_m, const EvidenceOptions& options) {
   return sightings >= options.min_supporters || (sightings >= 2 && apart_m >= options.min_apart_m);
 }
 
 bool PointConsensus::enough(const EvidenceOptions& options) const {
-  return enough_for_a_point(supporters.size(), apart_m, options);
+  return places_a_point(supporters.size(), apart_m, options);
 }
 
 PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& pool,
@@ -97,7 +97,7 @@ PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& poo
     const double sigma = std::max(s.range_sigma_m, s.range_m * s.bearing_sigma_rad);
     std::vector<std::size_t> agreeing;
     for (const std::size_t j : members)
-      if (j == i || agrees(chart_sighting_of_point(map, pool[j], *point, sigma * sigma), Pose{}, options))
+      if (j == i || agrees(project_sighting_of_point(map, pool[j], *point, sigma * sigma), Pose{}, options))
         agreeing.push_back(j);
     if (agreeing.size() > best.supporters.size()) best.supporters = std::move(agreeing);
   }
@@ -125,7 +125,7 @@ std::optional<Relation> sighting_relation(const Map& map, const Evidence& eviden
   const Pose& a_from_observer = evidence.observer.pose.patch_from_object;
   const Eigen::Vector2d point_b = position(evidence.target_place->pose.patch_from_object);
   const Eigen::Matrix3d own = in_own_axes(evidence.observer.covariance, a_from_observer.yaw);
-  const double variance = position_variance(evidence.target_place->covariance) + position_variance(own) +
+  const double variance = axis_variance(evidence.target_place->covariance) + axis_variance(own) +
                           alignment.floor_m * alignment.floor_m;
   const double yaw_variance = own(2, 2) + alignment.floor_rad * alignment.floor_rad;
   const bool has_range = std::isfinite(s.range_sigma_m);

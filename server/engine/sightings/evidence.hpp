@@ -15,7 +15,7 @@
 
 namespace isthmus {
 
-/// How a fixed tag is called where robots are by their names.
+/// The name of a fixed tag where robots have theirs.
 std::string tag_name(std::int32_t barcode);
 
 /// A fixed tag on the map: a patch without extent, whose yaw means nothing.
@@ -40,18 +40,18 @@ struct Evidence {
   }
 };
 
-/// The sighting between the charts of its two ends as the map projects them now. `observer_in_first` is left
+/// The sighting between the planes of its two ends as the map projects them now. `observer_in_first` is left
 /// to the caller.
-ChartSighting chart_sighting(const Map& map, const Evidence& evidence);
+ProjectedSighting project_sighting(const Map& map, const Evidence& evidence);
 
-/// The same between a chart and a point in it: where the map has the tag, or would have it.
-ChartSighting chart_sighting_of_point(const Map& map, const Evidence& evidence, const Eigen::Vector2d& target,
-                                      double target_variance);
+/// The same between a plane and a point in it: where the map has the tag, or would have it.
+ProjectedSighting project_sighting_of_point(const Map& map, const Evidence& evidence,
+                                            const Eigen::Vector2d& target, double target_variance);
 
-/// Where in the observer's chart the sighting puts its target; nothing where range or bearing is missing.
+/// Where in the observer's plane the sighting puts its target; nothing where range or bearing is missing.
 std::optional<Eigen::Vector2d> measured_point(const Map& map, const Evidence& evidence);
 
-/// Sightings of one fixed thing from one chart that agree on where in it the thing is.
+/// Sightings of one fixed thing from one island that agree on where in it the thing is.
 struct PointConsensus {
   std::vector<std::size_t> supporters;
   Eigen::Vector2d point = Eigen::Vector2d::Zero();
@@ -59,7 +59,7 @@ struct PointConsensus {
   bool enough(const EvidenceOptions& options) const;
 };
 /// Whether so many sightings of one point place it: many, or two from places so far apart.
-bool enough_for_a_point(std::size_t sightings, double apart_m, const EvidenceOptions& options);
+bool places_a_point(std::size_t sightings, double apart_m, const EvidenceOptions& options);
 /// The largest such group among the `members` of a pool.
 PointConsensus agree_on_a_point(const Map& map, const std::vector<Evidence>& pool,
                                 const std::vector<std::size_t>& members, const AlignmentOptions& options);

@@ -16,10 +16,10 @@ double largest_variance(const Eigen::Matrix2d& covariance) {
 
 // How surely the target's place is known as seen from the observer's patch, m² along the worse direction.
 // Nothing where the graph near the two does not tell.
-std::optional<double> target_variance(const Map& map, const Evidence& evidence, std::size_t most_patches) {
+std::optional<double> target_variance(const Map& map, const Evidence& evidence, std::size_t max_patches) {
   const PatchId a = evidence.observer.pose.patch;
   const PatchId b = evidence.target_place->pose.patch;
-  const auto covariance = local_relative_covariance(map.graph(), map.manifold().poses(), a, b, most_patches);
+  const auto covariance = local_relative_covariance(map.graph(), map.manifold().poses(), a, b, max_patches);
   if (!covariance) return std::nullopt;
   const Eigen::Matrix<double, 2, 3> by_pose =
       point_jacobian(map.relative_pose(a, b), position(evidence.target_place->pose.patch_from_object));
@@ -30,9 +30,9 @@ bool sees_walls(const Map& map, const PastPlace& place) {
   return !map.manifold().patch(place.pose.patch).points.empty();
 }
 
-double own_sigma_m(const ChartSighting& chart) {
-  return std::isfinite(chart.range_sigma_m) ? chart.range_sigma_m
-                                            : chart.bearing_sigma_rad * std::max(1.0, chart.range_m);
+double own_sigma_m(const ProjectedSighting& sighting) {
+  return std::isfinite(sighting.range_sigma_m) ? sighting.range_sigma_m
+                                               : sighting.bearing_sigma_rad * std::max(1.0, sighting.range_m);
 }
 
 }  // namespace
@@ -41,9 +41,9 @@ Judgement MapJudge::judge(const Map& map, const Evidence& evidence, const Engine
   const PatchId a = evidence.observer.pose.patch;
   const PatchId b = evidence.target_place->pose.patch;
   if (map.graph().island(a) != map.graph().island(b)) return Judgement::unknown;
-  ChartSighting chart = chart_sighting(map, evidence);
+  ProjectedSighting sighting = project_sighting(map, evidence);
   const ClosureOptions& its = options.closures;
-  const bool fits = agrees(chart, Pose{}, options.alignment);
+  const bool fits = agrees(sighting, Pose{}, options.alignment);
   const bool scans = sees_walls(map, evidence.observer) && sees_walls(map, *evidence.target_place);
   if (scans && fits && map.graph().hops(a, b, its.near_hops)) return Judgement::agrees;
   // Sightings close in time err alike: one of them tells what they all tell.
@@ -52,11 +52,12 @@ Judgement MapJudge::judge(const Map& map, const Evidence& evidence, const Engine
   const std::optional<double> variance = target_variance(
       map, evidence, scans ? options.surroundings.confidence_patches : its.patches_without_scans);
   if (!variance) return Judgement::unknown;
-  chart.target_variance += *variance;
-  if (!agrees(chart, Pose{}, options.alignment)) return Judgement::contradicts;
-  if (std::sqrt(*variance) > (scans ? its.sure_m : its.sure_without_scans_m)) return Judgement::unknown;
+  sighting.target_variance += *variance;
+  if (!agrees(sighting, Pose{}, options.alignment)) return Judgement::contradicts;
+  if (std::sqrt(*variance) > (scans ? its.known_sigma_m : its.known_sigma_without_scans_m))
+    return Judgement::unknown;
   weighed_utime = evidence.sighting.utime;
-  const bool says_more = !scans && std::sqrt(*variance) > its.informative * own_sigma_m(chart);
+  const bool says_more = !scans && std::sqrt(*variance) > its.informative * own_sigma_m(sighting);
   return says_more ? Judgement::teaches : Judgement::agrees;
 }
 

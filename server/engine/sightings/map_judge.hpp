@@ -13,14 +13,14 @@ namespace isthmus {
 
 /// What the map says of a sighting between two of its patches.
 enum class Judgement {
-  unknown,      ///< they are on two islands, or the map is not sure enough
-  contradicts,  ///< it is sure that the target is elsewhere
+  unknown,      ///< they are on two islands, or the map does not know it well enough
+  contradicts,  ///< it knows that the target is elsewhere
   agrees,
   teaches,  ///< agrees, and says more than the map knows: it is worth a relation
 };
 
-/// Judges sightings by the map: where it is sure of how observer and target lie, it tells by itself whether
-/// what was seen can be.
+/// Judges sightings by the map: where it knows well how observer and target lie, it decides alone whether
+/// the sighting is possible.
 class MapJudge {
  public:
   /// The sighting's target must have a place.

@@ -29,7 +29,7 @@ class MutualObservations {
  public:
   /// One that makes sense on its own. `is_tag`: the barcode is a fixed tag's.
   void take(const SightingEvent& sighting, const std::string& target, bool is_tag, std::int64_t now_utime);
-  /// One that does not; kept for the record.
+  /// A sighting that does not; kept for the record.
   void refuse(const SightingEvent& sighting, Reason reason);
 
   /// Places those whose time has come, and judges them by the map.
@@ -42,9 +42,9 @@ class MutualObservations {
   /// Fits the map around one of the sightings that it took in.
   void refit_next(World world);
 
-  /// What waits for others that agree, by the time it came.
+  /// Sightings that wait for others that agree, in order of arrival.
   const std::vector<Evidence>& pool() const { return pool_; }
-  /// Whether the pool has changed since the last call, or was said to have.
+  /// Whether the pool has changed, or was marked as changed, since the last call.
   bool take_changed() { return std::exchange(pool_changed_, false); }
   void note_changed() { pool_changed_ = true; }
   bool has_changed() const { return pool_changed_; }
@@ -59,7 +59,7 @@ class MutualObservations {
   void doubt(std::size_t place, Reason reason) { pool_[place].doubt = reason; }
   /// Out of the pool, for what they doubt.
   void refuse(const std::set<std::size_t>& places);
-  /// Out of the pool where they are in it: their verdict is another's.
+  /// Removes those that are in the pool: their verdict is given elsewhere.
   void remove(std::span<const Evidence> evidence);
   void refuse_pool();
   /// Nothing that a robot saw, or that saw it, waits any longer.
@@ -69,7 +69,7 @@ class MutualObservations {
                    ClosureId closure = {});
   /// Changes the places of those in the pool.
   void correct(const std::function<void(Evidence&)>& change) { std::ranges::for_each(pool_, change); }
-  /// Islands have parted: what lies alone needs no fit.
+  /// Islands have parted: a patch without relations needs no fit.
   void forget_lone_refits(const RelationGraph& graph);
 
   const SightingLog& log() const { return log_; }

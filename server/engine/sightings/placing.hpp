@@ -24,8 +24,8 @@ struct Placing {
 PastPlace place_of_tag(PatchId patch, std::int64_t utime);
 
 /// Fills in where the observer was at the sighting's time, and the target: a robot likewise, a tag where its
-/// patch is, if it has one. `tags`: by barcode. `waited`: nothing more will come for it, what is not known of
-/// that time never will be.
+/// patch is, if it has one. `tags`: by barcode. `waited`: no more data will come for it; what is
+/// unknown of that time stays unknown.
 Placing place_on_manifold(const std::map<std::string, Robot>& robots,
                           const std::map<std::int32_t, PatchId>& tags, bool waited, Evidence& evidence,
                           const OdometryNoiseOptions& noise);

@@ -74,7 +74,7 @@ class SightingLog {
   Iterator begin() const { return {*this, 0}; }
   Iterator end() const { return {*this, size()}; }
 
-  /// Whether it is one that the functions above could have made: of what comes from elsewhere.
+  /// Whether the functions above could have made it: checks a log that was read from a file.
   bool is_sound() const;
 
   auto members() { return std::tie(robots_, full_, newest_); }
@@ -111,7 +111,7 @@ class SightingLog {
   };
   using Full = std::vector<std::shared_ptr<const Chunk>>;
 
-  /// So many that pointers to chunks are next to nothing; so few that a full one is soon copied where a
+  /// So large that pointers to chunks cost little, so small that a full chunk is copied quickly when a
   /// verdict in it changes.
   static constexpr std::size_t chunk_rows = 256;
 

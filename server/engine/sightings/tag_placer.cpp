@@ -17,7 +17,7 @@ bool is_still_placed(const Map& map, const std::vector<Relation>& left, const Ev
     const Pose apart = map.relative_pose(left.front().a, relation.a);
     apart_m = std::max(apart_m, std::hypot(apart.x, apart.y));
   }
-  return enough_for_a_point(left.size(), apart_m, options);
+  return places_a_point(left.size(), apart_m, options);
 }
 
 std::vector<Relation> relations_of(const RelationGraph& graph, PatchId patch) {

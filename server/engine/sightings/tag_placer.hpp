@@ -13,8 +13,8 @@ class TagPlacer {
  public:
   /// Places what the pool allows; sightings that have placed a tag are out of it then.
   void place(World world, MutualObservations& observations);
-  /// Tags that too little is left of are nowhere again. `gone`: relations that are no longer in the map;
-  /// takes what was left of these tags, which is taken out too.
+  /// Tags with too few relations left lose their places. `gone`: relations that are no longer in the map;
+  /// the remaining relations of these tags are removed and added to it.
   void displace(Map& map, std::vector<Relation>& gone, const EvidenceOptions& options);
 
   const TagPatches& patches() const { return patches_; }

@@ -16,8 +16,8 @@ namespace isthmus {
 
 static_assert(std::endian::native == std::endian::little, "snapshots hold values as they lie in memory");
 
-/// What two copies of a patch or of the options would be: each is written where it is first met, and by its
-/// name after that.
+/// Shared objects (patches, options): each is written where it is first met, and as a reference
+/// after that.
 struct SnapshotContext {
   std::vector<PatchPtr> patches;  ///< by id
   EngineOptions options;          ///< of the configuration
@@ -109,7 +109,7 @@ void save(SnapshotWriter& writer, const cereal::SizeTag<Size>& count) {
   writer(static_cast<std::uint64_t>(count.size));
 }
 
-/// Whatever is counted takes at least a byte: no count can make the reader ask for memory without end.
+/// Each element takes at least a byte, so no count can make the reader allocate without bound.
 template <class Size>
 void load(SnapshotReader& reader, cereal::SizeTag<Size>& count) {
   std::uint64_t size = 0;

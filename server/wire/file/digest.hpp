@@ -14,7 +14,7 @@ Digest sha256(std::span<const std::uint8_t> bytes);
 /// HMAC-SHA-256 (RFC 2104).
 Digest hmac_sha256(std::span<const std::uint8_t> key, std::span<const std::uint8_t> bytes);
 
-/// Whether `expected` begins with these bytes; in a time that tells nothing of where they differ.
+/// Whether `expected` begins with these bytes; in constant time.
 bool begins_with(const Digest& expected, std::span<const std::uint8_t> bytes);
 
 /// The first bytes of a digest.
@@ -26,7 +26,7 @@ std::array<std::uint8_t, size> first_bytes(const Digest& digest) {
   return first;
 }
 
-/// Bytes that nobody can foretell. Throws std::runtime_error where the system has none.
+/// Unpredictable random bytes. Throws std::runtime_error where the system has none.
 std::array<std::uint8_t, 16> random_bytes();
 
 }  // namespace isthmus

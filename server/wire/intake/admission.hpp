@@ -23,7 +23,7 @@ class Admission {
   /// Why an event is refused; empty: it is not, and whom it introduces is known from now on.
   std::string admit(const Event& event);
 
-  /// Whom a map knows that was made before.
+  /// The robots and tags of a map that was made before.
   void know(const MapCopy& map);
 
  private:

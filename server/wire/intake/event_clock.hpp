@@ -22,7 +22,7 @@ class EventClock {
   /// Microseconds; never less than before. Any thread.
   std::int64_t now() const { return start_utime_ + monotonic_us_(); }
 
-  /// Goes on from here where it is not so far yet: a journal that is gone on with has later events. Returns
+  /// Moves forward to this time at least: a journal that is continued may have later events. Returns
   /// by how much it was behind, in microseconds.
   std::int64_t go_on_from(std::int64_t utime);
 

@@ -61,8 +61,8 @@ class Inbox {
                     std::span<const std::uint8_t> bytes,
                     const std::optional<Signature>& signature = std::nullopt);
 
-  /// Whatever names others make up, this sender has a queue of its own from now on. For as many as a map is
-  /// for. Any thread.
+  /// Reserves a queue for this sender, whatever names others make up. For as many senders as a map may
+  /// have. Any thread.
   void reserve(const std::string& sender);
 
   /// The same for a robot that introduces itself, as far as there is room for more.

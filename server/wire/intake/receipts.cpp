@@ -9,7 +9,7 @@ namespace {
 
 /// What a robot publishes: itself, odometry, scans, sightings.
 constexpr std::size_t channels_per_sender = 4;
-constexpr std::size_t most_strangers = channels_per_sender * InboxLimits{}.senders;
+constexpr std::size_t max_strangers = channels_per_sender * InboxLimits{}.senders;
 
 /// All inputs begin with their fingerprint and their stamp.
 std::int64_t stamp_of(const Message& message) {
@@ -20,7 +20,7 @@ std::int64_t stamp_of(const Message& message) {
 }  // namespace
 
 void Receipts::add(const Message& message, bool known) {
-  if (!known && strangers_ >= most_strangers) forget_strangers();
+  if (!known && strangers_ >= max_strangers) forget_strangers();
   const auto [found, is_new] = channels_.try_emplace(upper_case(message.channel));
   Channel& channel = found->second;
   if (is_new) strangers_ += 1;

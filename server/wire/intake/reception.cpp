@@ -77,9 +77,9 @@ void Reception::push(const Channel& channel, std::int64_t utime, const std::stri
 }
 
 void Reception::refuse_stranger(const std::string& robot) {
-  constexpr std::size_t most_told = 16;  // enough to see a robot that forgets to introduce itself
+  constexpr std::size_t max_told = 16;  // enough to see a robot that forgets to introduce itself
   inbox_.count_drop("(others)", "unknown_robot");
-  if (!log_ || strangers_told_.size() >= most_told || !strangers_told_.insert(robot).second) return;
+  if (!log_ || strangers_told_.size() >= max_told || !strangers_told_.insert(robot).second) return;
   log_(LogLevel::warning, "messages of a robot that has not introduced itself are refused",
        {{"robot", robot}});
 }

@@ -16,7 +16,7 @@ namespace isthmus {
 /// were dropped.
 std::set<std::int64_t> settled_messages(const std::vector<JournalSegment>& segments, int first);
 
-/// Sees each received message to its end: it leaves the spool once the disk has it in the journal, as an
+/// Follows each received message to its end: it leaves the spool once the disk has it in the journal, as an
 /// event or among those that were dropped. One thread.
 class Settlement {
  public:

@@ -88,7 +88,7 @@ void Spool::append(Message& message, bool known) {
 int Spool::write(std::span<const std::uint8_t> bytes) {
   const auto size = static_cast<std::int64_t>(bytes.size());
   std::unique_lock lock(mutex_);
-  if (waiting_bytes_ + size > options_.most_bytes) return EDQUOT;
+  if (waiting_bytes_ + size > options_.max_bytes) return EDQUOT;
   const bool is_full = !broken_ && files_[current_].bytes + size > options_.file_bytes;
   lock.unlock();
   if (broken_ || is_full) {

@@ -25,14 +25,14 @@ struct SpoolOptions {
   std::int64_t file_bytes = 4 * 1024 * 1024;  ///< a file that would grow beyond it is closed
   /// What may wait to be handled, in bytes: more than the inbox holds, as handled messages stay until the
   /// journal is on the disk.
-  std::int64_t most_bytes = 2 * std::int64_t{512} * 1024 * 1024;
+  std::int64_t max_bytes = 2 * std::int64_t{512} * 1024 * 1024;
   std::chrono::milliseconds sync_interval{250};  ///< what was received is on the disk after this time
   JournalDisk disk;
   int journal_segment = 1;       ///< the one that is written
   std::int64_t next_number = 0;  ///< at least
-  /// Told when the disk begins to refuse messages and when it takes them again; any thread.
+  /// Called when the disk begins to refuse messages and when it takes them again; any thread.
   std::function<void(const std::string&)> report;
-  /// Told what is on the disk whenever that is more; from a thread of the spool's own.
+  /// Called whenever more messages are on the disk; from a thread of the spool's own.
   std::function<void(const Receipts&)> acknowledge;
 };
 
@@ -44,7 +44,7 @@ struct SpoolOptions {
 /// newest file: files take twice what waits, and some files of `file_bytes` more.
 class Spool {
  public:
-  /// Goes on with what the directory holds. `settled`: numbers of messages that the journal has, or has
+  /// Continues with what the directory holds. `settled`: numbers of messages that the journal has, or has
   /// counted as dropped, in its segments from `first_segment_of_spool` on. The directory must be held by this
   /// process (JournalDirectory). Throws std::runtime_error naming file and reason where it cannot be read or
   /// written.
@@ -53,7 +53,7 @@ class Spool {
 
   /// The messages that were found and not settled, in the order in which they came; once.
   std::vector<Message> take_found() { return std::move(found_); }
-  /// Torn or damaged bytes that were found.
+  /// Partly written or damaged bytes that were found.
   std::int64_t lost_bytes() const { return lost_bytes_; }
   /// How far senders had counted in what was found, settled or not.
   const SignatureCounters& counters() const { return counters_; }

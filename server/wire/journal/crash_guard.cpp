@@ -17,12 +17,12 @@ namespace {
 
 /// An event and how often processes ended inside it, in one word, so that it changes in one store; 0: none.
 /// More ends than two say nothing new.
-constexpr std::uint64_t most_ends = 3;
+constexpr std::uint64_t max_ends = 3;
 constexpr std::uint64_t word_of(std::int64_t sequence, std::uint64_t ends) {
-  return ((static_cast<std::uint64_t>(sequence) + 1) << 2) | (ends < most_ends ? ends : most_ends);
+  return ((static_cast<std::uint64_t>(sequence) + 1) << 2) | (ends < max_ends ? ends : max_ends);
 }
 constexpr std::int64_t sequence_in(std::uint64_t word) { return static_cast<std::int64_t>(word >> 2) - 1; }
-constexpr std::uint64_t ends_in(std::uint64_t word) { return word & most_ends; }
+constexpr std::uint64_t ends_in(std::uint64_t word) { return word & max_ends; }
 
 }  // namespace
 

@@ -11,12 +11,12 @@ class Engine;
 struct Event;
 struct Outcome;
 
-/// Knows after a crash inside which event of the journal it came. While the engine takes an event, its number
-/// stands in a small file that is mapped into memory: noting it is a store, and the kernel keeps it when the
-/// process ends, however it does.
+/// Tells after a crash which event of the journal the engine was taking. While the engine takes an event, its
+/// number stands in a small file that is mapped into memory: noting it is a store, and the kernel keeps it
+/// when the process ends, however it does.
 ///
 /// An event inside which the process ended twice, and that it never got past in between, is condemned: it
-/// would bring the engine down for ever. A process that is killed from outside is counted too, where it was
+/// would bring the engine down each time. A process that is killed from outside is counted too, where it was
 /// inside an event: to be condemned wrongly, an event must have been hit twice running.
 class CrashGuard {
  public:
@@ -37,7 +37,7 @@ class CrashGuard {
   /// The engine begins to take an event; `leave` must follow where it comes back, and must not where it
   /// throws.
   void enter(std::int64_t sequence);
-  /// It is through with it.
+  /// The engine has taken it.
   void leave();
   /// The suspect was set aside.
   void acquit();

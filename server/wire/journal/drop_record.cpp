@@ -10,8 +10,8 @@ namespace isthmus {
 namespace {
 
 constexpr const char* dropped_channel = "ISTHMUS_DROPPED";
-constexpr std::int32_t most_received = 16 * 1024 * 1024;
-constexpr std::array drop_members = {text(64), text(64), fixed(8), array(8, most_received)};
+constexpr std::int32_t max_received = 16 * 1024 * 1024;
+constexpr std::array drop_members = {text(64), text(64), fixed(8), array(8, max_received)};
 constexpr std::array members = {list(drop_members, 100'000)};
 
 }  // namespace

@@ -20,7 +20,7 @@
 
 namespace isthmus {
 
-/// What the journal asks of the disk; each returns 0 or errno. Tests put in disks that are full or slow.
+/// The disk as the journal uses it; each returns 0 or errno. Tests pass disks that are full or slow.
 struct JournalDisk {
   std::function<int(int descriptor, std::span<const std::uint8_t> bytes)> write = write_all;
   std::function<int(int descriptor)> sync = sync_data;  ///< from any thread
@@ -36,18 +36,18 @@ struct JournalOptions {
   JournalDisk disk;
 };
 
-/// The record of what the engine was told: an LCM log in segments journal-000001.lcm, ... of a directory,
+/// The record of all events of the engine: an LCM log in segments journal-000001.lcm, ... of a directory,
 /// each event handed to the kernel as it is appended, so that a crash of this process loses nothing. Before
 /// each event stands an entry with its checks (lcmtypes/entry_t.lcm), and each segment begins with the
 /// identity of the journal (lcmtypes/journal_t.lcm).
 ///
-/// What the disk refuses waits in memory, in order, and is written before all else once the disk takes events
-/// again: a full disk that is given room costs no event. Only a crash before that would. A segment that is
+/// Events that the disk refuses wait in memory, in order, and are written first once the disk takes events
+/// again, so a full disk that is given room loses no event unless the process ends before. A segment that is
 /// deleted while it is written is written again from its file, which is still open.
 class Journal {
  public:
-  /// Begins a journal, or goes on with the one that the directory holds, in a new segment; the torn tail that
-  /// a crash may have left is cut before. Throws as JournalDirectory.
+  /// Begins a journal, or goes on with the one that the directory holds, in a new segment; a partly written
+  /// event that a crash has left is truncated first. Throws as JournalDirectory.
   explicit Journal(std::string directory, JournalOptions options = {});
   ~Journal();
 

@@ -14,18 +14,18 @@ class JournalDirectory {
  public:
   /// Makes the directory where missing. Throws std::runtime_error naming it or a file, and the reason: it
   /// cannot be made or read, another process holds it, its segments do not belong together (view_journal), or
-  /// they are of a journal without checks, which is not gone on with.
+  /// they are of a journal without checks, which cannot be continued.
   explicit JournalDirectory(std::string path);
 
   const std::string& path() const { return path_; }
-  /// What was there at first.
+  /// What the directory held at the beginning.
   const JournalView& found() const { return found_; }
 
-  /// Cuts off what a process or a machine that stopped within a write leaves of it at the end of the last
-  /// segment; damage of another kind stays. Returns the bytes cut. Throws std::runtime_error where that
+  /// Truncates an event at the end of the last segment that was partly written when process or machine
+  /// stopped; other damage stays. Returns the bytes removed. Throws std::runtime_error where that
   /// cannot be done.
   std::int64_t cut_torn_tail();
-  /// Where the journal goes on, once the tail is cut.
+  /// Where the journal continues, after truncation.
   const JournalPlace& place() const { return place_; }
 
   /// A new file for appending to. Returns 0 or errno.

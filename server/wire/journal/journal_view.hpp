@@ -35,12 +35,12 @@ struct JournalView {
 /// Nothing is modified.
 JournalView view_journal(const std::string& directory);
 
-/// Throws std::runtime_error naming the first segment where it is missing and no whole snapshot of this
-/// journal stands for it.
+/// Throws std::runtime_error naming the first segment where it is missing and no intact snapshot of this
+/// journal covers it.
 void require_beginning(const JournalView& journal);
 
 /// The snapshots that are whole and this journal's, by the number of the segment they end with; the
-/// trajectory's rows are not looked at. `warn` is told of the others.
+/// trajectory's rows are not looked at. `warn` is called for the others.
 std::map<int, std::string> own_snapshots(const JournalView& journal,
                                          const std::function<void(const std::string&)>& warn = {});
 

@@ -5,7 +5,7 @@
 
 namespace isthmus {
 
-/// A part of a log that is passed over, for it is damaged or missing.
+/// A part of a log that is skipped because it is damaged or missing.
 struct LogDamage {
   std::string file;
   std::int64_t offset = 0;

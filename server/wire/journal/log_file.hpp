@@ -34,7 +34,7 @@ class LogFile {
   bool has_next() { return find().has_value(); }
   /// The next intact event; nothing at the end.
   std::optional<Message> next();
-  /// What was passed over since the last call.
+  /// The damage skipped since the last call.
   std::vector<LogDamage> take_damage();
 
  private:

@@ -25,8 +25,8 @@ std::optional<LogHeader> parse_log_header(std::span<const std::uint8_t> bytes) {
   if (static_cast<std::uint32_t>(read_int32(bytes)) != log_sync_word) return std::nullopt;
   const LogHeader header{read_int64(bytes.subspan(4)), read_int64(bytes.subspan(12)),
                          read_int32(bytes.subspan(20)), read_int32(bytes.subspan(24))};
-  const bool plausible = header.channel_bytes > 0 && header.channel_bytes <= most_channel_bytes &&
-                         header.data_bytes >= 0 && header.data_bytes <= most_data_bytes;
+  const bool plausible = header.channel_bytes > 0 && header.channel_bytes <= max_channel_bytes &&
+                         header.data_bytes >= 0 && header.data_bytes <= max_data_bytes;
   return plausible ? std::optional(header) : std::nullopt;
 }
 

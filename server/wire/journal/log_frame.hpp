@@ -22,8 +22,8 @@ struct LogHeader {
 
 constexpr std::uint32_t log_sync_word = 0xEDA1DA01;
 constexpr std::size_t log_header_bytes = 28;
-constexpr std::int32_t most_channel_bytes = 999;  ///< as liblcm's own reader
-constexpr std::int32_t most_data_bytes = 256 * 1024 * 1024;
+constexpr std::int32_t max_channel_bytes = 999;  ///< as liblcm's own reader
+constexpr std::int32_t max_data_bytes = 256 * 1024 * 1024;
 
 /// Nothing where the bytes are too few, begin otherwise than with the sync word, or hold lengths beyond the
 /// caps.

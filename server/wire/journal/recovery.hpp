@@ -16,8 +16,8 @@ namespace isthmus {
 
 struct RecoveryOptions {
   int last_segment = std::numeric_limits<int>::max();  ///< what follows it is not read
-  /// Told of snapshots that are of no use, and of what of the journal is damaged, missing or cannot be
-  /// verified.
+  /// Called for snapshots that cannot be used, and for parts of the journal that are damaged, missing or
+  /// cannot be verified.
   std::function<void(const std::string&)> warn;
   /// Of the process that holds the journal: an event that it condemns is set aside. None: nothing is noted.
   CrashGuard* guard = nullptr;
@@ -30,7 +30,7 @@ struct RecoveryOptions {
 class Recovery {
  public:
   /// Throws std::runtime_error where the journal cannot be read, its segments do not belong together
-  /// (view_journal), or the first of them are gone and no snapshot stands for them.
+  /// (view_journal), or the first of them are gone and no snapshot covers them.
   explicit Recovery(const std::string& directory, const RecoveryOptions& options = {});
 
   /// Whether there was a snapshot or an intact event.

@@ -14,8 +14,8 @@
 namespace isthmus {
 
 /// Reads a segment of a journal. An event is taken only from behind an entry that bears the segment's check,
-/// and only as it was written; after damage the next such entry is looked for. What senders spell in their
-/// messages is none: they do not know the segment's secret.
+/// and only as it was written; after damage the next such entry is looked for. Senders cannot forge
+/// entries in their messages: they do not know the segment's secret.
 class SegmentReader {
  public:
   /// Throws std::runtime_error naming the file and the reason where it cannot be read or has no header.
@@ -33,7 +33,7 @@ class SegmentReader {
   std::int64_t offset() const { return offset_; }      ///< of the last message returned
   std::int64_t position() const { return position_; }  ///< what comes before it is read
   std::int64_t size() const { return file_.size(); }
-  /// What was passed over since the last call.
+  /// The damage skipped since the last call.
   std::vector<LogDamage> take_damage();
   /// The place that this segment leads to, as far as it was read.
   JournalPlace place() const;

@@ -6,7 +6,7 @@
 
 namespace isthmus {
 
-/// An event of a journal that brings the engine down: whoever reads the journal passes it over.
+/// An event of a journal that brings the engine down: every reader of the journal skips it.
 struct SetAside {
   std::int64_t utime = 0;
   std::string robot;  ///< empty: none's

@@ -15,7 +15,7 @@ namespace isthmus {
 /// "R1@0123456789ab", channel).
 using SignatureCounters = std::map<std::pair<std::string, std::string>, std::int64_t>;
 
-/// The journal's record of counters. `complete`: whoever is not in it has not signed anything yet.
+/// The journal's record of counters. `complete`: senders that are not in it have signed nothing yet.
 Message encode_counters(std::int64_t utime, const SignatureCounters& counters, bool complete);
 
 /// As `may_be_input`, for such a record.

@@ -62,7 +62,7 @@ class LiveServer {
   LiveServer(LiveOptions options, Inbox& inbox, Publish publish);
   ~LiveServer();
 
-  /// Leads the engine to where the journal that was found ends; then handles what arrives, until the inbox is
+  /// Replays the journal that was found; then handles what arrives, until the inbox is
   /// closed and empty; then finishes the map and writes the outputs. Throws std::runtime_error where those
   /// cannot be written, or where the disk refused the journal's last events to the end.
   void run();

@@ -25,7 +25,7 @@ constexpr Member fixed(std::int32_t bytes) { return {Member::Kind::fixed, bytes,
 constexpr Member array(std::int32_t element_bytes, std::int32_t most) {
   return {Member::Kind::array, element_bytes, most};
 }
-constexpr Member text(std::int32_t most_bytes) { return {Member::Kind::text, 1, most_bytes}; }
+constexpr Member text(std::int32_t max_bytes) { return {Member::Kind::text, 1, max_bytes}; }
 
 template <std::size_t size>
 constexpr Member list(const std::array<Member, size>& of, std::int32_t most) {

@@ -5,6 +5,6 @@
 namespace isthmus {
 
 /// Of one scan; one with more is refused.
-constexpr std::int32_t most_beams = 20'000;
+constexpr std::int32_t max_beams = 20'000;
 
 }  // namespace isthmus

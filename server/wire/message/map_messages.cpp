@@ -7,7 +7,7 @@ namespace isthmus {
 namespace {
 
 /// Below the 64 KiB of a UDP datagram, with room for headers.
-constexpr int most_chunk_bytes = 60'000;
+constexpr int max_chunk_bytes = 60'000;
 
 void append_ring(patch_t& message, const Ring& ring) {
   message.ring_sizes.push_back(static_cast<std::int32_t>(ring.size()));
@@ -86,7 +86,7 @@ class ChunkWriter {
     bytes_ = 0;
   }
   map_t& room_for(int bytes) {
-    if (chunks_.empty() || bytes_ + bytes > most_chunk_bytes) start();
+    if (chunks_.empty() || bytes_ + bytes > max_chunk_bytes) start();
     bytes_ += bytes;
     return chunks_.back();
   }

@@ -13,14 +13,14 @@
 namespace isthmus {
 namespace {
 
-constexpr std::int32_t most_name_bytes = 64;
-constexpr std::int32_t most_toml_bytes = 64 * 1024;
+constexpr std::int32_t max_name_bytes = 64;
+constexpr std::int32_t max_toml_bytes = 64 * 1024;
 
 constexpr Member number = fixed(8);   // int64_t, double
 constexpr Member integer = fixed(4);  // int32_t, float
 constexpr Member boolean = fixed(1);
-constexpr Member floats = array(4, most_beams);
-constexpr Member name = text(most_name_bytes);
+constexpr Member floats = array(4, max_beams);
+constexpr Member name = text(max_name_bytes);
 
 constexpr std::array robot_members = {number, name,   integer, number, number,
                                       number, number, number,  number, boolean};
@@ -30,7 +30,7 @@ constexpr std::array lidar_members = {number, floats, floats, integer, integer};
 constexpr std::array sighting_members = {number, integer, number, number, number, number};
 constexpr std::array tag_members = {number, integer};
 constexpr std::array command_members = {number, name, number, name};
-constexpr std::array configuration_members = {number, text(most_toml_bytes)};
+constexpr std::array configuration_members = {number, text(max_toml_bytes)};
 constexpr std::array tick_members = {number};
 
 /// How one input lies on the wire, and how it is read.

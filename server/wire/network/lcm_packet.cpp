@@ -25,7 +25,7 @@ class PacketReader {
   std::string_view channel() {
     const auto end = std::find(rest_.begin(), rest_.end(), std::uint8_t{0});
     const auto length = static_cast<std::size_t>(end - rest_.begin());
-    if (end == rest_.end() || length > most_channel_characters) return fail(), "";
+    if (end == rest_.end() || length > max_channel_characters) return fail(), "";
     const std::string_view name(reinterpret_cast<const char*>(rest_.data()), length);
     rest_ = rest_.subspan(length + 1);
     return name;

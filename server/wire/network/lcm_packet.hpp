@@ -9,7 +9,7 @@
 namespace isthmus {
 
 /// Longest channel name that LCM has.
-constexpr std::size_t most_channel_characters = 63;
+constexpr std::size_t max_channel_characters = 63;
 
 /// One datagram of LCM's UDP multicast protocol: a short message (LC02), which is whole, or one fragment of a
 /// longer one (LC03). Source: the protocol's description in LCM's documentation. It refers to the datagram's

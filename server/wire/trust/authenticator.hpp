@@ -21,7 +21,7 @@ struct Opened {
 /// Decides which messages are believed, once the configuration holds keys: those in an envelope whose sender
 /// has a key, signed with it, counting on, and on a channel that is the sender's: a robot's own and tags; for
 /// an operator commands and tags. A sender with a new key counts from the beginning: what the old key signed
-/// is not believed any more, and a counter that ran out does no longer hold. One thread.
+/// is no longer believed, and an exhausted counter no longer blocks the sender. One thread.
 class Authenticator {
  public:
   /// `counters`: what was accepted before is not taken again.

@@ -13,8 +13,8 @@ namespace isthmus {
 namespace {
 
 constexpr std::size_t mac_bytes = 32;
-constexpr std::int32_t most_payload_bytes = 1024 * 1024;
-constexpr std::array members = {text(64), text(64), fixed(8), array(1, most_payload_bytes),
+constexpr std::int32_t max_payload_bytes = 1024 * 1024;
+constexpr std::array members = {text(64), text(64), fixed(8), array(1, max_payload_bytes),
                                 fixed(static_cast<std::int32_t>(mac_bytes))};
 
 }  // namespace

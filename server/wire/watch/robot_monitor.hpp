@@ -11,7 +11,7 @@
 
 namespace isthmus {
 
-/// What the server itself says of itself, beside the engine's counters.
+/// The server's own figures, beside the engine's counters.
 struct ServerCounters {
   std::int32_t queued = 0;
   std::int64_t journal_bytes = 0;

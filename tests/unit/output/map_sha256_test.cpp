@@ -14,7 +14,7 @@ MapCopy small_map() {
 ClosureRecord closure(std::int32_t id, ClosureState state) {
   ClosureRecord record;
   record.id = ClosureId{id};
-  record.kind = ClosureKind::closure;
+  record.kind = ClosureKind::loop;
   record.state = state;
   return record;
 }

@@ -38,21 +38,21 @@ Found found_in(const Walls& walls) {
 }
 
 double spread_in(const Found& found) {
-  return spread_of_match(found.map, found.points, found.match, 0.6, {}, {});
+  return sigma_along_weak_direction(found.map, found.points, found.match, 0.6, {}, {});
 }
 
-TEST(SpreadOfMatch, IsSmallWhereAStepAsideFitsWorse) {
+TEST(SigmaAlongWeakDirection, IsSmallWhereAStepAsideFitsWorse) {
   const Found found = found_in(furnished_room());
   ASSERT_TRUE(found.match.ok);
   EXPECT_LT(spread_in(found), 0.02);
 }
 
-TEST(SpreadOfMatch, ReachesOverAllThatFitsAsWell) {
+TEST(SigmaAlongWeakDirection, ReachesOverAllThatFitsAsWell) {
   EXPECT_GT(spread_in(found_in(corridor())), 0.25) << "of at most 0.6 m either way";
   EXPECT_GT(spread_in(found_in(ribbed_corridor())), 0.2);
 }
 
-TEST(Widen, RelationsSayTheSpreadAlongAndWhatTheySaidAcross) {
+TEST(Widen, RelationsSayTheUncertaintyAlongAndWhatTheySaidAcross) {
   Found found = found_in(ribbed_corridor());
   const auto information_of = [&] {
     const auto relations = match_relations(found.map, found.points, found.match, PatchId{1}, {}, {});
@@ -60,11 +60,11 @@ TEST(Widen, RelationsSayTheSpreadAlongAndWhatTheySaidAcross) {
                                  : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
   };
   const Eigen::Matrix3d before = information_of();
-  const double spread_m = 0.3;
-  widen(found.match, spread_m, relation_sigma_m(found.match.quality, {}), {});
+  const double weak_sigma_m = 0.3;
+  widen(found.match, weak_sigma_m, relation_sigma_m(found.match.quality, {}), {});
   const Eigen::Matrix3d after = information_of();
-  EXPECT_GT(before(0, 0), 10 / (spread_m * spread_m)) << "ribs look like certainty";
-  EXPECT_LT(after(0, 0), 1.5 / (spread_m * spread_m));
+  EXPECT_GT(before(0, 0), 10 / (weak_sigma_m * weak_sigma_m)) << "ribs look like certainty";
+  EXPECT_LT(after(0, 0), 1.5 / (weak_sigma_m * weak_sigma_m));
   EXPECT_NEAR(after(1, 1), before(1, 1), 0.02 * before(1, 1));
   EXPECT_GT(after(2, 2), 0.5 * before(2, 2));
 }

@@ -10,8 +10,8 @@ struct ClosureOptions {
   std::int64_t placing_wait_us = 2'000'000;
   std::int64_t weighing_us = 2'000'000;
   int near_hops = 3;
-  double sure_m = 0.3;
-  double sure_without_scans_m = 0.6;
+  double known_sigma_m = 0.3;
+  double known_sigma_without_scans_m = 0.6;
   std::size_t patches_without_scans = 60;
   double informative = 1;
   double another_tag_m = 0.3;
@@ -35,15 +35,16 @@ struct ClosureOptions {
     option(weighing_us, "weighing_us", "µs",
            "between sightings of one target by one observer that are weighed against the map's confidence");
     option(near_hops, "near_hops", "count", "of relations: so near in the graph, the map knows better");
-    option(sure_m, "sure_m", "m",
-           "standard deviation: a map less sure than this of where the target is learns from a sighting only "
+    option(known_sigma_m, "known_sigma_m", "m",
+           "standard deviation: a map that knows less well than this where the target is learns from a "
+           "sighting only "
            "when others agree");
-    option(sure_without_scans_m, "sure_without_scans_m", "m",
+    option(known_sigma_without_scans_m, "known_sigma_without_scans_m", "m",
            "the same where scans do not tie the two together");
     option(patches_without_scans, "patches_without_scans", "count",
            "that are looked at there: tags tie everything to everything, a dense graph");
     option(informative, "informative", "factor",
-           "on a sighting's own sigma: the map must be less sure than that to learn from it");
+           "on a sighting's own sigma: the map must know less well than that to learn from it");
     option(another_tag_m, "another_tag_m", "m",
            "from a tag, within which another is taken for a misread one,");
     option(min_beside_another, "min_beside_another", "count", "unless so many sightings say so,");
@@ -52,7 +53,7 @@ struct ClosureOptions {
     option(max_judged_again, "max_judged_again", "count", "in one event: each may ask for a covariance");
     option(encounter_us, "encounter_us", "µs", "sightings of a loop so far apart are different encounters");
     option(max_waiting, "max_waiting", "count", "of sightings of one group, or of a tag that is nowhere");
-    option(max_compared, "max_compared", "count", "of them, spread evenly, each with each");
+    option(max_compared, "max_compared", "count", "of them, taken evenly, each with each");
     option(step_price_us, "step_price_us", "µs", "nominal, of one step of a trial");
     option(work_share, "work_share", "share", "of event time for trials");
     option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");

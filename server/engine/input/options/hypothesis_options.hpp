@@ -22,7 +22,7 @@ struct HypothesisOptions {
   std::size_t min_finds = 3;
   double min_way_m = 3;
   std::size_t agreement_patches = 200;
-  double surely_near_m = 4;
+  double known_sigma_m = 4;
   double rival_m = 6;
   double mapped_m = 0.15;
   double mapped_rad = 0.03;
@@ -47,8 +47,8 @@ struct HypothesisOptions {
     option(min_way_m, "min_way_m", "m", "of way between two of them");
     option(agreement_patches, "agreement_patches", "count",
            "of patches, nearest in the graph, to know how ends of finds lie to each other");
-    option(surely_near_m, "surely_near_m", "m",
-           "standard deviation: a map less sure than this of where a find is asks for caution");
+    option(known_sigma_m, "known_sigma_m", "m",
+           "standard deviation: a map that knows less well than this where a find is asks for caution");
     option(rival_m, "rival_m", "m", "between finds of the same stretch of way that say otherwise");
     option(mapped_m, "mapped_m", "m", "so near to what the map says, a find has nothing to add");
     option(mapped_rad, "mapped_rad", "rad", "the same of its yaw");

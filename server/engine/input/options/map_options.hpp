@@ -9,10 +9,10 @@ namespace isthmus {
 
 /// What belongs to a robot's surroundings and local map (eq. 12), see map/surroundings.hpp.
 struct SurroundingsOptions {
-  double rejoin_position_m = 8;
-  double rejoin_yaw_rad = 0.6;
+  double loop_position_m = 8;
+  double loop_yaw_rad = 0.6;
   std::size_t confidence_patches = 150;
-  std::size_t rejoin_patches = 400;
+  std::size_t loop_patches = 400;
   double reach_m = 4;
   double min_overlap = 0.3;
   int overlap_points = 30;
@@ -21,12 +21,12 @@ struct SurroundingsOptions {
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(rejoin_position_m, "rejoin_position_m", "m",
+    option(loop_position_m, "loop_position_m", "m",
            "95 % bound: patches beyond eq. 12, but determined so well, are where a local loop may close");
-    option(rejoin_yaw_rad, "rejoin_yaw_rad", "rad", "the same bound of the yaw");
+    option(loop_yaw_rad, "loop_yaw_rad", "rad", "the same bound of the yaw");
     option(confidence_patches, "confidence_patches", "count",
            "of patches, nearest in the graph, that eq. 12 looks at");
-    option(rejoin_patches, "rejoin_patches", "count",
+    option(loop_patches, "loop_patches", "count",
            "of patches, nearest in the graph, among which local loops are looked for");
     option(reach_m, "reach_m", "m", "patches with origins farther away are left out of the local map");
     option(min_overlap, "min_overlap", "share",
@@ -37,13 +37,13 @@ struct SurroundingsOptions {
   }
 };
 
-/// Local loops, see map/rejoin.hpp.
-struct RejoinOptions {
+/// Local loops, see map/local_loop.hpp.
+struct LocalLoopOptions {
   double min_score = 0.55;
   double min_score_partly_known = 0.6;
   double min_paired = 0.35;
   ChiSquaredBound max_surprise{0.999, 3};
-  double certain_half_width_m = 0.6;
+  double unambiguous_half_width_m = 0.6;
   double max_window_m = 6;
   double max_window_rad = 0.7;
   double window_sigmas = 2.5;
@@ -66,7 +66,7 @@ struct RejoinOptions {
     option(min_paired, "min_paired", "share", "of the beams that must then have found something");
     option(max_surprise, "max_surprise", "probability",
            "χ² of 3 of a match that ends away from where the map expected the robot");
-    option(certain_half_width_m, "certain_half_width_m", "m",
+    option(unambiguous_half_width_m, "unambiguous_half_width_m", "m",
            "a search window as narrow as this leaves nothing else that could be meant");
     option(max_window_m, "max_window_m", "m", "half width of the widest window that is searched at once");
     option(max_window_rad, "max_window_rad", "rad", "the same in yaw");
@@ -78,7 +78,7 @@ struct RejoinOptions {
     option(prediction_share, "prediction_share", "factor",
            "on the information of the expected pose while the match is refined: it must not hold it back");
     option(looked_along_m, "looked_along_m", "m",
-           "how far along its weakest direction the spread of a match is looked for");
+           "how far along its weakest direction the uncertainty of a match is looked for");
     option(max_patches, "max_patches", "count", "of the map that the scan is matched with");
     option(agreeing_m, "agreeing_m", "m", "two finds agree that would move the map by the same within this");
     option(agreeing_rad, "agreeing_rad", "rad", "and turn it by the same within this");

@@ -70,7 +70,7 @@ struct PlaceSearchOptions {
   double fine_second_share = 0.95;
   double min_score = 0.45;
   double min_bent_score = 0.33;
-  double sure_scan_score = 0.6;
+  double min_carrier_score = 0.6;
   double max_contradiction = 0.2;
   double bent_kernel_m = 0.08;
   int max_points = 250;
@@ -96,7 +96,7 @@ struct PlaceSearchOptions {
     option(fine_second_share, "fine_second_share", "share", "correlative.second_share of that");
     option(min_score, "min_score", "share", "of a match of one scan and of the whole piece");
     option(min_bent_score, "min_bent_score", "share", "of the whole piece, where one scan of it");
-    option(sure_scan_score, "sure_scan_score", "share", "fits as well as this");
+    option(min_carrier_score, "min_carrier_score", "share", "fits as well as this");
     option(max_contradiction, "max_contradiction", "share",
            "of hits in the other's free space before the trial has laid the two together");
     option(bent_kernel_m, "bent_kernel_m", "m",

@@ -26,8 +26,8 @@ struct PropagationOptions {
   }
 };
 
-/// How much two maps share, laid over one another, see propagation/seam.hpp.
-struct SeamOptions {
+/// How much two maps share, laid over one another, see propagation/shared_part.hpp.
+struct SharedPartOptions {
   double stride_m = 1;
   double near_m = 4;
   double in_view_m = 6;
@@ -69,8 +69,8 @@ struct TrialOptions {
   std::size_t min_growth = 4;
   int max_pairs = 300;
   int max_unmatched = 8;
-  double nearly_certain_m = 0.3;
-  double nearly_certain_rad = 0.05;
+  double contradiction_bound_m = 0.3;
+  double contradiction_bound_rad = 0.05;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -109,15 +109,15 @@ struct TrialOptions {
     option(min_growth, "min_growth", "count", "of matched patches before the first such fit");
     option(max_pairs, "max_pairs", "count", "of patches that are looked at for walls in free space");
     option(max_unmatched, "max_unmatched", "count", "of unmatched patches that are looked at");
-    option(nearly_certain_m, "nearly_certain_m", "m",
+    option(contradiction_bound_m, "contradiction_bound_m", "m",
            "95 % bound: where nothing matched, only patches so well known relative to one another can "
            "contradict one another");
-    option(nearly_certain_rad, "nearly_certain_rad", "rad", "the same bound of the yaw");
+    option(contradiction_bound_rad, "contradiction_bound_rad", "rad", "the same bound of the yaw");
   }
 };
 
-/// Matching where robots stand, see propagation/weaving.hpp.
-struct WeavingOptions {
+/// Matching where robots stand, see propagation/proximity_matching.hpp.
+struct ProximityMatchingOptions {
   std::int64_t step_price_us = 5'000;
   std::int64_t max_credit_us = 5'000;
   double work_share = 0.5;

@@ -102,7 +102,7 @@ struct HealthOptions {
   int max_scans = 20;
   double min_way_m = 0.05;
   double min_turn_rad = 0.01;
-  double enough_turn_rad = 10;
+  double min_offset_turn_rad = 10;
   std::int64_t reference_age_us = 500'000;
   double still_m = 1e-3;
   double still_rad = 1e-3;
@@ -118,7 +118,8 @@ struct HealthOptions {
     option(max_scans, "max_scans", "count", "that are summed up");
     option(min_way_m, "min_way_m", "m", "of such a way: less is the trembling of a robot at rest");
     option(min_turn_rad, "min_turn_rad", "rad", "of such a rotation, for the same");
-    option(enough_turn_rad, "enough_turn_rad", "rad", "of rotation to tell odometry's offset in time by");
+    option(min_offset_turn_rad, "min_offset_turn_rad", "rad",
+           "of rotation to tell odometry's offset in time by");
     option(reference_age_us, "reference_age_us", "µs", "of the scan that one is compared with beam by beam");
     option(still_m, "still_m", "m", "of way by which odometry says that nothing moved");
     option(still_rad, "still_rad", "rad", "of rotation by which it says so");

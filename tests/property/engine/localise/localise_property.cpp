@@ -57,15 +57,15 @@ TEST(ExpectProperty, NeverGrowsSurer) {
   EXPECT_TRUE(rc::check([] {
     Robot robot = robot_at(any_pose(3), {});
     const Eigen::Vector3d sigma(between(0.001, 0.3), between(0.001, 0.3), between(0.001, 0.2));
-    robot.place->covariance = robot.place->spread = sigma.cwiseProduct(sigma).asDiagonal();
+    robot.place->covariance = robot.place->tracking_covariance = sigma.cwiseProduct(sigma).asDiagonal();
     const Expectation expectation = expected(robot, {between(-1, 1), between(-1, 1), between(-1, 1)});
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(expectation.spread);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(expectation.tracking_covariance);
     RC_ASSERT(axes.eigenvalues()(0) > 0);
-    RC_ASSERT(expectation.spread(2, 2) >= robot.place->spread(2, 2));
+    RC_ASSERT(expectation.tracking_covariance(2, 2) >= robot.place->tracking_covariance(2, 2));
     const auto area = [](const Eigen::Matrix3d& spread) {
       return Eigen::Matrix2d(spread.topLeftCorner<2, 2>()).determinant();
     };
-    RC_ASSERT(area(expectation.spread) >= area(robot.place->spread));
+    RC_ASSERT(area(expectation.tracking_covariance) >= area(robot.place->tracking_covariance));
   }));
 }
 
@@ -81,7 +81,7 @@ TEST(FollowProperty, MovesNobodyInThePlane) {
     Placement placement;
     placement.matched = true;
     placement.local_from_robot = any_pose(3);
-    placement.covariance = placement.spread = Eigen::Vector3d(0.01, 0.04, 0.001).asDiagonal();
+    placement.covariance = placement.tracking_covariance = Eigen::Vector3d(0.01, 0.04, 0.001).asDiagonal();
     follow(map, robot, Expectation{}, placement, {}, 1'000'000, {});
     assert_near(map.manifold().project(robot.place->pose),
                 map.manifold().pose(PatchId{0}) * placement.local_from_robot);

@@ -13,7 +13,7 @@
 namespace isthmus {
 namespace {
 
-/// Two robots that drive about and see one another now and then: their charts are true, and lie anyhow.
+/// Two robots that drive about and see one another now and then: their islands are true, and lie anyhow.
 class Meeting {
  public:
   Meeting(std::uint32_t seed, int count) : random_(seed) {
@@ -31,7 +31,7 @@ class Meeting {
   }
 
   Pose first_from_second;
-  std::vector<ChartSighting> sightings;
+  std::vector<ProjectedSighting> sightings;
 
  private:
   static constexpr double range_sigma_m = 0.1;
@@ -49,9 +49,9 @@ class Meeting {
   void see(bool observer_in_first, const Pose& observer, const Pose& target,
            const Pose& observer_from_target) {
     constexpr double observer_sigma_m = 0.08, observer_sigma_rad = 0.03, target_sigma_m = 0.06;
-    ChartSighting s;
+    ProjectedSighting s;
     s.observer_in_first = observer_in_first;
-    s.chart_from_observer =
+    s.plane_from_observer =
         observer * Pose{normal(observer_sigma_m), normal(observer_sigma_m), normal(observer_sigma_rad)};
     s.observer_covariance.diagonal() << observer_sigma_m * observer_sigma_m,
         observer_sigma_m * observer_sigma_m, observer_sigma_rad * observer_sigma_rad;
@@ -93,16 +93,16 @@ TEST(AlignmentProperty, ItsErrorIsAsLargeAsItsCovarianceSays) {
   EXPECT_GT(within_95, 0.9 * found);
 }
 
-TEST(AlignmentProperty, DoesNotDependOnWhereEitherChartLies) {
+TEST(AlignmentProperty, DoesNotDependOnWhereEitherIslandLies) {
   EXPECT_TRUE(rc::check([] {
     const Meeting meeting(*rc::gen::arbitrary<std::uint32_t>(), *rc::gen::inRange(4, 14));
     const auto number = [] { return *rc::gen::inRange(-3000, 3001) * 1e-3; };
     const Pose new_from_first{10 * number(), 10 * number(), number()};
     const Pose new_from_second{10 * number(), 10 * number(), number()};
-    std::vector<ChartSighting> moved = meeting.sightings;
-    for (ChartSighting& s : moved) {
-      s.chart_from_observer =
-          (s.observer_in_first ? new_from_first : new_from_second) * s.chart_from_observer;
+    std::vector<ProjectedSighting> moved = meeting.sightings;
+    for (ProjectedSighting& s : moved) {
+      s.plane_from_observer =
+          (s.observer_in_first ? new_from_first : new_from_second) * s.plane_from_observer;
       s.target = (s.observer_in_first ? new_from_second : new_from_first) * s.target;
     }
     const auto here = best_alignment(meeting.sightings, {});
@@ -117,11 +117,11 @@ TEST(AlignmentProperty, DoesNotDependOnWhereEitherChartLies) {
   }));
 }
 
-TEST(AlignmentProperty, SeenFromTheOtherChartItIsTheInverse) {
+TEST(AlignmentProperty, SeenFromTheOtherIslandItIsTheInverse) {
   EXPECT_TRUE(rc::check([] {
     const Meeting meeting(*rc::gen::arbitrary<std::uint32_t>(), *rc::gen::inRange(4, 14));
-    std::vector<ChartSighting> exchanged = meeting.sightings;
-    for (ChartSighting& s : exchanged) s.observer_in_first = !s.observer_in_first;
+    std::vector<ProjectedSighting> exchanged = meeting.sightings;
+    for (ProjectedSighting& s : exchanged) s.observer_in_first = !s.observer_in_first;
     const auto here = best_alignment(meeting.sightings, {});
     const auto there = best_alignment(exchanged, {});
     RC_ASSERT(here.has_value() == there.has_value());
@@ -134,7 +134,7 @@ TEST(AlignmentProperty, SeenFromTheOtherChartItIsTheInverse) {
 TEST(AlignmentProperty, AnyMixOfTrueAndFalseGivesAFiniteAnswerOrNone) {
   EXPECT_TRUE(rc::check([] {
     Meeting meeting(*rc::gen::arbitrary<std::uint32_t>(), *rc::gen::inRange(0, 14));
-    for (ChartSighting& s : meeting.sightings) {
+    for (ProjectedSighting& s : meeting.sightings) {
       if (*rc::gen::inRange(0, 3) > 0) continue;
       s.range_m = *rc::gen::inRange(0, 8000) * 1e-3;
       s.bearing_rad = *rc::gen::inRange(-3100, 3100) * 1e-3;

@@ -65,7 +65,7 @@ TEST(ClosureDraft, OfFindsOnOneIslandIsALoopByScans) {
   EXPECT_TRUE(draft.proposal.cautious);
   EXPECT_EQ(draft.proposal.supporters, 4);
   EXPECT_EQ(draft.proposal.relations.at(0).origin, (Origin{OriginKind::hypothesis, id}));
-  EXPECT_EQ(draft.record.kind, ClosureKind::closure);
+  EXPECT_EQ(draft.record.kind, ClosureKind::loop);
   EXPECT_EQ(draft.record.reason, Reason::on_trial);
   EXPECT_EQ(draft.joining.first_from_second, finds.first_from_second);
 }

@@ -51,13 +51,13 @@ TEST(ClosureLedger, TellsScansWhatBecameOfWhatTheyProposed) {
     ledger.decide(entry, ClosureState::waiting, Reason::one_corridor, 40);
     EXPECT_EQ(entry.record.reason, Reason::one_corridor);
   }
-  const std::vector<Ruling> rulings = ledger.take_rulings();
+  const std::vector<ClosureOutcome> rulings = ledger.take_outcomes();
   ASSERT_EQ(rulings.size(), 1U);
   EXPECT_EQ(rulings[0].id, ClosureId{1});
   EXPECT_EQ(rulings[0].state, ClosureState::waiting);
   EXPECT_EQ(rulings[0].reason, Reason::one_corridor);
   EXPECT_EQ(rulings[0].value, 40);
-  EXPECT_TRUE(ledger.take_rulings().empty());
+  EXPECT_TRUE(ledger.take_outcomes().empty());
 }
 
 TEST(ClosureLedger, AllowsWithAClosureWhatScansWereRefusedForItsSake) {
@@ -70,7 +70,7 @@ TEST(ClosureLedger, AllowsWithAClosureWhatScansWereRefusedForItsSake) {
   EXPECT_FALSE(forbidden.forbidden);
   EXPECT_EQ(forbidden.record.reason, Reason::allowed_again);
   EXPECT_FALSE(ledger.at(ClosureId{2}).forbidden_as.valid());
-  const std::vector<Ruling> rulings = ledger.take_rulings();
+  const std::vector<ClosureOutcome> rulings = ledger.take_outcomes();
   ASSERT_EQ(rulings.size(), 1U);
   EXPECT_EQ(rulings[0].id, ClosureId{2});
 }

@@ -26,7 +26,7 @@ struct OnTheMap {
     robot.place = Localisation{};
     robot.place->pose = {PatchId{0}, world_from_robot};
     robot.place->odom_from_robot = world_from_robot;
-    robot.place->covariance = robot.place->spread = 0.01 * Eigen::Matrix3d::Identity();
+    robot.place->covariance = robot.place->tracking_covariance = 0.01 * Eigen::Matrix3d::Identity();
     robot.place->last_patch = PatchId{0};
   }
   std::optional<ScanOutcome> scan(const Pose& truth, const Pose& odometry) {

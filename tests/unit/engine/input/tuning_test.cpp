@@ -96,8 +96,8 @@ TEST(Tuning, AValueReachesItsMemberAndNoOther) {
 }
 
 TEST(Tuning, AProbabilityBecomesABoundOfItsDegreesOfFreedom) {
-  const EngineOptions options = options_of("[tuning]\nrejoin.max_surprise = 0.95\n");
-  EXPECT_EQ(options.rejoin.max_surprise.value(), chi2_quantile(0.95, 3));
+  const EngineOptions options = options_of("[tuning]\nlocal_loops.max_surprise = 0.95\n");
+  EXPECT_EQ(options.local_loops.max_surprise.value(), chi2_quantile(0.95, 3));
 }
 
 TEST(Tuning, UnknownKeysAreErrorsThatNameFileAndLine) {
@@ -123,7 +123,8 @@ TEST(Tuning, NumbersThatAreNotFiniteOrFarFromTheDefaultAreErrors) {
         << value;
   EXPECT_TRUE(contains(error_of("[tuning]\nlocalise.min_score = 1.01"), "is not within"));
   for (const char* value : {"0", "1", "-0.5", "nan"})
-    EXPECT_TRUE(contains(error_of(std::string("[tuning]\nrejoin.max_surprise = ") + value), "is not within"))
+    EXPECT_TRUE(
+        contains(error_of(std::string("[tuning]\nlocal_loops.max_surprise = ") + value), "is not within"))
         << value;
 }
 

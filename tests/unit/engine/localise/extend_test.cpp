@@ -43,8 +43,9 @@ struct InARoom {
     choose_local_map(map, robot, local_from_robot, seen.points, options);
     Expectation expectation;
     expectation.local_from_robot = local_from_robot;
-    expectation.spread = expectation.covariance = Eigen::Vector3d(0.01, 0.01, 0.0025).asDiagonal();
-    return place(robot, expectation, robot.local_map, seen.points, options);
+    expectation.tracking_covariance = expectation.covariance =
+        Eigen::Vector3d(0.01, 0.01, 0.0025).asDiagonal();
+    return localise(robot, expectation, robot.local_map, seen.points, options);
   }
   bool extended_by(const Pose& world_from_robot, const Placement& placement) {
     robot.place->pose.patch_from_object = placement.local_from_robot;  // it has been followed to there
@@ -111,7 +112,7 @@ TEST(Extend, PutsTheRobotAtTheOriginOfTheNewPatch) {
   EXPECT_EQ(place.pose.patch, PatchId{1});
   expect_near(place.pose.patch_from_object, {});
   EXPECT_LT(place.covariance.trace(), 1e-6) << "the patch is where the robot is";
-  EXPECT_LT(place.spread.trace(), 1e-6);
+  EXPECT_LT(place.tracking_covariance.trace(), 1e-6);
   EXPECT_EQ(place.last_patch, PatchId{1});
   expect_near(place.since_last_patch.start_from_end, {});
   EXPECT_EQ(in.robot.patches, 2U);

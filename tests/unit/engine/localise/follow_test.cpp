@@ -43,7 +43,7 @@ struct OnPatches {
     placement.matched = matched;
     placement.local_from_robot = local_from_robot;
     placement.covariance = Eigen::Vector3d(1, 4, 9).asDiagonal();
-    placement.spread = Eigen::Vector3d(2, 8, 18).asDiagonal();
+    placement.tracking_covariance = Eigen::Vector3d(2, 8, 18).asDiagonal();
     follow(map, robot, expectation, placement, {7, 8, 0.5}, 5'000'000, {});
   }
   const ManifoldPose& pose() const { return robot.place->pose; }
@@ -66,7 +66,8 @@ TEST(Follow, TurnsTheCovarianceIntoTheFrameOfThePatch) {
   on.follow_to({1.8, 0.5, 0.3});
   EXPECT_TRUE(
       on.robot.place->covariance.isApprox(Eigen::Matrix3d(Eigen::Vector3d(4, 1, 9).asDiagonal()), 1e-9));
-  EXPECT_TRUE(on.robot.place->spread.isApprox(Eigen::Matrix3d(Eigen::Vector3d(8, 2, 18).asDiagonal()), 1e-9));
+  EXPECT_TRUE(on.robot.place->tracking_covariance.isApprox(
+      Eigen::Matrix3d(Eigen::Vector3d(8, 2, 18).asDiagonal()), 1e-9));
 }
 
 TEST(Follow, KeepsThePatchUntilAnotherIsClearlyNearer) {

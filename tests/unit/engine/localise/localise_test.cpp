@@ -51,12 +51,12 @@ TEST(Expect, CarriesTheUncertaintyOfYawToTheEndOfTheStep) {
   Robot robot = robot_at({});
   const Expectation without = expected(robot, {2, 0, 0});
   robot.place->covariance(2, 2) = 0.01;
-  robot.place->spread(2, 2) = 0.04;
+  robot.place->tracking_covariance(2, 2) = 0.04;
   const Expectation with = expected(robot, {2, 0, 0});
   Eigen::Matrix3d carried;
   carried << 0, 0, 0, 0, 4, 2, 0, 2, 1;
   EXPECT_TRUE((with.covariance - without.covariance).isApprox(0.01 * carried, 1e-9));
-  EXPECT_TRUE((with.spread - without.spread).isApprox(0.04 * carried, 1e-9));
+  EXPECT_TRUE((with.tracking_covariance - without.tracking_covariance).isApprox(0.04 * carried, 1e-9));
 }
 
 TEST(Expect, AddsTheNoiseOfOdometryInTheRobotsOwnDirections) {
@@ -78,8 +78,8 @@ TEST(Expect, TakesNoStepThatNoRobotMakes) {
     expect_near(expectation.step, {});
     expect_near(expectation.claimed_step, jump);
     expect_near(expectation.local_from_robot, {1, 2, 0.5});
-    EXPECT_GT(expectation.spread(0, 0), 0.1) << "only matching can tell where it is";
-    EXPECT_GT(expectation.spread(2, 2), 0.05);
+    EXPECT_GT(expectation.tracking_covariance(0, 0), 0.1) << "only matching can tell where it is";
+    EXPECT_GT(expectation.tracking_covariance(2, 2), 0.05);
   }
   EXPECT_TRUE(expected(robot_at({}), {10, 0, 0}, 10).plausible) << "in ten seconds it does";
   EXPECT_TRUE(expected(robot_at({}), {0, 0, 3}, 10).plausible);
@@ -99,23 +99,23 @@ LocalMap local_map_of(const Walls& walls, const Pose& local_from_patch = {}) {
 Expectation expecting(const Pose& local_from_robot, double sigma_m = 0.1, double sigma_rad = 0.05) {
   Expectation expectation;
   expectation.local_from_robot = local_from_robot;
-  expectation.spread =
+  expectation.tracking_covariance =
       Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal();
-  expectation.covariance = 4 * expectation.spread;
+  expectation.covariance = 4 * expectation.tracking_covariance;
   return expectation;
 }
 
 Placement placed(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
                  const Walls& walls, const Pose& truth, const EngineOptions& options = {}) {
   const std::vector<ScanPoint> points = to_points(scan_from(walls, truth), laser_of(), {});
-  return place(robot, expectation, local_map, points, options);
+  return localise(robot, expectation, local_map, points, options);
 }
 
 void expect_as_expected(const Placement& placement, const Expectation& expectation) {
   EXPECT_FALSE(placement.matched);
   expect_near(placement.local_from_robot, expectation.local_from_robot);
   EXPECT_EQ(placement.covariance, expectation.covariance);
-  EXPECT_EQ(placement.spread, expectation.spread);
+  EXPECT_EQ(placement.tracking_covariance, expectation.tracking_covariance);
 }
 
 TEST(Place, FindsTheTruthWhereOdometryIsOff) {
@@ -134,8 +134,8 @@ TEST(Place, BelievesOdometryWhereWallsSayNothing) {
       placed(robot_at({}), expectation, local_map_of(corridor()), corridor(), {0, 0, 0});
   ASSERT_TRUE(placement.matched) << placement.reason;
   expect_near(placement.local_from_robot, {0.3, 0, 0}, 0.02, 0.006);
-  EXPECT_NEAR(placement.spread(0, 0) / expectation.spread(0, 0), 1, 0.05);
-  EXPECT_LT(placement.spread(1, 1) / expectation.spread(1, 1), 0.01);
+  EXPECT_NEAR(placement.tracking_covariance(0, 0) / expectation.tracking_covariance(0, 0), 1, 0.05);
+  EXPECT_LT(placement.tracking_covariance(1, 1) / expectation.tracking_covariance(1, 1), 0.01);
 }
 
 // Independent pieces of information about one pose add up. The beams', which errs less with many patches
@@ -147,7 +147,8 @@ TEST(Place, AddsTheInformationOfTheBeamsToThatOfOdometry) {
   const Placement placement = placed(robot_at({}), expectation, local_map_of(furnished_room()),
                                      furnished_room(), {0.4, -0.3, 0.2}, options);
   ASSERT_TRUE(placement.matched);
-  const Eigen::Matrix3d spread_gain = placement.spread.inverse() - expectation.spread.inverse();
+  const Eigen::Matrix3d spread_gain =
+      placement.tracking_covariance.inverse() - expectation.tracking_covariance.inverse();
   EXPECT_TRUE(spread_gain.isApprox(3 * placement.match.beam_information, 1e-6));
   // What is published has the noise that relations have.
   const double sigma_m = options.match.sigma_m / std::sqrt(3.0);
@@ -161,7 +162,7 @@ TEST(Place, StaysAtItsExpectationWithFewReturns) {
   std::vector<ScanPoint> points = to_points(scan_from(furnished_room(), {0.4, -0.3, 0.2}), laser_of(), {});
   points.resize(11);
   const Placement placement =
-      place(robot_at({}), expectation, local_map_of(furnished_room()), points, EngineOptions{});
+      localise(robot_at({}), expectation, local_map_of(furnished_room()), points, EngineOptions{});
   EXPECT_EQ(placement.reason, "few_returns");
   expect_as_expected(placement, expectation);
 }
@@ -232,7 +233,7 @@ TEST(Place, GoesWhereAJumpLedToWhereWallsDoNotObject) {
   for (const double x : {-6, -4, -2, 0, 2, 4, 6, 8})
     local_map.patches.push_back({make_patch(PatchId{0}, "R1", scan, laser_of(10), {}), {x, 0, 0}});
   const Placement along =
-      place(robot_at({}), expectation, local_map, to_points(scan, laser_of(10), {}), EngineOptions{});
+      localise(robot_at({}), expectation, local_map, to_points(scan, laser_of(10), {}), EngineOptions{});
   ASSERT_TRUE(along.matched) << along.reason;
   EXPECT_NEAR(along.local_from_robot.x, 2, 0.1);
   const Placement not_along =

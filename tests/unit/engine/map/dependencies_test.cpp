@@ -62,12 +62,12 @@ TEST(Dependencies, WhatRobotsDoOnTheirOwnDependsOnNothing) {
 TEST(Dependencies, AClosuresOwnDependOnIt) {
   RelationGraph graph = two_chains();
   const RelationId seen = graph.add(relation(1, 9, sighting_of(4)));
-  const RelationId spread = graph.add(relation(2, 10, propagation_of(4)));
+  const RelationId passed_on = graph.add(relation(2, 10, propagation_of(4)));
   EXPECT_EQ(of(graph, seen), std::vector<int>{4});
-  EXPECT_EQ(of(graph, spread), std::vector<int>{4});
+  EXPECT_EQ(of(graph, passed_on), std::vector<int>{4});
 }
 
-TEST(Dependencies, AMatchOrSightingAcrossTheSeamDependsOnWhatMadeTheSeam) {
+TEST(Dependencies, AMatchOrSightingAcrossTheBorderDependsOnWhatJoinedTheTwo) {
   RelationGraph graph = two_chains();
   graph.add(relation(1, 9, sighting_of(4)));
   const RelationId matched = graph.add(relation(2, 10, match));

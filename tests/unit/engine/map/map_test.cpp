@@ -33,12 +33,12 @@ const Pose& pose(const Map& map, int id) { return map.manifold().pose(PatchId{id
 
 TEST(Map, RemovingWhatJoinedTwoIslandsPartsThemAndLeavesThePoses) {
   Map map = two_islands();
-  const RelationId seam[] = {map.relate(step(2, 3, {5, 0, 0})), map.relate(step(0, 5, {9, 0, 0}))};
+  const RelationId link[] = {map.relate(step(2, 3, {5, 0, 0})), map.relate(step(0, 5, {9, 0, 0}))};
   EXPECT_EQ(map.graph().islands().size(), 1U);
   const std::vector<Pose> before(map.manifold().poses().begin(), map.manifold().poses().end());
-  map.remove({seam, 1});
+  map.remove({link, 1});
   EXPECT_EQ(map.graph().islands().size(), 1U);
-  map.remove({seam + 1, 1});
+  map.remove({link + 1, 1});
   EXPECT_EQ(map.graph().islands().size(), 2U);
   EXPECT_EQ(map.graph().island(PatchId{5}), PatchId{3});
   for (int i = 0; i < 6; ++i) EXPECT_EQ(pose(map, i), before[static_cast<std::size_t>(i)]);
@@ -46,14 +46,14 @@ TEST(Map, RemovingWhatJoinedTwoIslandsPartsThemAndLeavesThePoses) {
 
 TEST(Map, RemovingStampsThePatchesItTouchedAndNoOthers) {
   Map map = two_islands();
-  const RelationId seam = map.relate(step(2, 3));
+  const RelationId link = map.relate(step(2, 3));
   const PatchId touched[] = {PatchId{2}}, also[] = {PatchId{3}}, others[] = {PatchId{0}, PatchId{1}};
   const std::int64_t stamps[] = {map.stamp(touched), map.stamp(also), map.stamp(others)};
-  map.remove({&seam, 1});
+  map.remove({&link, 1});
   EXPECT_GT(map.stamp(touched), stamps[0]);
   EXPECT_GT(map.stamp(also), stamps[1]);
   EXPECT_EQ(map.stamp(others), stamps[2]);
-  map.remove({&seam, 1});  // once more: nothing is left to take away
+  map.remove({&link, 1});  // once more: nothing is left to take away
   EXPECT_EQ(map.stamp(others), stamps[2]);
 }
 

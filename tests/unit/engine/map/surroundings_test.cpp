@@ -52,56 +52,57 @@ const std::vector<int> nobody_else = {0};
 const std::vector<int> all = {0, 1, 2, 3};
 
 // Eq. 12 asks for 0.25 m at 95 %: σ of 0.09 m a step is that for two steps and no more.
-TEST(Surroundings, AreFirmOnlyWhereEquation12Holds) {
+TEST(Surroundings, AreWellDeterminedOnlyWhereEquation12Holds) {
   const Map map = chain_of(RelationKind::odometry, 0.085, 0.005);
   Surroundings surroundings;
   surroundings.update(map, PatchId{0}, {}, Surroundings::By::scans);
-  EXPECT_EQ(surroundings.patches().size(), 4U) << "a local loop may close wherever rejoining looks";
-  EXPECT_EQ(those(surroundings, &Determined::firm), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(surroundings.patches().size(), 4U)
+      << "a local loop may close wherever local loops are looked for";
+  EXPECT_EQ(those(surroundings, &Determined::well_determined), (std::vector<int>{0, 1, 2}));
   EXPECT_EQ(in_local_map(map, surroundings), (std::vector<int>{0, 1, 2}));
 }
 
-TEST(Surroundings, AreFirmOnlyWhereTheYawIsDeterminedToo) {
+TEST(Surroundings, AreWellDeterminedOnlyWhereTheYawIsDeterminedToo) {
   const Map map = chain_of(RelationKind::odometry, 0.001, 0.09);
   Surroundings surroundings;
   surroundings.update(map, PatchId{0}, {}, Surroundings::By::scans);
-  EXPECT_EQ(those(surroundings, &Determined::firm), (std::vector<int>{0, 1}));
+  EXPECT_EQ(those(surroundings, &Determined::well_determined), (std::vector<int>{0, 1}));
 }
 
 // However sharp a sighting is: it says where robots are, not where walls are.
-TEST(Surroundings, OfSightingsAreSureButNotFirm) {
+TEST(Surroundings, OfSightingsAreDeterminedByAllRelationsOnly) {
   for (const RelationKind kind : {RelationKind::range_bearing, RelationKind::range, RelationKind::bearing,
                                   RelationKind::relative_pose}) {
     const Map map = chain_of(kind, 0.01, 0.005);
     Surroundings surroundings;
     surroundings.update(map, PatchId{0}, {}, Surroundings::By::all);
-    EXPECT_EQ(those(surroundings, &Determined::sure), all) << name(kind);
-    EXPECT_EQ(those(surroundings, &Determined::firm), nobody_else) << name(kind);
+    EXPECT_EQ(those(surroundings, &Determined::by_all_relations), all) << name(kind);
+    EXPECT_EQ(those(surroundings, &Determined::well_determined), nobody_else) << name(kind);
     EXPECT_EQ(in_local_map(map, surroundings), nobody_else) << name(kind);
     surroundings.update(map, PatchId{0}, {}, Surroundings::By::scans);
     EXPECT_EQ(surroundings.patches().size(), 1U) << name(kind);
   }
 }
 
-TEST(Surroundings, OfScansAndOdometryAreFirm) {
+TEST(Surroundings, OfScansAndOdometryAreWellDetermined) {
   for (const RelationKind kind : {RelationKind::odometry, RelationKind::point_to_line,
                                   RelationKind::point_to_point, RelationKind::line_to_line}) {
     const Map map = chain_of(kind, 0.01, 0.005);
     Surroundings surroundings;
     surroundings.update(map, PatchId{0}, {}, Surroundings::By::all);
-    EXPECT_EQ(those(surroundings, &Determined::firm), all) << name(kind);
+    EXPECT_EQ(those(surroundings, &Determined::well_determined), all) << name(kind);
     EXPECT_EQ(in_local_map(map, surroundings), all) << name(kind);
   }
 }
 
 // A sighting beside scans that say little: the map is surer by it, but its walls are not.
-TEST(Surroundings, ASightingMakesLooseWallsNoFirmer) {
+TEST(Surroundings, ASightingMakesPoorlyKnownWallsNoBetterDetermined) {
   Map map = chain_of(RelationKind::odometry, 0.2, 0.02);
   map.relate(tie(0, 3, {}, RelationKind::range_bearing, 0.01, 0.005));
   Surroundings surroundings;
   surroundings.update(map, PatchId{0}, {}, Surroundings::By::all);
-  EXPECT_EQ(those(surroundings, &Determined::sure), (std::vector<int>{0, 3}));
-  EXPECT_EQ(those(surroundings, &Determined::firm), nobody_else);
+  EXPECT_EQ(those(surroundings, &Determined::by_all_relations), (std::vector<int>{0, 3}));
+  EXPECT_EQ(those(surroundings, &Determined::well_determined), nobody_else);
 }
 
 TEST(Surroundings, LookAgainOnlyWhereTheGraphNearChanged) {
@@ -141,7 +142,7 @@ TEST(Surroundings, LeaveOutOfTheLocalMapWhatTheScanDoesNotSee) {
   map.relate(tie(0, elsewhere.value, {}, RelationKind::odometry, 0.01, 0.005));
   Surroundings surroundings;
   surroundings.update(map, PatchId{0}, {}, Surroundings::By::scans);
-  EXPECT_EQ(those(surroundings, &Determined::firm).size(), 5U);
+  EXPECT_EQ(those(surroundings, &Determined::well_determined).size(), 5U);
   EXPECT_EQ(in_local_map(map, surroundings), all);
 }
 

@@ -91,7 +91,7 @@ TEST(Agreement, AFindFromTheOtherSideIsReadBackwards) {
   EXPECT_EQ(between(map, found(3, 0, {0.5, 0, 0.2}), found(0, 3, {0.5, 0, 0.2})), no);
 }
 
-TEST(Agreement, FindsOfOtherChartsAreUnrelated) {
+TEST(Agreement, FindsOfOtherIslandsAreUnrelated) {
   Map map = two_ways();
   map.add(patch_from(furnished_room(), PatchId{6}, {}), {});
   EXPECT_EQ(between(map, found(3, 0, {}), found(6, 1, {})), unrelated);

@@ -63,7 +63,7 @@ TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
   }
 }
 
-TEST(PlacesOnOwnIsland, LeaveOutWhatTheMapIsSureOf) {
+TEST(PlacesOnOwnIsland, LeaveOutWhatTheMapKnowsWell) {
   EXPECT_TRUE(places_on_own_island(round_a_block(0.001, 0.0001), newest, {}).empty());
 }
 

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "server/engine/propagation/seam.hpp"
+#include "server/engine/propagation/shared_part.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {
@@ -85,7 +85,7 @@ TEST(Refine, ACorridorTellsNotHowFarAlong) {
                       piece_of_way(ways.map, ways.second_newest_first, {}), answer, {}));
 }
 
-TEST(Seam, OneCorridorHasNoWidth) {
+TEST(SharedPart, OneCorridorHasNoWidth) {
   const TwoWays ways = two_ways(corridor(), {{0, 0, 0}, {4, 0.1, 0}, {8, -0.1, 0}, {12, 0, 0}}, {});
   const std::vector<PatchId> all = {PatchId{0}, PatchId{1}, PatchId{2}, PatchId{3}};
   EXPECT_LT(width_m(ways.map, all), 0.5);

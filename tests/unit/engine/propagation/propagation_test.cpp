@@ -74,8 +74,9 @@ std::vector<Relation> induced(const Map& map) {
   return found;
 }
 
-// Steps 3 and 4: across the seam alone; what is on the patch's own side was related before, as far as it is.
-TEST(Propagation, RelatesAPatchToThoseBeyondTheSeam) {
+// Steps 3 and 4: across the border alone; what is on the patch's own side was related before, as far as it
+// is.
+TEST(Propagation, RelatesAPatchToThoseBeyondTheBorder) {
   TwoWays ways;
   Propagation propagation = ways.begun();
   propagation.enqueue(PatchId{1}, {});
@@ -191,7 +192,7 @@ TEST(Propagation, RelatesNothingToOtherIslands) {
   EXPECT_TRUE(induced(apart).empty());
 }
 
-TEST(Propagation, TellsTheSidesOfTheSeamByTheGraphBefore) {
+TEST(Propagation, TellsTheSidesOfTheBorderByTheGraphBefore) {
   const TwoWays ways;
   const std::vector<PatchId> first = {PatchId{0}, PatchId{1}, PatchId{2}};
   EXPECT_EQ(ways.begun().same_side(ways.map, PatchId{0}, {}), first);
@@ -200,7 +201,7 @@ TEST(Propagation, TellsTheSidesOfTheSeamByTheGraphBefore) {
       << "a sighting says little of where walls are";
 }
 
-// Where the seam is sharply known, a scan that does not fit what lies there speaks against the change: here
+// Where the border is sharply known, a scan that does not fit what lies there speaks against the change: here
 // the second has seen a room that stands askew.
 TEST(Propagation, RemembersWhatMustFitAndDoesNot) {
   Walls askew = furnished_room();

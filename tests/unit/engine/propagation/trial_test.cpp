@@ -327,7 +327,7 @@ TEST(TrialByScans, OfAMergeThatSharesLittleWaits) {
   EXPECT_EQ(trial.refusal(), Reason::too_little_support);
 }
 
-TEST(TrialByScans, OfAMergeWithNothingBeyondTheSeamWaits) {
+TEST(TrialByScans, OfAMergeWithNothingBeyondWhatIsSharedWaits) {
   const Trial trial = merge_along(10, 29, 10.3, 38, long_corridor()).tried();
   EXPECT_TRUE(trial.undecided());
   EXPECT_EQ(trial.refusal(), Reason::nothing_beyond_the_seam);

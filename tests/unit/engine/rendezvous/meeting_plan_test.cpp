@@ -57,7 +57,7 @@ TEST(MeetingPlan, LaysTheSecondIslandWhereTheHypothesisHasIt) {
   EXPECT_NEAR(back.yaw, 0, 1e-9);
 }
 
-// Each on its own robot's chart, face to face and near, were the hypothesis true.
+// Each on its own robot's island, face to face and near, were the hypothesis true.
 TEST(MeetingPlan, PutsTwoRobotsFaceToFace) {
   const TwoRooms rooms;
   const std::optional<MeetingPlan> plan = rooms.plan();

@@ -50,7 +50,7 @@ class RendezvousTest : public ::testing::Test {
     const PatchId id = map_.manifold().next_id();
     const bool of_first = robot == "R1";
     world_.push_back(world_from_patch);
-    // Each chart has a plane of its own: the world's, and one shifted and turned.
+    // Each island has a plane of its own: the world's, and one shifted and turned.
     map_.add(make_patch(id, robot, scan_from(furnished_room(), world_from_patch), laser_of(), {}),
              of_first ? world_from_patch : Pose{50, 20, 1} * world_from_patch);
   }
@@ -134,12 +134,12 @@ TEST_F(RendezvousTest, NoMeetingOfRobotsThatCannotSeeOneAnotherOrAreElsewhere) {
   auto gone = robots_;
   gone["R2"].place.reset();
   EXPECT_FALSE(plan_meeting(map_, gone, guess_, {}));
-  relate(1, 2);  // the charts have become one
+  relate(1, 2);  // the islands have become one
   EXPECT_FALSE(plan_meeting(map_, robots_, guess_, {}));
 }
 
 // Were the guess true, nothing that the one knows for free would be near what the other knows.
-TEST_F(RendezvousTest, NoMeetingOfChartsThatWouldNotTouch) {
+TEST_F(RendezvousTest, NoMeetingOfIslandsThatWouldNotTouch) {
   UndecidedHypothesis behind = guess_;
   behind.first_from_second = Pose{14, 0, 0};
   EXPECT_FALSE(plan_meeting(map_, robots_, behind, {}));
@@ -210,7 +210,7 @@ TEST_F(RendezvousTest, TooFarOrTurnedAwayProvesNothing) {
   EXPECT_TRUE(watch(rendezvous, 20, 28));
 }
 
-// A box stands between the two that the charts do not know: they could not have seen one another.
+// A box stands between the two that the islands do not know: they could not have seen one another.
 TEST_F(RendezvousTest, WhereSomethingIsInTheWayNothingIsProved) {
   Rendezvous rendezvous = chosen();
   stand_at(rendezvous.meeting()->a);

@@ -13,14 +13,15 @@ namespace {
 constexpr double unmeasured = std::numeric_limits<double>::infinity();
 const Pose first_from_second{3, -2, 1.1};
 
-// What an observer at a place of its chart measures, exactly, of a target at a place of the other chart.
-ChartSighting exact(bool observer_in_first, const Pose& chart_from_observer, const Eigen::Vector2d& target) {
-  ChartSighting s;
+// What an observer at a place of its plane measures, exactly, of a target at a place of the other plane.
+ProjectedSighting exact(bool observer_in_first, const Pose& plane_from_observer,
+                        const Eigen::Vector2d& target) {
+  ProjectedSighting s;
   s.observer_in_first = observer_in_first;
-  s.chart_from_observer = chart_from_observer;
+  s.plane_from_observer = plane_from_observer;
   s.target = target;
   const Pose chart_from_other = observer_in_first ? first_from_second : inverse(first_from_second);
-  const Eigen::Vector2d seen = inverse(chart_from_observer) * (chart_from_other * target);
+  const Eigen::Vector2d seen = inverse(plane_from_observer) * (chart_from_other * target);
   s.range_m = seen.norm();
   s.bearing_rad = std::atan2(seen.y(), seen.x());
   s.range_sigma_m = 0.05;
@@ -28,15 +29,15 @@ ChartSighting exact(bool observer_in_first, const Pose& chart_from_observer, con
   return s;
 }
 
-// The target's place in the second chart, from where it is in the first.
+// The target's place in the second plane, from where it is in the first.
 Eigen::Vector2d in_second(const Eigen::Vector2d& of_first) { return inverse(first_from_second) * of_first; }
 
-ChartSighting range_only(ChartSighting s) {
+ProjectedSighting range_only(ProjectedSighting s) {
   s.bearing_sigma_rad = unmeasured;
   return s;
 }
 
-ChartSighting bearing_only(ChartSighting s) {
+ProjectedSighting bearing_only(ProjectedSighting s) {
   s.range_sigma_m = unmeasured;
   return s;
 }
@@ -54,7 +55,7 @@ void expect_near(const Pose& found, const Pose& wanted, double tolerance) {
 TEST(Alignment, OfAMutualPairIsTheClosedFormOfItsBearingsAndRange) {
   const Pose first_from_robot1{1, 0.5, 0.4};
   const Pose second_from_robot2{-1.2, 3.1, -2.5};
-  const std::vector<ChartSighting> pair{
+  const std::vector<ProjectedSighting> pair{
       exact(true, first_from_robot1, {second_from_robot2.x, second_from_robot2.y}),
       exact(false, second_from_robot2, {first_from_robot1.x, first_from_robot1.y})};
   const double bearing = pair[0].bearing_rad;
@@ -74,7 +75,7 @@ TEST(Alignment, OfAMutualPairIsTheClosedFormOfItsBearingsAndRange) {
 TEST(Alignment, TakesTheDistanceOfAMutualPairBetweenWhatTheTwoMeasured) {
   const Pose first_from_robot1{1, 0.5, 0.4};
   const Pose second_from_robot2{-1.2, 3.1, -2.5};
-  std::vector<ChartSighting> pair{
+  std::vector<ProjectedSighting> pair{
       exact(true, first_from_robot1, {second_from_robot2.x, second_from_robot2.y}),
       exact(false, second_from_robot2, {first_from_robot1.x, first_from_robot1.y})};
   const double truth_m = pair[0].range_m;
@@ -92,9 +93,9 @@ TEST(Alignment, TakesTheDistanceOfAMutualPairBetweenWhatTheTwoMeasured) {
 //      A . . . . . . . . t1
 //      B . . . . . . . . t2
 TEST(Alignment, OneWaySightingsFromDifferentPlacesDetermineIt) {
-  const std::vector<ChartSighting> sightings{exact(true, {0, 0, 0.3}, in_second({4, 0})),
-                                             exact(true, {1.5, 1, 0.9}, in_second({4, 2})),
-                                             exact(true, {0.2, 2, -0.4}, in_second({3, 4}))};
+  const std::vector<ProjectedSighting> sightings{exact(true, {0, 0, 0.3}, in_second({4, 0})),
+                                                 exact(true, {1.5, 1, 0.9}, in_second({4, 2})),
+                                                 exact(true, {0.2, 2, -0.4}, in_second({3, 4}))};
   const auto alignment = best_alignment(sightings, {});
   ASSERT_TRUE(alignment);
   expect_near(alignment->first_from_second, first_from_second, 1e-9);
@@ -104,20 +105,20 @@ TEST(Alignment, OneWaySightingsFromDifferentPlacesDetermineIt) {
 }
 
 TEST(Alignment, OneWaySightingsOfATargetThatStandsStillDetermineNothing) {
-  const std::vector<ChartSighting> sightings{exact(true, {0, 0, 0.3}, in_second({4, 0})),
-                                             exact(true, {1.5, 1, 0.9}, in_second({4.1, 0.1})),
-                                             exact(true, {0.2, 2, -0.4}, in_second({3.9, 0}))};
+  const std::vector<ProjectedSighting> sightings{exact(true, {0, 0, 0.3}, in_second({4, 0})),
+                                                 exact(true, {1.5, 1, 0.9}, in_second({4.1, 0.1})),
+                                                 exact(true, {0.2, 2, -0.4}, in_second({3.9, 0}))};
   EXPECT_FALSE(best_alignment(sightings, {}));
 }
 
 TEST(Alignment, OneSightingOrNoneDetermineNothing) {
   EXPECT_FALSE(best_alignment({}, {}));
-  const std::vector<ChartSighting> one{exact(true, {}, in_second({4, 0}))};
+  const std::vector<ProjectedSighting> one{exact(true, {}, in_second({4, 0}))};
   EXPECT_FALSE(best_alignment(one, {}));
 }
 
 TEST(Alignment, OutliersDoNotSupportAndDoNotMoveIt) {
-  std::vector<ChartSighting> sightings;
+  std::vector<ProjectedSighting> sightings;
   for (int i = 0; i < 5; ++i) {
     sightings.push_back(exact(true, {0.5 * i, 0.2 * i, 0.1 * i}, in_second({4, 1.0 * i})));
     sightings.push_back(exact(false, {0.3 * i, 2, 0.4 * i}, {1, 0.5 * i}));
@@ -134,17 +135,18 @@ TEST(Alignment, OutliersDoNotSupportAndDoNotMoveIt) {
 }
 
 TEST(Alignment, TwoThatContradictOneAnotherAreNoAlignment) {
-  std::vector<ChartSighting> pair{exact(true, {0, 0, 0}, in_second({4, 0})),
-                                  exact(false, {in_second({4, 0}).x(), in_second({4, 0}).y(), 0}, {0, 0})};
+  std::vector<ProjectedSighting> pair{
+      exact(true, {0, 0, 0}, in_second({4, 0})),
+      exact(false, {in_second({4, 0}).x(), in_second({4, 0}).y(), 0}, {0, 0})};
   ASSERT_TRUE(best_alignment(pair, {}));
   pair[1].range_m += 3;
   EXPECT_FALSE(best_alignment(pair, {}));
 }
 
 TEST(Alignment, RangesAloneAndBearingsAloneSupportButCannotBegin) {
-  std::vector<ChartSighting> partial;
+  std::vector<ProjectedSighting> partial;
   for (int i = 0; i < 4; ++i) {
-    const ChartSighting s = exact(i % 2 == 0, {0.7 * i, 0.3 * i, 0.2}, {4, 1.0 * i});
+    const ProjectedSighting s = exact(i % 2 == 0, {0.7 * i, 0.3 * i, 0.2}, {4, 1.0 * i});
     partial.push_back(range_only(s));
     partial.push_back(bearing_only(s));
   }
@@ -165,10 +167,10 @@ TEST(Alignment, RangesAloneAndBearingsAloneSupportButCannotBegin) {
 }
 
 TEST(Alignment, RefiningGoesToTheTruthFromAStartThatIsOff) {
-  const std::vector<ChartSighting> sightings{exact(true, {0, 0, 0.3}, in_second({4, 0})),
-                                             exact(false, {1.5, 1, 0.9}, {-1, 2}),
-                                             exact(true, {0.2, 2, -0.4}, in_second({3, 4}))};
-  const Alignment alignment = refine(
+  const std::vector<ProjectedSighting> sightings{exact(true, {0, 0, 0.3}, in_second({4, 0})),
+                                                 exact(false, {1.5, 1, 0.9}, {-1, 2}),
+                                                 exact(true, {0.2, 2, -0.4}, in_second({3, 4}))};
+  const Alignment alignment = fit_alignment(
       sightings, {0, 1, 2}, to_pose(to_vector(first_from_second) + Eigen::Vector3d(0.3, -0.2, 0.2)), {});
   expect_near(alignment.first_from_second, first_from_second, 1e-7);
 }
@@ -176,9 +178,9 @@ TEST(Alignment, RefiningGoesToTheTruthFromAStartThatIsOff) {
 // With exact data the residuals vanish, so that the information JᵀJ is the curvature of half the chi². The
 // information is compared with second differences: every column of the Jacobian is in it.
 TEST(Alignment, CovarianceIsTheInverseOfTheCurvatureOfTheChiSquared) {
-  std::vector<ChartSighting> whole, ranges, bearings;
+  std::vector<ProjectedSighting> whole, ranges, bearings;
   for (int i = 0; i < 4; ++i) {
-    ChartSighting s = exact(i % 2 == 0, {0.7 * i, 0.5 * i * i, 0.6 * i}, {4 - 2.0 * i, 1.0 * i});
+    ProjectedSighting s = exact(i % 2 == 0, {0.7 * i, 0.5 * i * i, 0.6 * i}, {4 - 2.0 * i, 1.0 * i});
     s.observer_covariance = Eigen::Vector3d(0.01, 0.02, 0.003).asDiagonal();
     s.observer_covariance(0, 1) = s.observer_covariance(1, 0) = 0.005;
     s.target_variance = 0.01;
@@ -189,7 +191,7 @@ TEST(Alignment, CovarianceIsTheInverseOfTheCurvatureOfTheChiSquared) {
   for (const auto& sightings : {whole, ranges, bearings}) {
     const auto half = [&](const Eigen::Vector3d& step) {
       double sum = 0;
-      for (const ChartSighting& s : sightings)
+      for (const ProjectedSighting& s : sightings)
         sum += 0.5 * chi_squared(s, to_pose(to_vector(first_from_second) + step), {});
       return sum;
     };
@@ -200,7 +202,7 @@ TEST(Alignment, CovarianceIsTheInverseOfTheCurvatureOfTheChiSquared) {
         const Eigen::Vector3d a = h * Eigen::Vector3d::Unit(i), b = h * Eigen::Vector3d::Unit(j);
         curvature(i, j) = (half(a + b) - half(a - b) - half(b - a) + half(-a - b)) / (4 * h * h);
       }
-    const Alignment alignment = refine(sightings, {0, 1, 2, 3}, first_from_second, {});
+    const Alignment alignment = fit_alignment(sightings, {0, 1, 2, 3}, first_from_second, {});
     const Eigen::Matrix3d information = alignment.covariance.inverse();
     EXPECT_LT((information - curvature).norm(), 2e-3 * curvature.norm()) << information << "\n\n"
                                                                          << curvature;
@@ -208,7 +210,7 @@ TEST(Alignment, CovarianceIsTheInverseOfTheCurvatureOfTheChiSquared) {
 }
 
 TEST(Alignment, WhatWasMeasuredIsWeighedWithBothPosesAndWhatClocksLeaveOpen) {
-  ChartSighting s = exact(true, {0, 0, 0}, in_second({2, 0}));
+  ProjectedSighting s = exact(true, {0, 0, 0}, in_second({2, 0}));
   s.range_m += 0.3;
   s.range_sigma_m = 0.1;
   constexpr double floor = 0.05 * 0.05;  // m², of stamps, mounts and odometry
@@ -224,7 +226,7 @@ TEST(Alignment, WhatWasMeasuredIsWeighedWithBothPosesAndWhatClocksLeaveOpen) {
 }
 
 TEST(Alignment, ABearingIsComparedAcrossTheTurnOfTheAngle) {
-  ChartSighting s = exact(true, {0, 0, std::numbers::pi}, in_second({3, 0.001}));
+  ProjectedSighting s = exact(true, {0, 0, std::numbers::pi}, in_second({3, 0.001}));
   ASSERT_NEAR(std::abs(s.bearing_rad), std::numbers::pi, 1e-3);
   s.bearing_rad = wrap_angle(s.bearing_rad + 0.002);
   EXPECT_LT(chi_squared(s, first_from_second, {}), 0.01);
@@ -233,7 +235,7 @@ TEST(Alignment, ABearingIsComparedAcrossTheTurnOfTheAngle) {
 // Which of some sightings agree, and when they were; 1 s apart from the first on unless said otherwise.
 struct Asked {
   Alignment alignment;
-  std::vector<ChartSighting> sightings;
+  std::vector<ProjectedSighting> sightings;
 
   Asked(int supporters, int others, bool two_way, double baseline_m = 2) {
     alignment.two_way = two_way;

@@ -150,30 +150,30 @@ TEST(SightingRelation, ATagGetsAWeakYawSoThatItsPlaceIsDetermined) {
               1e-9);
 }
 
-TEST(ChartSighting, OfAnEvidenceIsTheSightingBetweenItsProjectedEnds) {
+TEST(ProjectedSighting, OfAnEvidenceIsTheSightingBetweenItsProjectedEnds) {
   const Map map = two_patches_and_a_tag();
   Evidence seen = evidence(3, 0.1, 0.4, 0.05);
   seen.target_place->covariance = Eigen::Vector3d(0.02, 0.04, 1).asDiagonal();
-  const ChartSighting chart = chart_sighting(map, seen);
-  EXPECT_EQ(chart.chart_from_observer, (Pose{2, 1, 0.5} * Pose{0.4, -0.3, 0.7}));
+  const ProjectedSighting projected = project_sighting(map, seen);
+  EXPECT_EQ(projected.plane_from_observer, (Pose{2, 1, 0.5} * Pose{0.4, -0.3, 0.7}));
   const Pose target = Pose{-3, 4, -1.2} * Pose{1.1, 0.6, -2};
-  EXPECT_NEAR((chart.target - position(target)).norm(), 0, 1e-12);
-  EXPECT_NEAR(chart.target_variance, 0.03, 1e-12);
-  EXPECT_EQ(chart.range_m, 3);
-  EXPECT_EQ(chart.bearing_rad, 0.4);
-  EXPECT_TRUE(chart.has_range() && chart.has_bearing());
+  EXPECT_NEAR((projected.target - position(target)).norm(), 0, 1e-12);
+  EXPECT_NEAR(projected.target_variance, 0.03, 1e-12);
+  EXPECT_EQ(projected.range_m, 3);
+  EXPECT_EQ(projected.bearing_rad, 0.4);
+  EXPECT_TRUE(projected.has_range() && projected.has_bearing());
 }
 
 // The covariance of an observer is kept in its patch's axes, and needed in the observer's own.
-TEST(ChartSighting, TurnsTheObserversCovarianceIntoItsOwnAxes) {
+TEST(ProjectedSighting, TurnsTheObserversCovarianceIntoItsOwnAxes) {
   const Map map = two_patches_and_a_tag();
   Evidence seen = evidence(3, 0.1, 0.4, 0.05);
   seen.observer.pose.patch_from_object.yaw = 0.5 * M_PI;
   seen.observer.covariance = Eigen::Vector3d(0.09, 0.01, 0.001).asDiagonal();
-  const ChartSighting chart = chart_sighting(map, seen);
-  EXPECT_NEAR(chart.observer_covariance(0, 0), 0.01, 1e-12);
-  EXPECT_NEAR(chart.observer_covariance(1, 1), 0.09, 1e-12);
-  EXPECT_NEAR(chart.observer_covariance(2, 2), 0.001, 1e-12);
+  const ProjectedSighting projected = project_sighting(map, seen);
+  EXPECT_NEAR(projected.observer_covariance(0, 0), 0.01, 1e-12);
+  EXPECT_NEAR(projected.observer_covariance(1, 1), 0.09, 1e-12);
+  EXPECT_NEAR(projected.observer_covariance(2, 2), 0.001, 1e-12);
 }
 
 TEST(MeasuredPoint, NeedsRangeAndBearing) {

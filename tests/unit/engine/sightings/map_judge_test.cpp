@@ -34,14 +34,14 @@ TEST(MapJudge, CannotTellBetweenTwoIslands) {
   EXPECT_EQ(judged(SideBySide(), SideBySide::r1_sees_r2(14)), Judgement::unknown);
 }
 
-TEST(MapJudge, WhereItIsSureAgreesOrContradicts) {
+TEST(MapJudge, WhereItKnowsWellAgreesOrContradicts) {
   const SideBySide scene = joined({1e4, 1e4, 1e5});
   EXPECT_EQ(judged(scene, SideBySide::r1_sees_r2(14)), Judgement::agrees);
   EXPECT_EQ(judged(scene, SideBySide::r2_sees_r1(14)), Judgement::agrees);
   EXPECT_EQ(judged(scene, a_metre_off(14)), Judgement::contradicts);
 }
 
-TEST(MapJudge, CannotTellWhereItIsNotSure) {
+TEST(MapJudge, CannotTellWhereItDoesNotKnowWell) {
   const SideBySide scene = joined(unsure);
   EXPECT_EQ(judged(scene, SideBySide::r1_sees_r2(14)), Judgement::unknown);
   EXPECT_EQ(judged(scene, a_metre_off(14)), Judgement::unknown);

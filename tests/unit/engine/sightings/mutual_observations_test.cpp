@@ -43,7 +43,7 @@ TEST(MutualObservations, BetweenTwoIslandsAreInThePool) {
   EXPECT_FALSE(observations.has_work());
 }
 
-TEST(MutualObservations, ThatTheMapIsSureOfAreAcceptedAtOnce) {
+TEST(MutualObservations, ThatTheMapKnowsWellAreAcceptedAtOnce) {
   SideBySide scene;
   scene.join();
   const MutualObservations observations = observations_of(scene, 3);

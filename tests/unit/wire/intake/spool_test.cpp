@@ -233,7 +233,7 @@ TEST(Spool, BeginsOnAFullDiskAndSpoolsOnceThereIsRoom) {
 TEST(Spool, RefusesWhatIsMoreThanMayWait) {
   TemporaryDirectory directory;
   SpoolOptions options;
-  options.most_bytes = 1000;
+  options.max_bytes = 1000;
   Spool spool(directory / "", {}, options);
   std::int64_t kept = 0;
   for (int i = 0; i < 100; ++i) kept += append(spool, message(i)) >= 0 ? 1 : 0;

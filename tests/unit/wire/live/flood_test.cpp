@@ -87,13 +87,13 @@ class Flood {
 constexpr int calm_rounds = 60;
 /// Odometry and scan of the calm robot each wait for one message of the flooder, besides that at work. It is
 /// asked of four in five: the calm robot's own thread may be held up between noting the count and sending.
-constexpr std::int64_t most_between = 3;
+constexpr std::int64_t max_between = 3;
 
 void expect_calm(Flood& flood) {
   std::vector<std::int64_t> between = flood.between();
   ASSERT_EQ(between.size(), static_cast<std::size_t>(calm_rounds)) << "every scan is answered";
   std::ranges::sort(between);
-  EXPECT_LE(between[between.size() * 4 / 5], most_between);
+  EXPECT_LE(between[between.size() * 4 / 5], max_between);
   const auto& dropped = flood.map().counters.dropped_by_robot;
   EXPECT_FALSE(dropped.contains("R1"));
   EXPECT_TRUE(dropped.contains("R2"));

@@ -1,4 +1,4 @@
-#include "server/engine/map/rejoin.hpp"
+#include "server/engine/map/local_loop.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,24 +23,24 @@ struct CameBack {
     map.add(blind, {});
     map.relate(odometry_relation(PatchId{0}, PatchId{1}, {}, sigma.array().pow(-2).matrix()));
   }
-  Rejoin found(const Walls& walls, const Pose& off, const std::vector<PatchId>& unpaired = {}) const {
+  LocalLoop found(const Walls& walls, const Pose& off, const std::vector<PatchId>& unpaired = {}) const {
     Surroundings surroundings;
     surroundings.update(map, PatchId{1}, options, Surroundings::By::scans);
-    return find_rejoin(map, surroundings, {}, to_points(scan_from(walls, off), laser_of(), {}), unpaired,
-                       newest, options);
+    return find_local_loop(map, surroundings, {}, to_points(scan_from(walls, off), laser_of(), {}), unpaired,
+                           newest, options);
   }
-  Rejoin found(const Pose& off) const { return found(furnished_room(), off); }
+  LocalLoop found(const Pose& off) const { return found(furnished_room(), off); }
 
   EngineOptions options;
   Map map;
 };
 
 const Eigen::Vector3d loose(0.3, 0.3, 0.05);
-const Eigen::Vector3d firm(0.05, 0.05, 0.02);
+const Eigen::Vector3d well_known(0.05, 0.05, 0.02);
 
-TEST(FindRejoin, RelatesAScanToTheLooselyKnownPatchThatItCameBackTo) {
+TEST(FindLocalLoop, RelatesAScanToTheLooselyKnownPatchThatItCameBackTo) {
   const Pose truth{0.5, -0.4, 0.08};
-  const Rejoin found = CameBack(furnished_room(), loose).found(truth);
+  const LocalLoop found = CameBack(furnished_room(), loose).found(truth);
   ASSERT_EQ(found.relations.size(), 1U);
   const Relation& relation = found.relations.front();
   EXPECT_EQ(relation.a, PatchId{0});
@@ -50,46 +50,46 @@ TEST(FindRejoin, RelatesAScanToTheLooselyKnownPatchThatItCameBackTo) {
   EXPECT_LT(std::hypot(error.x, error.y), 0.02);
   EXPECT_LT(std::abs(error.yaw), 0.006);
   EXPECT_TRUE(found.compared);
-  EXPECT_FALSE(found.certain) << "the window is wider than 0.6 m";
+  EXPECT_FALSE(found.unambiguous) << "the window is wider than 0.6 m";
   // How the loop moves the robot's patch: from where the map has it to where it is.
   EXPECT_LT((found.map_from_map * found.position - Eigen::Vector2d(truth.x, truth.y)).norm(), 0.02);
   EXPECT_NEAR(found.map_from_map.yaw, truth.yaw, 0.006);
 }
 
 // Firm patches are the local map's, with which every scan is matched; here, only where it was not found.
-TEST(FindRejoin, LooksForFirmPatchesOnlyWhereTheScanWasNotPairedWithThem) {
-  const CameBack back(furnished_room(), firm);
+TEST(FindLocalLoop, LooksForWellDeterminedPatchesOnlyWhereTheScanWasNotPairedWithThem) {
+  const CameBack back(furnished_room(), well_known);
   const Pose truth{0.2, -0.1, 0.02};
-  const Rejoin paired = back.found(truth);
+  const LocalLoop paired = back.found(truth);
   EXPECT_TRUE(paired.relations.empty());
   EXPECT_FALSE(paired.compared);
-  const Rejoin unpaired = back.found(furnished_room(), truth, {PatchId{0}});
+  const LocalLoop unpaired = back.found(furnished_room(), truth, {PatchId{0}});
   EXPECT_EQ(unpaired.relations.size(), 1U);
-  EXPECT_TRUE(unpaired.certain);
+  EXPECT_TRUE(unpaired.unambiguous);
 }
 
-TEST(FindRejoin, FindsNothingAmongOtherWalls) {
+TEST(FindLocalLoop, FindsNothingAmongOtherWalls) {
   Walls others;
   add_box(others, -0.7, -1.2, 1.9, 0.8);
-  const Rejoin found = CameBack(others, loose).found({0.1, 0, 0});
+  const LocalLoop found = CameBack(others, loose).found({0.1, 0, 0});
   EXPECT_TRUE(found.compared);
   EXPECT_TRUE(found.relations.empty());
 }
 
 // Along a corridor a scan fits anywhere.
-TEST(FindRejoin, TakesNoneOfManyAnswers) {
-  const Rejoin found = CameBack(corridor(), loose).found(corridor(), {0.1, 0, 0});
+TEST(FindLocalLoop, TakesNoneOfManyAnswers) {
+  const LocalLoop found = CameBack(corridor(), loose).found(corridor(), {0.1, 0, 0});
   EXPECT_TRUE(found.compared);
   EXPECT_TRUE(found.relations.empty());
 }
 
 // Where the map is off by more than a window can hold, what is found in it might be an alias.
-TEST(FindRejoin, LeavesWideWindowsToHypotheses) {
+TEST(FindLocalLoop, LeavesWideWindowsToHypotheses) {
   const Pose truth{0.5, -0.4, 0.08};
   EXPECT_EQ(CameBack(furnished_room(), {2.3, 0.3, 0.05}).found(truth).relations.size(), 1U);
   for (const Eigen::Vector3d& wide :
        {Eigen::Vector3d(2.5, 0.3, 0.05), Eigen::Vector3d(0.3, 2.5, 0.05), Eigen::Vector3d(0.3, 0.3, 0.29)}) {
-    const Rejoin found = CameBack(furnished_room(), wide).found(truth);
+    const LocalLoop found = CameBack(furnished_room(), wide).found(truth);
     EXPECT_FALSE(found.compared) << wide.transpose();
     EXPECT_TRUE(found.relations.empty()) << wide.transpose();
   }
@@ -97,7 +97,7 @@ TEST(FindRejoin, LeavesWideWindowsToHypotheses) {
 
 // Each within its window, but χ² of all three is 3 · 2.4² > 16. Covariances count with 0.2 m and 0.03 rad
 // for slips of the past.
-TEST(FindRejoin, DoubtsWhatIsFarInAllThreeAtOnce) {
+TEST(FindLocalLoop, DoubtsWhatIsFarInAllThreeAtOnce) {
   const Pose sigma{std::hypot(0.3, 0.2), std::hypot(0.3, 0.2), std::hypot(0.05, 0.0316)};
   const CameBack back(furnished_room(), loose);
   const auto sigmas_off = [&](double n) {
@@ -108,34 +108,34 @@ TEST(FindRejoin, DoubtsWhatIsFarInAllThreeAtOnce) {
 }
 
 // Another find on the way: it would move the map so, seen at `x` on the way.
-Rejoin find_at(double x, const Pose& map_from_map, bool certain = false) {
-  Rejoin found;
+LocalLoop find_at(double x, const Pose& map_from_map, bool unambiguous = false) {
+  LocalLoop found;
   found.patch = newest;
   found.relations.push_back(odometry_relation(PatchId{0}, newest, {x, 0, 0}));
   found.map_from_map = map_from_map;
   found.position = {x, 0};
-  found.certain = certain;
+  found.unambiguous = unambiguous;
   found.compared = true;
   return found;
 }
 
 const Pose moved{1, 0.5, 0.1};
 
-TEST(WaitingRejoins, GiveWhatIsCertainAtOnce) {
-  WaitingRejoins waiting;
+TEST(WaitingLoops, GiveWhatIsCertainAtOnce) {
+  WaitingLoops waiting;
   EXPECT_EQ(waiting.take(find_at(0, moved, true), {}).size(), 1U);
 }
 
-TEST(WaitingRejoins, WaitForThreeThatAgree) {
-  WaitingRejoins waiting;
+TEST(WaitingLoops, WaitForThreeThatAgree) {
+  WaitingLoops waiting;
   EXPECT_TRUE(waiting.take(find_at(0, moved), {}).empty());
   EXPECT_TRUE(waiting.take(find_at(1, moved), {}).empty());
   EXPECT_EQ(waiting.take(find_at(2.1, moved), {}).size(), 3U);
   EXPECT_TRUE(waiting.take(find_at(3, moved), {}).empty()) << "what was given waits no more";
 }
 
-TEST(WaitingRejoins, CountOnlyThoseThatMoveTheMapAlike) {
-  WaitingRejoins waiting;
+TEST(WaitingLoops, CountOnlyThoseThatMoveTheMapAlike) {
+  WaitingLoops waiting;
   EXPECT_TRUE(waiting.take(find_at(0, moved), {}).empty());
   EXPECT_TRUE(waiting.take(find_at(1, {1.5, 0.5, 0.1}), {}).empty()) << "half a metre aside";
   EXPECT_TRUE(waiting.take(find_at(2, {1, 0.5, 0.2}), {}).empty()) << "another yaw";
@@ -144,23 +144,23 @@ TEST(WaitingRejoins, CountOnlyThoseThatMoveTheMapAlike) {
 }
 
 // Seen thrice from one place, an alias is still an alias.
-TEST(WaitingRejoins, AskForTwoMetresOfWay) {
-  WaitingRejoins waiting;
+TEST(WaitingLoops, AskForTwoMetresOfWay) {
+  WaitingLoops waiting;
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(waiting.take(find_at(0.1 * i, moved), {}).empty());
   EXPECT_EQ(waiting.take(find_at(2.1, moved), {}).size(), 6U);
 }
 
-TEST(WaitingRejoins, ForgetTheOldestOfMoreThanTwenty) {
-  WaitingRejoins waiting;
+TEST(WaitingLoops, ForgetTheOldestOfMoreThanTwenty) {
+  WaitingLoops waiting;
   EXPECT_TRUE(waiting.take(find_at(0, moved), {}).empty());
   EXPECT_TRUE(waiting.take(find_at(1, moved), {}).empty());
   for (int i = 0; i < 19; ++i) EXPECT_TRUE(waiting.take(find_at(0, {10.0 + i, 0, 0}), {}).empty());
   EXPECT_TRUE(waiting.take(find_at(2.1, moved), {}).empty());
 }
 
-TEST(WaitingRejoins, HearNothingOfAFindWithoutRelations) {
-  WaitingRejoins waiting;
-  Rejoin nothing = find_at(0, moved, true);
+TEST(WaitingLoops, HearNothingOfAFindWithoutRelations) {
+  WaitingLoops waiting;
+  LocalLoop nothing = find_at(0, moved, true);
   nothing.relations.clear();
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(waiting.take(nothing, {}).empty());
   EXPECT_TRUE(waiting.take(find_at(3, moved), {}).empty());

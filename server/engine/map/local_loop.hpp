@@ -10,15 +10,15 @@
 namespace isthmus {
 
 /// A local loop that may be closing: what a new patch would be related to, were it so.
-struct Rejoin {
+struct LocalLoop {
   PatchId patch;                    ///< the new patch
   std::vector<Relation> relations;  ///< between it and the patches it came back to
   Pose map_from_map;                ///< how the loop moves the new patch in the island's plane
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of the new patch before it
-  bool certain = false;   ///< the window was narrow: nothing else could have been meant
-  bool compared = false;  ///< there was something to compare the scan with
+  bool unambiguous = false;  ///< the window was narrow: nothing else could have been meant
+  bool compared = false;     ///< there was something to compare the scan with
 
-  auto members() { return std::tie(patch, relations, map_from_map, position, certain, compared); }
+  auto members() { return std::tie(patch, relations, map_from_map, position, unambiguous, compared); }
 };
 
 /// What is being looked for: a scan, placed in the frame of the reference of its surroundings, among some of
@@ -36,29 +36,30 @@ struct LoopQuery {
 /// Takes the patches asked for, rigidly together around the nearest of them, and matches the scan with them
 /// on their own, in a window as wide as the relative covariance says. No relations where nothing fits, where
 /// two answers fit about as well, or where there is nothing to match with (`compared` tells these apart).
-Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
-                 const EngineOptions& options);
+LocalLoop match_loop(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
+                     const EngineOptions& options);
 
-/// Looks for patches that are determined relative to the robot, but not firmly, where a scan placed at
-/// `local_from_robot` lies (eq. 12's own loops), or that belong to its local map, should overlap the scan,
-/// and were not found in it (`unpaired`). Where the window would have to be wider than can be searched at
-/// once, and what is found in it might be an alias of what lies outside, hypotheses.hpp looks instead.
-Rejoin find_rejoin(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
-                   std::span<const ScanPoint> points, std::span<const PatchId> unpaired, PatchId new_patch,
-                   const EngineOptions& options);
+/// Looks for patches that are determined relative to the robot, but less well than eq. 12 asks for, where a
+/// scan placed at `local_from_robot` lies (eq. 12's own loops), or that belong to its local map, should
+/// overlap the scan, and were not found in it (`unpaired`). Where the window would have to be wider than can
+/// be searched at once, and what is found in it might be an alias of what lies outside, hypotheses.hpp looks
+/// instead.
+LocalLoop find_local_loop(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
+                          std::span<const ScanPoint> points, std::span<const PatchId> unpaired,
+                          PatchId new_patch, const EngineOptions& options);
 
 /// Loops found in wide windows wait here until others, found on the way, say the same.
-class WaitingRejoins {
+class WaitingLoops {
  public:
-  /// Takes a find. Returns the relations to add to the map now: its own if it is certain, or its own and
+  /// Takes a find. Returns the relations to add to the map now: its own if it is unambiguous, or its own and
   /// those of all that agree with it, once enough of them do over enough of the way. Empty otherwise.
-  std::vector<Relation> take(Rejoin found, const RejoinOptions& options);
+  std::vector<Relation> take(LocalLoop found, const LocalLoopOptions& options);
   void clear() { waiting_.clear(); }
 
   auto members() { return std::tie(waiting_); }
 
  private:
-  std::deque<Rejoin> waiting_;
+  std::deque<LocalLoop> waiting_;
 };
 
 }  // namespace isthmus

@@ -1,4 +1,4 @@
-#include "server/engine/propagation/seam.hpp"
+#include "server/engine/propagation/shared_part.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -26,21 +26,22 @@ double way_m(const Map& map, std::span<const PatchId> patches, double stride_m) 
 }
 
 double own_way_m(const Map& map, std::span<const PatchId> its, std::span<const PatchId> others,
-                 const SeamOptions& options) {
+                 const SharedPartOptions& options) {
   std::vector<PatchId> alone;
   for (const PatchId id : its)
     if (!any_near(map, others, position(map, id), options.near_m)) alone.push_back(id);
   return way_m(map, alone, options.stride_m);
 }
 
-// Pairs across the seam, spread evenly over those whose views may meet.
+// Pairs across the border, taken evenly over those whose views may meet.
 double border_contradiction(const Map& map, std::span<const PatchId> first, std::span<const PatchId> second,
                             const EngineOptions& options) {
   std::vector<std::pair<PatchId, PatchId>> pairs;
   for (const PatchId a : first)
     for (const PatchId b : second)
-      if ((position(map, a) - position(map, b)).norm() < options.seam.in_view_m) pairs.emplace_back(a, b);
-  const std::size_t stride = std::max<std::size_t>(1, pairs.size() / options.seam.max_pairs);
+      if ((position(map, a) - position(map, b)).norm() < options.shared_part.in_view_m)
+        pairs.emplace_back(a, b);
+  const std::size_t stride = std::max<std::size_t>(1, pairs.size() / options.shared_part.max_pairs);
   MeanContradiction found(options.contradiction);
   for (std::size_t i = 0; i < pairs.size(); i += stride)
     found.add(map.manifold(), pairs[i].first, pairs[i].second);
@@ -53,28 +54,29 @@ double width_m(const Map& map, std::span<const PatchId> patches) {
   if (patches.size() < 2) return 0;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const PatchId id : patches) mean += position(map, id) / static_cast<double>(patches.size());
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   for (const PatchId id : patches) {
     const Eigen::Vector2d off = position(map, id) - mean;
-    spread += off * off.transpose() / static_cast<double>(patches.size());
+    scatter += off * off.transpose() / static_cast<double>(patches.size());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread, Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(scatter, Eigen::EigenvaluesOnly);
   return 2 * std::sqrt(std::max(0.0, axes.eigenvalues()(0)));
 }
 
-Seam seam(const Map& map, std::span<const PatchId> island, const std::function<bool(PatchId)>& second,
-          std::span<const PatchId> matched, const EngineOptions& options) {
+SharedPart shared_part(const Map& map, std::span<const PatchId> island,
+                       const std::function<bool(PatchId)>& second, std::span<const PatchId> matched,
+                       const EngineOptions& options) {
   std::vector<PatchId> of_first;
   std::vector<PatchId> of_second;
   for (const PatchId id : island)
     if (!map.manifold().patch(id).points.empty()) (second(id) ? of_second : of_first).push_back(id);
-  Seam seam;
-  seam.way_m = way_m(map, matched, options.seam.stride_m);
-  seam.width_m = width_m(map, matched);
-  seam.own_first_m = own_way_m(map, of_first, of_second, options.seam);
-  seam.own_second_m = own_way_m(map, of_second, of_first, options.seam);
-  seam.border_contradiction = border_contradiction(map, of_first, of_second, options);
-  return seam;
+  SharedPart shared;
+  shared.way_m = way_m(map, matched, options.shared_part.stride_m);
+  shared.width_m = width_m(map, matched);
+  shared.own_first_m = own_way_m(map, of_first, of_second, options.shared_part);
+  shared.own_second_m = own_way_m(map, of_second, of_first, options.shared_part);
+  shared.border_contradiction = border_contradiction(map, of_first, of_second, options);
+  return shared;
 }
 
 }  // namespace isthmus

@@ -1,4 +1,4 @@
-#include "server/engine/map/settling.hpp"
+#include "server/engine/map/island_fits.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,58 +25,58 @@ Map two_crumpled_islands() {
 
 double x(const Map& map, int patch) { return map.manifold().pose(PatchId{patch}).x; }
 
-TEST(Settling, FitsTheIslandThatWasAskedFor) {
+TEST(IslandFits, FitsTheIslandThatWasAskedFor) {
   Map map = two_crumpled_islands();
-  Settling settling;
-  EXPECT_FALSE(settling.busy());
-  settling.request(PatchId{1});
-  EXPECT_TRUE(settling.busy());
-  settling.advance(map, 0, {});
+  IslandFits island_fits;
+  EXPECT_FALSE(island_fits.busy());
+  island_fits.request(PatchId{1});
+  EXPECT_TRUE(island_fits.busy());
+  island_fits.advance(map, 0, {});
   EXPECT_EQ(x(map, 2), 0) << "beside the engine, applied at a later event";
-  settling.advance(map, much_later, {});
+  island_fits.advance(map, much_later, {});
   EXPECT_NEAR(x(map, 2), 2, 1e-6);
   EXPECT_EQ(x(map, 5), 0) << "the other island was not asked for";
-  EXPECT_FALSE(settling.busy());
+  EXPECT_FALSE(island_fits.busy());
 }
 
-TEST(Settling, FitsAnIslandOnceHoweverManyOfItsPatchesNameIt) {
+TEST(IslandFits, FitsAnIslandOnceHoweverManyOfItsPatchesNameIt) {
   Map map = two_crumpled_islands();
-  Settling settling;
-  for (const int patch : {0, 1, 2, 4}) settling.request(PatchId{patch});
-  settling.advance(map, 0, {});
-  settling.advance(map, much_later, {});
+  IslandFits island_fits;
+  for (const int patch : {0, 1, 2, 4}) island_fits.request(PatchId{patch});
+  island_fits.advance(map, 0, {});
+  island_fits.advance(map, much_later, {});
   EXPECT_NEAR(x(map, 2), 2, 1e-6);
-  EXPECT_TRUE(settling.busy()) << "the second island is next";
-  settling.advance(map, 2 * much_later, {});
+  EXPECT_TRUE(island_fits.busy()) << "the second island is next";
+  island_fits.advance(map, 2 * much_later, {});
   EXPECT_NEAR(x(map, 5), 2, 1e-6);
-  EXPECT_FALSE(settling.busy());
+  EXPECT_FALSE(island_fits.busy());
 }
 
 // What was begun before islands merged says where patches were on a map that is no more.
-TEST(Settling, BeginsAnewWhereTheMapHasChanged) {
+TEST(IslandFits, BeginsAnewWhereTheMapHasChanged) {
   Map map = two_crumpled_islands();
-  Settling settling;
-  settling.request(PatchId{3});
-  settling.advance(map, 0, {});
+  IslandFits island_fits;
+  island_fits.request(PatchId{3});
+  island_fits.advance(map, 0, {});
   map.relate(odometry_relation(PatchId{2}, PatchId{3}, {1, 0, 0}));
-  settling.map_changed();
-  EXPECT_TRUE(settling.busy());
-  settling.advance(map, much_later, {});
+  island_fits.map_changed();
+  EXPECT_TRUE(island_fits.busy());
+  island_fits.advance(map, much_later, {});
   EXPECT_EQ(x(map, 5), 0);
-  settling.advance(map, 2 * much_later, {});
+  island_fits.advance(map, 2 * much_later, {});
   EXPECT_NEAR(x(map, 5), 5, 1e-6) << "the merged island";
-  EXPECT_FALSE(settling.busy());
+  EXPECT_FALSE(island_fits.busy());
 }
 
-TEST(Settling, HasNothingToFitOfAPatchAlone) {
+TEST(IslandFits, HasNothingToFitOfAPatchAlone) {
   Map map = two_crumpled_islands();
   auto alone = std::make_shared<Patch>();
   alone->id = PatchId{6};
   map.add(alone, {7, 0, 0});
-  Settling settling;
-  settling.request(PatchId{6});
-  settling.advance(map, 0, {});
-  EXPECT_FALSE(settling.busy());
+  IslandFits island_fits;
+  island_fits.request(PatchId{6});
+  island_fits.advance(map, 0, {});
+  EXPECT_FALSE(island_fits.busy());
   EXPECT_EQ(x(map, 6), 7);
 }
 

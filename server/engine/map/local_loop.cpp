@@ -1,4 +1,4 @@
-#include "server/engine/map/rejoin.hpp"
+#include "server/engine/map/local_loop.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -19,13 +19,13 @@ namespace {
 bool others_near(const Map& map, const Surroundings& surroundings, const Pose& local_from_robot,
                  const EngineOptions& options) {
   const Pose map_from_robot = map.manifold().pose(surroundings.reference()) * local_from_robot;
-  const double reach = options.surroundings.reach_m +
-                       std::numbers::sqrt2 * options.rejoin.max_window_m / options.rejoin.window_sigmas;
+  const double reach = options.surroundings.reach_m + std::numbers::sqrt2 * options.local_loops.max_window_m /
+                                                          options.local_loops.window_sigmas;
   std::vector<bool> known(map.manifold().size(), false);
   for (const Determined& determined : surroundings.patches())
     known[static_cast<std::size_t>(determined.patch.value)] = true;
   const std::vector<PatchId> wider =
-      map.graph().nearest_in_graph(surroundings.reference(), options.surroundings.rejoin_patches);
+      map.graph().nearest_in_graph(surroundings.reference(), options.surroundings.loop_patches);
   return std::ranges::any_of(wider, [&](PatchId id) {
     const Pose& pose = map.manifold().pose(id);
     return !known[static_cast<std::size_t>(id.value)] &&
@@ -34,7 +34,8 @@ bool others_near(const Map& map, const Surroundings& surroundings, const Pose& l
 }
 
 bool is_loose(const Determined& determined, std::span<const PatchId> unpaired) {
-  return !determined.firm || std::find(unpaired.begin(), unpaired.end(), determined.patch) != unpaired.end();
+  return !determined.well_determined ||
+         std::find(unpaired.begin(), unpaired.end(), determined.patch) != unpaired.end();
 }
 
 // The nearest of the patches asked for that the scan could overlap, wherever in its covariance it is.
@@ -63,7 +64,7 @@ LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const LoopQ
   local.reference = around_anchor.reference();
   for (const Determined& determined : around_anchor.patches()) {
     const Pose patch_from_robot = ominus(anchor_from_robot, determined.local_from_patch);
-    if (!determined.firm ||
+    if (!determined.well_determined ||
         std::hypot(patch_from_robot.x, patch_from_robot.y) > options.surroundings.reach_m + slack_m)
       continue;
     const bool wanted =
@@ -72,19 +73,20 @@ LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const LoopQ
     if (wanted)
       local.patches.push_back({map.manifold().shared_patch(determined.patch), determined.local_from_patch});
   }
-  if (local.patches.size() > options.rejoin.max_patches) local.patches.resize(options.rejoin.max_patches);
+  if (local.patches.size() > options.local_loops.max_patches)
+    local.patches.resize(options.local_loops.max_patches);
   return local;
 }
 
 // Whether a match is good enough: over all beams, or over those that found something to pair with.
-bool fits(const Match& match, const LoopQuery& query, const RejoinOptions& options) {
+bool fits(const Match& match, const LoopQuery& query, const LocalLoopOptions& options) {
   if (!match.ok) return false;
   if (!query.partly_known) return match.quality.score >= options.min_score;
   const double paired = static_cast<double>(match.quality.paired_beams) / std::max(1, match.quality.beams);
   return paired >= options.min_paired && match.quality.score >= options.min_score_partly_known * paired;
 }
 
-bool within_window(const Eigen::Matrix3d& covariance, const RejoinOptions& options) {
+bool within_window(const Eigen::Matrix3d& covariance, const LocalLoopOptions& options) {
   const auto fits = [&](int i, double max) {
     return options.window_sigmas * std::sqrt(covariance(i, i)) <= max;
   };
@@ -92,7 +94,7 @@ bool within_window(const Eigen::Matrix3d& covariance, const RejoinOptions& optio
 }
 
 SearchWindow window_about(const Pose& anchor_from_robot, const Eigen::Matrix3d& covariance,
-                          const RejoinOptions& options) {
+                          const LocalLoopOptions& options) {
   const auto half_width = [&](int i, double max) {
     return std::min(max, options.window_sigmas * std::sqrt(covariance(i, i)));
   };
@@ -102,9 +104,9 @@ SearchWindow window_about(const Pose& anchor_from_robot, const Eigen::Matrix3d& 
 
 }  // namespace
 
-Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
-                 const EngineOptions& options) {
-  Rejoin found;
+LocalLoop match_loop(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
+                     const EngineOptions& options) {
+  LocalLoop found;
   found.patch = query.patch;
   const Determined* anchor = nearest_among(surroundings, query, options);
   if (!anchor) return found;
@@ -116,14 +118,14 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
   const Eigen::Matrix3d jacobian = ominus_jacobians(query.local_from_robot, anchor->local_from_patch).by_pi;
   Eigen::Matrix3d covariance = jacobian * anchor->covariance * jacobian.transpose();
   // A slip of the past is in no covariance, and here is the last chance to mend it.
-  const RejoinOptions& its = options.rejoin;
+  const LocalLoopOptions& its = options.local_loops;
   covariance.diagonal() +=
       Eigen::Vector3d(its.slip_variance_m2, its.slip_variance_m2, its.slip_variance_rad2);
   const Eigen::Matrix3d information = covariance.inverse();
   if (query.whole_window && !within_window(covariance, its)) return found;
   const SearchWindow window = window_about(anchor_from_robot, covariance, its);
   const double widest_m = std::max(window.half_x_m, window.half_y_m);
-  found.certain = widest_m <= its.certain_half_width_m;
+  found.unambiguous = widest_m <= its.unambiguous_half_width_m;
 
   const LocalMap local =
       rigid_map(map, surroundings, query, around_anchor, anchor_from_robot, widest_m, options);
@@ -131,16 +133,17 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
   found.compared = true;
   const CorrelativeResult search = search_window(local, query.points, window, options.correlative);
   if (search.score <= 0 || search.exhausted) return found;
-  if (!found.certain && search.second_score > options.ambiguity.share * search.score) return found;
+  if (!found.unambiguous && search.second_score > options.ambiguity.share * search.score) return found;
   Match match = match_scan(local, query.points, {search.local_from_robot, its.prediction_share * information},
                            options.match);
-  if (!fits(match, query, its) || (!found.certain && match.quality.degenerate)) return found;
+  if (!fits(match, query, its) || (!found.unambiguous && match.quality.degenerate)) return found;
   const Eigen::Vector3d innovation = wrapped_difference(match.local_from_robot, anchor_from_robot);
   if (innovation.dot(information * innovation) > its.max_surprise.value()) return found;
 
-  const double spread_m = spread_of_match(local, query.points, match, std::min(widest_m, its.looked_along_m),
-                                          options.match, options.spread);
-  widen(match, spread_m, relation_sigma_m(match.quality, options.relations), options.match);
+  const double weak_sigma_m =
+      sigma_along_weak_direction(local, query.points, match, std::min(widest_m, its.looked_along_m),
+                                 options.match, options.weak_direction);
+  widen(match, weak_sigma_m, relation_sigma_m(match.quality, options.relations), options.match);
 
   const Pose map_from_anchor = map.manifold().pose(anchor->patch);
   const Pose before = map_from_anchor * anchor_from_robot;
@@ -150,13 +153,13 @@ Rejoin find_loop(const Map& map, const Surroundings& surroundings, const LoopQue
   return found;
 }
 
-Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const Pose& local_from_robot,
-                   std::span<const ScanPoint> points, std::span<const PatchId> unpaired, PatchId new_patch,
-                   const EngineOptions& options) {
+LocalLoop find_local_loop(const Map& map, const Surroundings& near_surroundings, const Pose& local_from_robot,
+                          std::span<const ScanPoint> points, std::span<const PatchId> unpaired,
+                          PatchId new_patch, const EngineOptions& options) {
   Surroundings surroundings = near_surroundings;
   if (others_near(map, surroundings, local_from_robot, options)) {
     surroundings.update(map, surroundings.reference(), options, Surroundings::By::all,
-                        options.surroundings.rejoin_patches);
+                        options.surroundings.loop_patches);
   }
   LoopQuery query;
   query.local_from_robot = local_from_robot;
@@ -165,14 +168,14 @@ Rejoin find_rejoin(const Map& map, const Surroundings& near_surroundings, const 
   query.patch = new_patch;
   query.origin = {OriginKind::match, {}};
   query.whole_window = true;
-  return find_loop(map, surroundings, query, options);
+  return match_loop(map, surroundings, query, options);
 }
 
-std::vector<Relation> WaitingRejoins::take(Rejoin found, const RejoinOptions& options) {
+std::vector<Relation> WaitingLoops::take(LocalLoop found, const LocalLoopOptions& options) {
   if (found.relations.empty()) return {};
-  if (found.certain) return std::move(found.relations);
+  if (found.unambiguous) return std::move(found.relations);
   // Two finds agree where they would move the map alike, seen where they are.
-  const auto agree = [&](const Rejoin& other) {
+  const auto agree = [&](const LocalLoop& other) {
     const Eigen::Vector2d mine = found.map_from_map * found.position;
     const Eigen::Vector2d theirs = other.map_from_map * found.position;
     return (mine - theirs).norm() < options.agreeing_m &&
@@ -181,7 +184,7 @@ std::vector<Relation> WaitingRejoins::take(Rejoin found, const RejoinOptions& op
   std::vector<Relation> relations = found.relations;
   int agreeing = 1;
   double way_m = 0;
-  for (const Rejoin& other : waiting_) {
+  for (const LocalLoop& other : waiting_) {
     if (!agree(other)) continue;
     ++agreeing;
     way_m = std::max(way_m, (other.position - found.position).norm());

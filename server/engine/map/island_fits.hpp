@@ -8,12 +8,12 @@
 
 namespace isthmus {
 
-/// Whole-island fits of the map itself, one at a time and each a job beside the engine: after a loop or a
+/// Whole-island fits of the map itself, one at a time and each a job in another thread: after a loop or a
 /// merge, when windows around robots no longer suffice, and where operators ask for it.
-class Settling {
+class IslandFits {
  public:
   void request(IslandId island) { requested_.insert(island); }
-  /// Islands have merged or parted: what a running fit will say is of a map that is no more.
+  /// Islands have merged or parted: a running fit is of a map that no longer exists.
   void map_changed();
 
   void advance(Map& map, std::int64_t now_utime, const MapFitOptions& options);

@@ -1,4 +1,4 @@
-#include "server/engine/propagation/weaving.hpp"
+#include "server/engine/propagation/proximity_matching.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,19 +22,19 @@ struct ThereAndBack {
     add_way(map, furnished_room(),
             {{-2, -1, 0}, {-1, -1, 0}, {0, -1, 0}, {0, -0.8, 0}, {-1, -0.8, 0}, {-2, -0.8, 0}});
   }
-  void advance(std::int64_t now_utime) { weaving.advance(map, options, now_utime); }
+  void advance(std::int64_t now_utime) { proximity_matching.advance(map, options, now_utime); }
   std::size_t relations(int a, int b) const { return map.graph().between(PatchId{a}, PatchId{b}).size(); }
 
   EngineOptions options;
   Map map;
-  Weaving weaving;
+  ProximityMatching proximity_matching;
 };
 
-TEST(Weaving, RelatesWhereARobotStandsToWhatLiesThere) {
+TEST(ProximityMatching, RelatesWhereARobotStandsToWhatLiesThere) {
   ThereAndBack room;
-  EXPECT_FALSE(room.weaving.busy());
-  room.weaving.stands_on("R1", PatchId{5}, {});
-  EXPECT_TRUE(room.weaving.busy());
+  EXPECT_FALSE(room.proximity_matching.busy());
+  room.proximity_matching.stands_on("R1", PatchId{5}, {});
+  EXPECT_TRUE(room.proximity_matching.busy());
   room.advance(1'000'000);
   EXPECT_EQ(room.relations(0, 5), 1U);
   for (const RelationId id : room.map.graph().between(PatchId{0}, PatchId{5}))
@@ -42,9 +42,9 @@ TEST(Weaving, RelatesWhereARobotStandsToWhatLiesThere) {
 }
 
 // One step of 5 ms for every 10 ms that pass, and none saved up.
-TEST(Weaving, WorksOnHalfOfTheTimeThatPasses) {
+TEST(ProximityMatching, WorksOnHalfOfTheTimeThatPasses) {
   ThereAndBack room;
-  room.weaving.weave_all(room.map, {});
+  room.proximity_matching.match_all(room.map, {});
   const auto all = [&] { return room.map.graph().relations().size(); };
   const std::size_t before = all();
   room.advance(9'999);
@@ -56,29 +56,29 @@ TEST(Weaving, WorksOnHalfOfTheTimeThatPasses) {
   EXPECT_EQ(all(), after_one);
 }
 
-TEST(Weaving, TakesAPatchOnceWhileTheRobotStandsThere) {
+TEST(ProximityMatching, TakesAPatchOnceWhileTheRobotStandsThere) {
   ThereAndBack room;
-  room.weaving.stands_on("R1", PatchId{1}, {});
-  while (room.weaving.finish_step(room.map, room.options)) {
+  room.proximity_matching.stands_on("R1", PatchId{1}, {});
+  while (room.proximity_matching.finish_step(room.map, room.options)) {
   }
-  room.weaving.stands_on("R1", PatchId{1}, {});
-  EXPECT_FALSE(room.weaving.busy());
-  room.weaving.stands_on("R2", PatchId{1}, {});
-  EXPECT_TRUE(room.weaving.busy()) << "another robot has come";
+  room.proximity_matching.stands_on("R1", PatchId{1}, {});
+  EXPECT_FALSE(room.proximity_matching.busy());
+  room.proximity_matching.stands_on("R2", PatchId{1}, {});
+  EXPECT_TRUE(room.proximity_matching.busy()) << "another robot has come";
 }
 
-TEST(Weaving, OfAllTakesEveryPatch) {
+TEST(ProximityMatching, OfAllTakesEveryPatch) {
   ThereAndBack room;
-  room.weaving.weave_all(room.map, {});
-  while (room.weaving.finish_step(room.map, room.options)) {
+  room.proximity_matching.match_all(room.map, {});
+  while (room.proximity_matching.finish_step(room.map, room.options)) {
   }
-  EXPECT_FALSE(room.weaving.busy());
+  EXPECT_FALSE(room.proximity_matching.busy());
   EXPECT_EQ(room.relations(0, 5), 1U);
   EXPECT_EQ(room.relations(1, 2), 1U) << "so near in the graph, the odometry is all there was and is";
 }
 
 // Where eq. 12 does not hold, what lies together in the map need not in truth: there a trial decides.
-TEST(Weaving, LeavesAloneWhatIsNotWellDetermined) {
+TEST(ProximityMatching, LeavesAloneWhatIsNotWellDetermined) {
   for (const double sigma_rad : {0.01, 0.05}) {
     Map map;
     for (int i = 0; i < 6; ++i) {
@@ -88,9 +88,9 @@ TEST(Weaving, LeavesAloneWhatIsNotWellDetermined) {
         map.relate(odometry_relation(PatchId{i - 1}, PatchId{i}, {0.05, 0, 0},
                                      {1e4, 1e4, 1 / (sigma_rad * sigma_rad)}));
     }
-    Weaving weaving;
-    weaving.stands_on("R1", PatchId{5}, {});
-    weaving.finish_step(map, {});
+    ProximityMatching proximity_matching;
+    proximity_matching.stands_on("R1", PatchId{5}, {});
+    proximity_matching.finish_step(map, {});
     const bool well_determined = 1.96 * sigma_rad * std::sqrt(5) < 0.2;
     EXPECT_EQ(map.graph().between(PatchId{0}, PatchId{5}).empty(), !well_determined);
   }

@@ -8,8 +8,8 @@
 
 namespace isthmus {
 
-/// How much two charts share, laid over one another, and how much each has for itself.
-struct Seam {
+/// How much two maps share, laid over one another, and how much each has for itself.
+struct SharedPart {
   double way_m = 0;        ///< of the matched part
   double width_m = 0;      ///< of the matched part across its length: in one corridor next to nothing
   double own_first_m = 0;  ///< way of either that is nowhere near the other's
@@ -17,12 +17,13 @@ struct Seam {
   double border_contradiction = 0;  ///< mean share of hits deep in the other's free space, where views meet
 };
 
-/// How far patches spread across their length: next to nothing along one corridor.
+/// How wide patches lie across their length: next to nothing along one corridor.
 double width_m(const Map& map, std::span<const PatchId> patches);
 
-/// `second` says of a patch of the island to which of the two charts it belongs; `matched` are those of
+/// `second` says of a patch of the island to which of the two maps it belongs; `matched` are those of
 /// either that were found in the other.
-Seam seam(const Map& map, std::span<const PatchId> island, const std::function<bool(PatchId)>& second,
-          std::span<const PatchId> matched, const EngineOptions& options);
+SharedPart shared_part(const Map& map, std::span<const PatchId> island,
+                       const std::function<bool(PatchId)>& second, std::span<const PatchId> matched,
+                       const EngineOptions& options);
 
 }  // namespace isthmus

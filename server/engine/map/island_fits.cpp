@@ -1,16 +1,16 @@
-#include "server/engine/map/settling.hpp"
+#include "server/engine/map/island_fits.hpp"
 
 #include <utility>
 
 namespace isthmus {
 
-void Settling::map_changed() {
+void IslandFits::map_changed() {
   if (!job_) return;
   requested_.insert(job_->island());
   abandoned_.add(std::move(job_));
 }
 
-void Settling::advance(Map& map, std::int64_t now_utime, const MapFitOptions& options) {
+void IslandFits::advance(Map& map, std::int64_t now_utime, const MapFitOptions& options) {
   if (job_ && job_->advance(now_utime)) {
     const FitJob::Result result = job_->take();
     job_.reset();

@@ -1,0 +1,30 @@
+#include "server/engine/propagation/proximity_matching.hpp"
+
+namespace isthmus {
+void ProximityMatching::stands_on(const std::string& robot, PatchId patch,
+                                  const PropagationOptions& options) {
+  PatchId& before = stands_on_[robot];
+  if (before == patch) return;
+  before = patch;
+  propagation_.enqueue(patch, options);
+}
+
+void ProximityMatching::match_all(const Map& map, const PropagationOptions& options) {
+  propagation_.forget_visits();
+  for (const PatchPtr& patch : map.manifold().patches()) propagation_.enqueue(patch->id, options);
+}
+
+void ProximityMatching::advance(Map& map, const EngineOptions& options, std::int64_t now_utime) {
+  credit_.earn(now_utime, {options.proximity_matching.work_share, options.proximity_matching.max_credit_us});
+  if (propagation_.done() || credit_.left_us() < options.proximity_matching.step_price_us) return;
+  credit_.spend(options.proximity_matching.step_price_us);
+  propagation_.step(map, options);
+}
+
+bool ProximityMatching::finish_step(Map& map, const EngineOptions& options) {
+  if (propagation_.done()) return false;
+  propagation_.step(map, options);
+  return true;
+}
+
+}  // namespace isthmus
