@@ -25,6 +25,16 @@ void append_anchors(const Map& map, const std::vector<PatchId>& island, double s
   }
 }
 
+SearchTerms terms_of(const FinderOptions& options) {
+  SearchTerms terms;
+  terms.min_score = terms.min_score_anywhere = options.min_score;
+  terms.min_half_window_rad = options.min_half_window_rad;
+  terms.step_price_us = terms.undecided_price_us = options.step_price_us;
+  terms.evaluation_price_us = options.evaluation_price_us;
+  terms.decision_steps = options.decision_steps;
+  return terms;
+}
+
 }  // namespace
 
 std::vector<RigidPiece> all_places(const Map& map, const EngineOptions& options) {
@@ -47,104 +57,64 @@ void Finder::take_scan(const Robot& robot, Observation observation, const Pose& 
   const ScanOutcome done =
       isthmus::take_scan(sketch_, robot_, std::move(observation), odom_from_robot, options);
   if (done.new_session) {
-    newest_first_.clear();
-    from_newest_m_.clear();
+    way_ = {};
     sighted_.clear();
     found_.reset();
     query_.reset();
     since_utime_ = utime;
   }
-  if (newest_first_.empty() || newest_first_.front() != robot_.place->last_patch) note_patch(options.finder);
+  if (way_.newest_first.empty() || way_.newest_first.front() != robot_.place->last_patch)
+    note_patch(options.finder);
 }
 
 void Finder::note_patch(const FinderOptions& options) {
   const PatchId patch = robot_.place->last_patch;
   const Manifold& manifold = sketch_.manifold();
-  if (!newest_first_.empty()) {
-    const Pose moved = manifold.relative_pose(newest_first_.front(), patch);
-    for (double& from_newest : from_newest_m_) from_newest += std::hypot(moved.x, moved.y);
-  }
-  newest_first_.push_front(patch);
-  from_newest_m_.push_front(0);
-  while (from_newest_m_.back() > options.max_piece_way_m) {
-    newest_first_.pop_back();
-    from_newest_m_.pop_back();
-  }
-  due_ = from_newest_m_.back() >= options.min_piece_way_m;
+  Pose moved;
+  if (!way_.newest_first.empty()) moved = manifold.relative_pose(way_.newest_first.front(), patch);
+  way_.add(patch, std::hypot(moved.x, moved.y), options.max_piece_way_m);
+  due_ = way_.length_m() >= options.min_piece_way_m;
 }
 
 std::int64_t Finder::step(const Map& map, const std::vector<RigidPiece>& places, const EngineOptions& options,
                           FinderCounts& counts) {
-  if (!query_) begin(places.size(), options, counts);
-  if (!query_->windows.empty()) return search_next(places, options, counts);
-  const std::int64_t price = decide(map, options, counts);
-  query_.reset();
-  return price;
-}
-
-void Finder::begin(std::size_t places, const EngineOptions& options, FinderCounts& counts) {
-  due_ = false;
-  ++counts.queries;
-  const std::vector<PatchId> way(newest_first_.begin(), newest_first_.end());
-  query_ = Query{};
-  query_->piece = piece_of_way(sketch_, way, options.place_search);
-  for (std::size_t i = 0; i < places; ++i) query_->windows.push_back({i, Pose{}, std::numbers::pi});
-}
-
-std::int64_t Finder::search_next(const std::vector<RigidPiece>& places, const EngineOptions& options,
-                                 FinderCounts& counts) {
-  Query& query = *query_;
-  ++counts.places_searched;
-  const double half_m = options.place_candidates.half_window_m;
-  const Window window = query.windows.front();
-  query.windows.pop_front();
-  const PlaceSearch search =
-      search_place(places[window.place], query.piece, {window.centre, half_m, half_m, window.half_yaw_rad},
-                   std::max(options.finder.min_score, options.ambiguity.share * query.best_score), options);
-  if (search.exhausted) search_halves(window, options.finder);
-  for (const PlaceAnswer& answer : search.answers) {
-    query.best_score = std::max(query.best_score, answer.score);
-    query.answers.push_back(answer);
+  if (!query_) {
+    begin(places, options);
+    ++counts.queries;
   }
-  return options.finder.step_price_us + static_cast<std::int64_t>(options.finder.evaluation_price_us *
-                                                                  static_cast<double>(search.evaluations));
-}
-
-// What is too much for one step is done in two, once more is known of what is worth finding.
-void Finder::search_halves(const Window& window, const FinderOptions& options) {
-  const double half = 0.5 * window.half_yaw_rad;
-  if (half < options.min_half_window_rad) {
-    query_->exhausted = true;
-    return;
+  const SearchTerms terms = terms_of(options.finder);
+  if (const PlaceCandidate* next = query_->next()) {
+    ++counts.places_searched;
+    const auto place = std::ranges::find(places, next->anchor,
+                                         [](const RigidPiece& piece) { return piece.local.reference; });
+    return query_->search_next(*place, terms, options);
   }
-  for (const double yaw : {window.centre.yaw - half, window.centre.yaw + half})
-    query_->windows.push_back({window.place, {0, 0, wrap_angle(yaw)}, half});
-}
-
-std::int64_t Finder::decide(const Map& map, const EngineOptions& options, FinderCounts& counts) {
-  Query& query = *query_;
-  std::ranges::stable_sort(query.answers, std::ranges::greater{}, &PlaceAnswer::score);
-  const FinderOptions& its = options.finder;
-  if (query.answers.empty()) return its.step_price_us;
-  if (query.exhausted || !is_unique(map, query.answers, options)) {
-    ++counts.ambiguous;
-    return its.step_price_us;
-  }
-  const PlaceAnswer& best = query.answers.front();
-  const std::optional<Find> find =
-      refine(place_around(map, best.anchor, options), query.piece, best, options);
-  if (find) {
+  const PlaceDecision decision = query_->decide(map, terms, options);
+  if (decision.ambiguous) ++counts.ambiguous;
+  if (decision.find) {
     ++counts.finds;
-    take(map, *find, its);
+    take(map, *decision.find, options.finder);
   }
-  return static_cast<std::int64_t>(its.decision_steps * static_cast<double>(its.step_price_us));
+  query_.reset();
+  return decision.price_us;
+}
+
+void Finder::begin(const std::vector<RigidPiece>& places, const EngineOptions& options) {
+  due_ = false;
+  const double half_m = options.place_candidates.half_window_m;
+  std::vector<PlaceCandidate> anywhere;
+  for (const RigidPiece& place : places)
+    anywhere.push_back({place.local.reference, {Pose{}, half_m, half_m, std::numbers::pi}});
+  query_.emplace(std::move(anywhere));
+  const std::vector<PatchId> way(way_.newest_first.begin(), way_.newest_first.end());
+  query_->look_for(piece_of_way(sketch_, way, options.place_search));
 }
 
 // One find may be of another place that looks alike: it takes two, of two pieces of the way, that agree.
 void Finder::take(const Map& map, const Find& find, const FinderOptions& options) {
   Sighted sighted;
   sighted.query = find.query;
-  sighted.newest = query_->piece.local.reference;
+  sighted.newest = query_->piece().local.reference;
   sighted.pose = {find.anchor, find.anchor_from_query};
   sighted.map_from_sketch =
       map.manifold().project(sighted.pose) * inverse(sketch_.manifold().pose(find.query));

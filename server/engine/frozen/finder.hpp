@@ -6,7 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "server/engine/places/place_search.hpp"
+#include "server/engine/places/place_searcher.hpp"
+#include "server/engine/places/recent_way.hpp"
 #include "server/engine/robot/robot.hpp"
 
 namespace isthmus {
@@ -45,18 +46,6 @@ class Finder {
   std::int64_t since_utime() const { return since_utime_; }
 
  private:
-  struct Window {
-    std::size_t place = 0;
-    Pose centre;
-    double half_yaw_rad = 0;
-  };
-  struct Query {
-    RigidPiece piece;
-    std::deque<Window> windows;  ///< still to be searched
-    std::vector<PlaceAnswer> answers;
-    double best_score = 0;
-    bool exhausted = false;
-  };
   /// How the sketch lies on the map, by one find.
   struct Sighted {
     PatchId query;   ///< patch of the sketch that was found
@@ -67,21 +56,16 @@ class Finder {
   };
 
   void note_patch(const FinderOptions& options);
-  void begin(std::size_t places, const EngineOptions& options, FinderCounts& counts);
-  std::int64_t search_next(const std::vector<RigidPiece>& places, const EngineOptions& options,
-                           FinderCounts& counts);
-  void search_halves(const Window& window, const FinderOptions& options);
-  std::int64_t decide(const Map& map, const EngineOptions& options, FinderCounts& counts);
+  void begin(const std::vector<RigidPiece>& places, const EngineOptions& options);
   void take(const Map& map, const Find& find, const FinderOptions& options);
   Pose sketch_from_robot() const { return sketch_.manifold().project(robot_.place->pose); }
 
   Map sketch_;
   Robot robot_;  ///< on the sketch
   std::int64_t since_utime_ = 0;
-  std::deque<PatchId> newest_first_;  ///< its way
-  std::deque<double> from_newest_m_;
+  RecentWay way_;
   bool due_ = false;
-  std::optional<Query> query_;
+  std::optional<PlaceSearcher> query_;
   std::deque<Sighted> sighted_;
   std::optional<Sighted> found_;
 };

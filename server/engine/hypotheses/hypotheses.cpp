@@ -1,6 +1,5 @@
 #include "server/engine/hypotheses/hypotheses.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -8,25 +7,29 @@
 namespace isthmus {
 namespace {
 
-bool share_a_patch(const RigidPiece& a, const RigidPiece& b) {
-  return std::ranges::any_of(a.local.patches, [&](const LocalPatch& of_a) {
-    return std::ranges::any_of(b.local.patches,
-                               [&](const LocalPatch& of_b) { return of_a.patch->id == of_b.patch->id; });
-  });
+SearchTerms terms_of(const HypothesisOptions& options) {
+  SearchTerms terms;
+  terms.min_score = options.min_score;
+  terms.min_score_anywhere = options.min_score_anywhere;
+  terms.on_the_map = true;
+  terms.step_price_us = options.step_price_us;
+  terms.evaluation_price_us = options.evaluation_price_us;
+  terms.decision_steps = options.decision_steps;
+  return terms;
 }
 
 }  // namespace
 
 void Hypotheses::advance(World world, Closures& closures) {
-  hear(world, closures);
+  pool_.hear(world, closures, counts_);
   follow(world);
   look_up(world);
   work(world);
-  if (pool_changed_ && !closures.on_trial()) pool_changed_ = propose(world, closures);
+  pool_.advance(world, closures, counts_);
 }
 
 void Hypotheses::begin_finish(World world, Closures& closures) {
-  hear(world, closures);
+  pool_.hear(world, closures, counts_);
   follow(world);
 }
 
@@ -38,13 +41,9 @@ bool Hypotheses::finish_search(World world) {
   return true;
 }
 
-void Hypotheses::try_all_again() {
-  for (auto& [id, hypothesis] : hypotheses_) hypothesis.tried = 0;
-}
-
 bool Hypotheses::propose_last(World world, Closures& closures) {
-  hear(world, closures);
-  return propose(world, closures);
+  pool_.hear(world, closures, counts_);
+  return pool_.propose(world, closures, counts_);
 }
 
 // Keeps each robot's way, and asks where it is every few metres of it.
@@ -64,8 +63,8 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
   Way& way = ways_[robot];
   const Manifold& manifold = world.map.manifold();
   double step_m = 0;
-  if (!way.newest_first.empty()) {
-    const PatchId before = way.newest_first.front();
+  if (!way.recent.newest_first.empty()) {
+    const PatchId before = way.recent.newest_first.front();
     if (world.map.graph().island(before) == world.map.graph().island(patch)) {
       const Pose moved = manifold.relative_pose(before, patch);
       step_m = std::hypot(moved.x, moved.y);
@@ -73,18 +72,12 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
       way = {};
     }
   }
-  for (double& from_newest : way.from_newest_m) from_newest += step_m;
-  way.newest_first.push_front(patch);
-  way.from_newest_m.push_front(0);
-  while (way.from_newest_m.back() > options.max_piece_way_m) {
-    way.newest_first.pop_back();
-    way.from_newest_m.pop_back();
-  }
+  way.recent.add(patch, step_m, options.max_piece_way_m);
   way.since_query_m += step_m;
-  if (way.since_query_m < options.query_every_m || way.from_newest_m.back() < options.min_piece_way_m) return;
+  if (way.since_query_m < options.query_every_m || way.recent.length_m() < options.min_piece_way_m) return;
   way.since_query_m = 0;
   PlaceQuery query;
-  query.newest_first.assign(way.newest_first.begin(), way.newest_first.end());
+  query.newest_first.assign(way.recent.newest_first.begin(), way.recent.newest_first.end());
   query.robot = robot;
   queue_.push_back(std::move(query));
   ++counts_.queries;
@@ -109,7 +102,7 @@ void Hypotheses::end_look_up() {
   const PlacesJob::Places& places = looking_up_->places();
   for (std::size_t i = 0; i < asked_.size(); ++i) {
     if (asked_[i].newest_first.empty()) continue;
-    asked_[i].places = places[i];
+    asked_[i].search.add(places[i]);
     ready_.push_back(std::move(asked_[i]));
   }
   asked_.clear();
@@ -130,56 +123,36 @@ std::int64_t Hypotheses::step(World world) {
     ready_.pop_front();
     return begin(world, *query_);
   }
-  if (query_->next < query_->places.size()) return search_next(world, *query_);
-  const std::int64_t price = decide(world, *query_);
+  const SearchTerms terms = terms_of(world.options.hypotheses);
+  if (const PlaceCandidate* next = query_->search.next()) {
+    ++counts_.places_searched;
+    return query_->search.search_next(place_around(world.map, next->anchor, world.options), terms,
+                                      world.options);
+  }
+  PlaceDecision decision = query_->search.decide(world.map, terms, world.options);
+  if (decision.ambiguous) ++counts_.ambiguous;
+  if (decision.find) pool_.take(world, query_->robot, *std::move(decision.find), counts_);
   query_.reset();
-  return price;
+  return decision.price_us;
 }
 
 std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
   const EngineOptions& options = world.options;
-  std::ranges::copy(places_on_other_islands(world.map, query.newest_first.front(), options.place_candidates),
-                    std::back_inserter(query.places));
-  if (!query.places.empty()) query.piece = piece_of_way(world.map, query.newest_first, options.place_search);
+  query.search.add(places_on_other_islands(world.map, query.newest_first.front(), options.place_candidates));
+  if (query.search.has_places())
+    query.search.look_for(piece_of_way(world.map, query.newest_first, options.place_search));
   return options.hypotheses.step_price_us;
 }
 
-std::int64_t Hypotheses::search_next(World world, PlaceQuery& query) {
-  const HypothesisOptions& its = world.options.hypotheses;
-  const PlaceCandidate& place = query.places[query.next++];
-  ++counts_.places_searched;
-  const PlaceSearch search =
-      search_place(place_around(world.map, place.anchor, world.options), query.piece, place.window,
-                   std::max(place.way_m > 0 ? its.min_score : its.min_score_anywhere,
-                            world.options.ambiguity.share * query.best_score),
-                   world.options);
-  query.exhausted = query.exhausted || search.exhausted;
-  for (const PlaceAnswer& answer : search.answers) {
-    query.best_score = std::max(query.best_score, answer.score);
-    query.answers.push_back(answer);
-    query.answers.back().way_m = place.way_m;
-    query.answers.back().sigma_m = place.sigma_m;
-  }
-  return its.step_price_us +
-         static_cast<std::int64_t>(its.evaluation_price_us * static_cast<double>(search.evaluations));
-}
-
-// Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
-std::int64_t Hypotheses::decide(World world, PlaceQuery& query) {
-  std::ranges::stable_sort(query.answers, std::ranges::greater{}, &PlaceAnswer::score);
-  if (query.answers.empty()) return 0;
-  if (query.exhausted || !is_unique(world.map, query.answers, world.options)) {
-    ++counts_.ambiguous;
-    return 0;
-  }
-  const PlaceAnswer& best = query.answers.front();
-  const RigidPiece place = place_around(world.map, best.anchor, world.options);
-  // While the query waited, the map may have come to know how the two lie.
-  if (share_a_patch(place, query.piece)) return 0;
-  std::optional<Find> find = refine(place, query.piece, best, world.options);
-  if (find) take(world, query.robot, std::move(*find));
-  const HypothesisOptions& its = world.options.hypotheses;
-  return static_cast<std::int64_t>(its.decision_steps * static_cast<double>(its.step_price_us));
+void Hypotheses::forget_robot(const Map& map, const std::string& robot) {
+  pool_.forget_robot(map, robot);
+  if (query_ && query_->robot == robot) query_.reset();
+  const auto asks = [&](const PlaceQuery& query) { return query.robot == robot; };
+  std::erase_if(queue_, asks);
+  std::erase_if(ready_, asks);
+  for (PlaceQuery& query : asked_)
+    if (asks(query)) query.newest_first.clear();
+  ways_.erase(robot);
 }
 
 }  // namespace isthmus

@@ -9,11 +9,11 @@
 
 #include "server/engine/closures/closures.hpp"
 #include "server/engine/hypotheses/hypothesis_counts.hpp"
-#include "server/engine/hypotheses/undecided.hpp"
+#include "server/engine/hypotheses/hypothesis_pool.hpp"
 #include "server/engine/map/credit.hpp"
-#include "server/engine/places/consistency.hpp"
-#include "server/engine/places/place_candidates.hpp"
+#include "server/engine/places/place_searcher.hpp"
 #include "server/engine/places/places_job.hpp"
+#include "server/engine/places/recent_way.hpp"
 
 namespace isthmus {
 
@@ -21,16 +21,9 @@ namespace isthmus {
 struct PlaceQuery {
   std::vector<PatchId> newest_first;
   std::string robot;
-  RigidPiece piece;
-  std::vector<PlaceCandidate> places;
-  std::size_t next = 0;
-  std::vector<PlaceAnswer> answers;
-  double best_score = 0;
-  bool exhausted = false;
+  PlaceSearcher search;
 
-  auto members() {
-    return std::tie(newest_first, robot, piece, places, next, answers, best_score, exhausted);
-  }
+  auto members() { return std::tie(newest_first, robot, search); }
 };
 
 /// Loops and merges that scans alone suggest, closed lazily: every few metres of a robot's way, what it saw
@@ -48,52 +41,31 @@ class Hypotheses {
   bool finish_search(World world);
   /// then, as the maps are as large now as they will be and what was undecided may be plain, all that was
   /// tried once more: what is put on trial by one call is to be decided before the next. False: nothing was.
-  void try_all_again();
+  void try_all_again() { pool_.try_all_again(); }
   bool propose_last(World world, Closures& closures);
   bool has_work() const { return !queue_.empty() || looking_up_ || can_step(); }
 
   /// A robot's data is taken out.
   void forget_robot(const Map& map, const std::string& robot);
 
-  std::vector<UndecidedHypothesis> undecided() const;
+  std::vector<UndecidedHypothesis> undecided() const { return pool_.undecided(); }
   /// Something else has shown it to be false.
-  void refute(ClosureId id, Reason reason);
+  void refute(ClosureId id, Reason reason) { pool_.refute(id, reason); }
 
   const HypothesisCounts& counts() const { return counts_; }
 
   auto members() {
-    return std::tie(ways_, newest_, queue_, asked_, looking_up_, ready_, query_, pool_, agreements_,
-                    pool_changed_, hypotheses_, parked_, refuted_, counts_, credit_, patches_);
+    return std::tie(ways_, newest_, queue_, asked_, looking_up_, ready_, query_, pool_, counts_, credit_,
+                    patches_);
   }
 
  private:
   /// A robot's way on its newest patches.
   struct Way {
-    std::deque<PatchId> newest_first;
-    std::deque<double> from_newest_m;
+    RecentWay recent;
     double since_query_m = 0;
 
-    auto members() { return std::tie(newest_first, from_newest_m, since_query_m); }
-  };
-  struct Waiting {
-    Find find;
-    std::string robot;
-    ClosureId hypothesis;  ///< that it has been proposed with, if any
-
-    auto members() { return std::tie(find, robot, hypothesis); }
-  };
-  struct Refutation {
-    ClosureId id;
-    Reason reason = Reason::none;
-
-    auto members() { return std::tie(id, reason); }
-  };
-  struct Hypothesis {
-    UndecidedHypothesis says;
-    int tried = 0;  ///< finds when it was last on trial
-    bool undecided = false;
-
-    auto members() { return std::tie(says, tried, undecided); }
+    auto members() { return std::tie(recent, since_query_m); }
   };
 
   void follow(World world);
@@ -105,14 +77,6 @@ class Hypotheses {
   /// One bounded piece of the search; what it costs, in nominal microseconds.
   std::int64_t step(World world);
   std::int64_t begin(World world, PlaceQuery& query);
-  std::int64_t search_next(World world, PlaceQuery& query);
-  std::int64_t decide(World world, PlaceQuery& query);
-  void take(World world, const std::string& robot, Find find);
-  bool propose(World world, Closures& closures);
-  bool propose(World world, Closures& closures, const std::vector<std::size_t>& set);
-  std::size_t rivals(const Map& map, const std::vector<std::size_t>& set, double rival_m) const;
-  void hear(World world, Closures& closures);
-  void remove(const std::vector<bool>& gone);
 
   std::map<std::string, Way> ways_;
   std::map<std::string, PatchId> newest_;
@@ -122,12 +86,7 @@ class Hypotheses {
   std::optional<PlacesJob> looking_up_;
   std::deque<PlaceQuery> ready_;
   std::optional<PlaceQuery> query_;
-  std::vector<Waiting> pool_;
-  AgreementTable agreements_;
-  bool pool_changed_ = false;
-  std::map<ClosureId, Hypothesis> hypotheses_;
-  std::map<ClosureId, std::vector<Waiting>> parked_;  ///< finds of closures that may be withdrawn or allowed
-  std::vector<Refutation> refuted_;
+  HypothesisPool pool_;
   HypothesisCounts counts_;
   Credit credit_;
   std::size_t patches_ = 0;  ///< when last worked

@@ -1,10 +1,10 @@
+#include "server/engine/hypotheses/hypothesis_pool.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <set>
 #include <utility>
-
-#include "server/engine/hypotheses/hypotheses.hpp"
 
 namespace isthmus {
 namespace {
@@ -56,9 +56,8 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
 
 }  // namespace
 
-// A find joins the pool with its agreements with those that wait there.
-void Hypotheses::take(World world, const std::string& robot, Find find) {
-  ++counts_.finds;
+void HypothesisPool::take(World world, const std::string& robot, Find find, HypothesisCounts& counts) {
+  ++counts.finds;
   const HypothesisOptions& options = world.options.hypotheses;
   const NearbyConfidence of_anchor(world.map, find.anchor, options.agreement_patches);
   const NearbyConfidence of_query(world.map, find.query, options.agreement_patches);
@@ -76,10 +75,10 @@ void Hypotheses::take(World world, const std::string& robot, Find find) {
     gone.front() = true;
     remove(gone);
   }
-  pool_changed_ = true;
+  changed_ = true;
 }
 
-void Hypotheses::remove(const std::vector<bool>& gone) {
+void HypothesisPool::remove(const std::vector<bool>& gone) {
   std::vector<Waiting> kept;
   for (std::size_t i = 0; i < pool_.size(); ++i)
     if (!gone[i]) kept.push_back(std::move(pool_[i]));
@@ -87,18 +86,24 @@ void Hypotheses::remove(const std::vector<bool>& gone) {
   agreements_.remove(gone);
 }
 
-bool Hypotheses::propose(World world, Closures& closures) {
+void HypothesisPool::advance(World world, Closures& closures, HypothesisCounts& counts) {
+  if (changed_ && !closures.on_trial()) changed_ = propose(world, closures, counts);
+}
+
+bool HypothesisPool::propose(World world, Closures& closures, HypothesisCounts& counts) {
   std::set<std::vector<std::size_t>> looked_at;
   // The newest find first: what it makes possible is what is new.
   for (std::size_t i = pool_.size(); i-- > 0;) {
     const std::vector<std::size_t> set = agreements_.largest_consistent_with(i, world.options.consistency);
     if (!looked_at.insert(set).second) continue;
-    if (propose(world, closures, set)) return true;
+    if (!propose(world, closures, set)) continue;
+    ++counts.proposed;
+    return true;
   }
   return false;
 }
 
-bool Hypotheses::propose(World world, Closures& closures, const std::vector<std::size_t>& set) {
+bool HypothesisPool::propose(World world, Closures& closures, const std::vector<std::size_t>& set) {
   const HypothesisOptions& options = world.options.hypotheses;
   if (set.size() < options.min_finds || 2 * rivals(world.map, set, options.rival_m) > set.size())
     return false;
@@ -122,12 +127,12 @@ bool Hypotheses::propose(World world, Closures& closures, const std::vector<std:
   hypothesis.says = {id, proposal.first, proposal.second, proposal.first_from_second, 0};
   hypothesis.undecided = false;
   hypothesis.tried = proposal.finds;
-  ++counts_.proposed;
   return true;
 }
 
 // Finds from about the same stretch of way that say otherwise.
-std::size_t Hypotheses::rivals(const Map& map, const std::vector<std::size_t>& set, double rival_m) const {
+std::size_t HypothesisPool::rivals(const Map& map, const std::vector<std::size_t>& set,
+                                   double rival_m) const {
   const auto near = [&](std::size_t rival, std::size_t member) {
     const Pose apart = map.relative_pose(pool_[member].find.query, pool_[rival].find.query);
     return std::hypot(apart.x, apart.y) < rival_m;
@@ -138,42 +143,49 @@ std::size_t Hypotheses::rivals(const Map& map, const std::vector<std::size_t>& s
   }));
 }
 
-// What became of those that were proposed, and what others have refuted.
-void Hypotheses::hear(World world, Closures& closures) {
+void HypothesisPool::hear(World world, Closures& closures, HypothesisCounts& counts) {
   for (const auto& [id, reason] : std::exchange(refuted_, {})) closures.refuse_from_scans(id, reason);
   for (const ClosureOutcome& outcome : closures.take_outcomes()) {
     if (outcome.state == ClosureState::waiting && parked_.contains(outcome.id)) {
-      for (Waiting& waiting : parked_[outcome.id]) take(world, waiting.robot, std::move(waiting.find));
+      for (Waiting& waiting : parked_[outcome.id])
+        take(world, waiting.robot, std::move(waiting.find), counts);
       parked_.erase(outcome.id);
-      continue;
+    } else {
+      conclude(world, outcome);
     }
-    const auto found = hypotheses_.find(outcome.id);
-    if (found == hypotheses_.end()) continue;
-    if (outcome.state == ClosureState::waiting) {
-      found->second.undecided = true;
-      found->second.says.value = outcome.value;
-      if (outcome.reason == Reason::map_changed) found->second.tried = 0;
-      pool_changed_ = true;
-      continue;
-    }
-    std::vector<bool> gone(pool_.size(), false);
-    for (std::size_t i = 0; i < pool_.size(); ++i) {
-      if (pool_[i].hypothesis != outcome.id) continue;
-      gone[i] = true;
-      if (outcome.state == ClosureState::accepted || outcome.reason == Reason::forbidden)
-        parked_[outcome.id].push_back(pool_[i]);
-    }
-    if (outcome.state == ClosureState::accepted) {
-      for (std::size_t i = 0; i < pool_.size(); ++i)
-        gone[i] = gone[i] || agrees_with_map(world.map, pool_[i].find, world.options.hypotheses);
-    }
-    remove(gone);
-    hypotheses_.erase(found);
-    pool_changed_ = true;
   }
 }
 
-void Hypotheses::forget_robot(const Map& map, const std::string& robot) {
+void HypothesisPool::conclude(World world, const ClosureOutcome& outcome) {
+  const auto found = hypotheses_.find(outcome.id);
+  if (found == hypotheses_.end()) return;
+  changed_ = true;
+  if (outcome.state == ClosureState::waiting) {
+    found->second.undecided = true;
+    found->second.says.value = outcome.value;
+    if (outcome.reason == Reason::map_changed) found->second.tried = 0;
+    return;
+  }
+  std::vector<bool> gone(pool_.size(), false);
+  for (std::size_t i = 0; i < pool_.size(); ++i) {
+    if (pool_[i].hypothesis != outcome.id) continue;
+    gone[i] = true;
+    if (outcome.state == ClosureState::accepted || outcome.reason == Reason::forbidden)
+      parked_[outcome.id].push_back(pool_[i]);
+  }
+  if (outcome.state == ClosureState::accepted) {
+    for (std::size_t i = 0; i < pool_.size(); ++i)
+      gone[i] = gone[i] || agrees_with_map(world.map, pool_[i].find, world.options.hypotheses);
+  }
+  remove(gone);
+  hypotheses_.erase(found);
+}
+
+void HypothesisPool::try_all_again() {
+  for (auto& [id, hypothesis] : hypotheses_) hypothesis.tried = 0;
+}
+
+void HypothesisPool::forget_robot(const Map& map, const std::string& robot) {
   const auto is_its = [&](const Waiting& waiting) {
     return map.manifold().patch(waiting.find.query).robot == robot ||
            map.manifold().patch(waiting.find.anchor).robot == robot;
@@ -182,23 +194,16 @@ void Hypotheses::forget_robot(const Map& map, const std::string& robot) {
   for (const Waiting& waiting : pool_) gone.push_back(is_its(waiting));
   remove(gone);
   for (auto& [id, finds] : parked_) std::erase_if(finds, is_its);
-  if (query_ && query_->robot == robot) query_.reset();
-  const auto asks = [&](const PlaceQuery& query) { return query.robot == robot; };
-  std::erase_if(queue_, asks);
-  std::erase_if(ready_, asks);
-  for (PlaceQuery& query : asked_)
-    if (asks(query)) query.newest_first.clear();
-  ways_.erase(robot);
 }
 
-std::vector<UndecidedHypothesis> Hypotheses::undecided() const {
+std::vector<UndecidedHypothesis> HypothesisPool::undecided() const {
   std::vector<UndecidedHypothesis> undecided;
   for (const auto& [id, hypothesis] : hypotheses_)
     if (hypothesis.undecided) undecided.push_back(hypothesis.says);
   return undecided;
 }
 
-void Hypotheses::refute(ClosureId id, Reason reason) {
+void HypothesisPool::refute(ClosureId id, Reason reason) {
   const auto found = hypotheses_.find(id);
   if (found == hypotheses_.end()) return;
   std::vector<bool> gone;

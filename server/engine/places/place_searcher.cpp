@@ -1,0 +1,72 @@
+#include "server/engine/places/place_searcher.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <utility>
+
+namespace isthmus {
+namespace {
+
+bool share_a_patch(const RigidPiece& a, const RigidPiece& b) {
+  return std::ranges::any_of(a.local.patches, [&](const LocalPatch& of_a) {
+    return std::ranges::any_of(b.local.patches,
+                               [&](const LocalPatch& of_b) { return of_a.patch->id == of_b.patch->id; });
+  });
+}
+
+}  // namespace
+
+void PlaceSearcher::add(std::vector<PlaceCandidate> places) {
+  std::ranges::move(places, std::back_inserter(places_));
+}
+
+std::int64_t PlaceSearcher::search_next(const RigidPiece& place, const SearchTerms& terms,
+                                        const EngineOptions& options) {
+  const PlaceCandidate candidate = places_[next_++];
+  const double min_score = candidate.way_m > 0 ? terms.min_score : terms.min_score_anywhere;
+  const PlaceSearch search = search_place(
+      place, piece_, candidate.window, std::max(min_score, options.ambiguity.share * best_score_), options);
+  if (search.exhausted) search_halves(candidate, terms.min_half_window_rad);
+  for (const PlaceAnswer& answer : search.answers) {
+    best_score_ = std::max(best_score_, answer.score);
+    answers_.push_back(answer);
+    answers_.back().way_m = candidate.way_m;
+    answers_.back().sigma_m = candidate.sigma_m;
+  }
+  return terms.step_price_us +
+         static_cast<std::int64_t>(terms.evaluation_price_us * static_cast<double>(search.evaluations));
+}
+
+// What is too much for one step is done in two, once more is known of what is worth finding.
+void PlaceSearcher::search_halves(const PlaceCandidate& place, double min_half_window_rad) {
+  const double half = 0.5 * place.window.half_yaw_rad;
+  if (half < min_half_window_rad) {
+    exhausted_ = true;
+    return;
+  }
+  for (const double yaw : {place.window.centre.yaw - half, place.window.centre.yaw + half}) {
+    places_.push_back(place);
+    places_.back().window.centre.yaw = wrap_angle(yaw);
+    places_.back().window.half_yaw_rad = half;
+  }
+}
+
+PlaceDecision PlaceSearcher::decide(const Map& map, const SearchTerms& terms, const EngineOptions& options) {
+  std::ranges::stable_sort(answers_, std::ranges::greater{}, &PlaceAnswer::score);
+  PlaceDecision decision;
+  decision.price_us = terms.undecided_price_us;
+  if (answers_.empty()) return decision;
+  decision.ambiguous = exhausted_ || !is_unique(map, answers_, options);
+  if (decision.ambiguous) return decision;
+  const PlaceAnswer& best = answers_.front();
+  const RigidPiece place = place_around(map, best.anchor, options);
+  // While the piece waited, the map may have come to know how the two lie.
+  if (terms.on_the_map && share_a_patch(place, piece_)) return decision;
+  decision.find = refine(place, piece_, best, options);
+  decision.price_us =
+      static_cast<std::int64_t>(terms.decision_steps * static_cast<double>(terms.step_price_us));
+  return decision;
+}
+
+}  // namespace isthmus
