@@ -81,7 +81,7 @@ def with_restarts(arguments, log, work):
                         output, "--segment-mb", "16", "--log-level", "warning"], check=True)
         os.remove(part)
         # All that is closed is in a snapshot before the next start, as on a machine that had time for it.
-        subprocess.run([program(arguments, "snapshot"), journal], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([program(arguments, "snapshot"), "--wait", journal], check=True, stdout=subprocess.DEVNULL)
         report = report_of(output)
         hour = arguments.hours * (k + 1) / len(parts)
         points.append((hour, report["peak_rss_mb"]))

@@ -11,15 +11,21 @@ using namespace isthmus;
 struct Arguments {
   std::string journal;
   int keep_segments = -1;
+  bool wait = false;
 };
 
 void run(const Arguments& arguments) {
   SnapshotPolicy policy;
   if (arguments.keep_segments >= 0) policy.keep_segments = arguments.keep_segments;
+  policy.wait = arguments.wait;
   policy.warn = [](const std::string& warning) {
     std::fprintf(stderr, "isthmus-snapshot: %s\n", warning.c_str());
   };
   const SnapshotsMade made = update_snapshots(arguments.journal, policy);
+  if (made.busy) {
+    std::printf("%s: another process is making the snapshots\n", arguments.journal.c_str());
+    return;
+  }
   std::printf("%s: %d snapshots written, the newest after segment %d; %d segments pruned\n",
               arguments.journal.c_str(), made.written, made.last_segment, made.pruned_segments);
 }
@@ -37,6 +43,8 @@ int main(int argc, char** argv) {
   app.add_option("--keep-segments", arguments.keep_segments,
                  "number of closed segments to keep that snapshots already cover (default: all)")
       ->check(CLI::Range(0, 1'000'000));
+  app.add_flag("--wait", arguments.wait,
+               "where another process is making snapshots, wait for it to end and do the rest");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "server/engine/record/uninterrupted.hpp"
 #include "server/wire/file/file_bytes.hpp"
 #include "server/wire/journal/journal_files.hpp"
 #include "server/wire/journal/journal_view.hpp"
@@ -21,12 +22,13 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kept_snapshots = 2;  // should the newest not be readable
 
-/// Held while snapshots are made. Not open: another process holds it.
-FileHandle lock(const std::string& directory) {
+/// Held while snapshots are made. Not open: another process holds it, and was not waited for.
+FileHandle lock(const std::string& directory, bool wait) {
   const std::string path = (fs::path(directory) / "snapshots.lock").string();
   FileHandle file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
   if (!file.is_open()) throw std::runtime_error(path + ": " + errno_text(errno));
-  if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) file.close();
+  const int how = wait ? LOCK_EX : LOCK_EX | LOCK_NB;
+  if (uninterrupted([&] { return ::flock(file.get(), how); }) != 0) file.close();
   return file;
 }
 
@@ -89,8 +91,9 @@ int prune_segments(const JournalView& journal, const std::map<int, std::string>&
 
 SnapshotsMade update_snapshots(const std::string& directory, const SnapshotPolicy& policy) {
   SnapshotsMade made;
-  const FileHandle held = lock(directory);
-  if (!held.is_open()) return made;
+  const FileHandle held = lock(directory, policy.wait);
+  made.busy = !held.is_open();
+  if (made.busy) return made;
   remove_unfinished(directory);
   const JournalView journal = view_journal(directory);
   if (!journal.verified)

@@ -9,6 +9,8 @@ namespace isthmus {
 struct SnapshotPolicy {
   /// Closed segments that stay although a snapshot holds what they say; none: all of them.
   std::optional<int> keep_segments;
+  /// For another process that makes them; else they are left to it.
+  bool wait = false;
   std::function<void(const std::string&)> warn;
 };
 
@@ -16,6 +18,7 @@ struct SnapshotsMade {
   int written = 0;
   int last_segment = 0;  ///< that the newest snapshot ends with; 0: there is none
   int pruned_segments = 0;
+  bool busy = false;  ///< another process makes them: nothing was done
 };
 
 /// Brings the snapshots of a journal up to its last closed segment: all but the one that is being written.

@@ -1,10 +1,15 @@
 #include "server/wire/journal/snapshot.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <future>
 
+#include "server/wire/file/file_bytes.hpp"
 #include "server/wire/journal/journal.hpp"
 #include "server/wire/journal/journal_files.hpp"
 #include "server/wire/journal/recovery.hpp"
@@ -145,14 +150,32 @@ TEST(Snapshots, StandForSegmentsThatWerePruned) {
   }
 }
 
-TEST(Snapshots, AreLeftToTheProcessThatMakesThem) {
+TEST(Snapshots, AreMadeBesideAServerAtWorkAndAfterOneThatWasKilled) {
   const TemporaryDirectory directory;
   const std::string journal = write_journal(directory, 40);
   std::ofstream(journal + "/snapshot-000001.isthmus.tmp-99") << "what a killed process left";
   update_snapshots(journal);
   EXPECT_FALSE(fs::exists(journal + "/snapshot-000001.isthmus.tmp-99"));
-  Journal held(journal);  // a server at work does not stand in the way
+  Journal held(journal);
   EXPECT_EQ(update_snapshots(journal).written, 1);
+}
+
+TEST(Snapshots, AreLeftToTheProcessThatMakesThemOrWaitForIt) {
+  const TemporaryDirectory directory;
+  const std::string journal = write_journal(directory, 60);
+  FileHandle other(::open((journal + "/snapshots.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+  ASSERT_EQ(::flock(other.get(), LOCK_EX), 0);
+  const SnapshotsMade left = update_snapshots(journal);
+  EXPECT_TRUE(left.busy);
+  EXPECT_EQ(left.written, 0);
+  SnapshotPolicy policy;
+  policy.wait = true;
+  auto waiting = std::async(std::launch::async, [&] { return update_snapshots(journal, policy); });
+  EXPECT_EQ(waiting.wait_for(std::chrono::milliseconds(20)), std::future_status::timeout);
+  other.close();
+  const SnapshotsMade made = waiting.get();
+  EXPECT_FALSE(made.busy);
+  EXPECT_GT(made.written, 0);
 }
 
 TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {

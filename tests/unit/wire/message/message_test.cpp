@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -219,8 +220,9 @@ TEST(Decode, RefusesSightingsThatCannotBe) {
 
 TEST(Decode, RefusesUnknownCommands) {
   Message absurd = encode({1, CommandEvent{5, Verb::refine, -1, ""}});
+  constexpr std::string_view known = "refine";
   std::ranges::copy(std::string_view("absurd"),
-                    std::ranges::search(absurd.bytes, std::string_view("refine")).begin());
+                    std::search(absurd.bytes.begin(), absurd.bytes.end(), known.begin(), known.end()));
   EXPECT_EQ(decode_on(absurd.channel, absurd.bytes).reason, "unknown_command");
   EXPECT_EQ(round_trip({1, CommandEvent{5, Verb::send_map, -1, ""}}).reason, "");
   EXPECT_EQ(round_trip({1, CommandEvent{5, Verb::drop, -1, "r1"}}).reason, "");
