@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what building Isthmus needs on Debian 12; only what is missing. As root, or with sudo.
-#   tools/install-dependencies.sh [--ci]     --ci: what checking needs besides (clang, libFuzzer, clang-format)
+#   tools/install-dependencies.sh [--ci]     --ci: what checking needs besides (clang, libFuzzer, clang-format, clang-tidy)
 set -euo pipefail
 
 packages=(
@@ -8,10 +8,10 @@ packages=(
   libeigen3-dev libceres-dev libsuitesparse-dev libcgal-dev libboost-graph-dev
   liblcm-dev liblcm-bin libcpp-httplib-dev libcereal-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libpng-dev libssl-dev zlib1g-dev
-  libgtest-dev libbenchmark-dev librapidcheck-dev
+  libgtest-dev libbenchmark-dev librapidcheck-dev python3
 )
 if [[ "${1:-}" == "--ci" ]]; then
-  packages+=(clang libclang-rt-14-dev clang-format)
+  packages+=(clang clang-format clang-tidy libclang-rt-14-dev)
 elif [[ $# -gt 0 ]]; then
   echo "usage: tools/install-dependencies.sh [--ci]" >&2
   exit 2

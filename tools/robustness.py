@@ -1,0 +1,253 @@
+#!/usr/bin/env python3
+"""Maps recorded drives as slightly different robots would have recorded them, and tells which runs fail.
+
+    tools/robustness.py [--kinds K ...] [--seeds 1 2 3] [--refine] [--jobs 2] [--most-failures 3] [LOG ...]
+    tools/robustness.py --list
+
+Each log DIR/bench/LOG.clf.gz (CARMEN, FLASER) with LOG.relations is changed in each kind of way with each seed, imported,
+mapped and evaluated. A run fails when a relation is off by more than 1 m, when the robot ends on more than one island or
+when no map comes of it. The exit code is 1 where more than --most-failures runs fail.
+"""
+
+import argparse
+import concurrent.futures
+import dataclasses
+import gzip
+import json
+import math
+import os
+import random
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+MOUNTS = {"fr079": ["--laser-x", "-0.04"]}  # of lasers whose logs do not tell
+FAILED_M = 1.0
+
+
+@dataclasses.dataclass
+class Reading:
+    """One line of odometry (no ranges) or of a scan, with the odometry's pose of that moment."""
+
+    ranges: list
+    pose: tuple  # x, y (m), yaw (rad)
+    stamp: float  # s
+    rest: list  # the words of the line behind the pose
+
+    @staticmethod
+    def parse(line):
+        words = line.split()
+        if words[0] == "ODOM":
+            return Reading([], tuple(map(float, words[1:4])), float(words[7]), words[4:])
+        beams = int(words[1])
+        at = 2 + beams + 3  # behind the ranges stands the pose of the laser, then that of the robot
+        return Reading(list(map(float, words[2:2 + beams])), tuple(map(float, words[at:at + 3])),
+                       float(words[at + 3]), words[at + 3:])
+
+    def line(self):
+        pose = [f"{value:.6f}" for value in self.pose]
+        if not self.ranges:
+            return " ".join(["ODOM", *pose, *self.rest[:3], f"{self.stamp:.6f}", *self.rest[4:]])
+        ranges = [f"{value:.3f}" for value in self.ranges]
+        return " ".join(["FLASER", str(len(ranges)), *ranges, *pose, *pose, f"{self.stamp:.6f}", *self.rest[1:]])
+
+
+@dataclasses.dataclass
+class Drive:
+    readings: list
+    relations: list  # of words: two stamps, then x y z roll pitch yaw of the second in the first
+    no_return_m: float  # what this laser writes where nothing comes back
+
+    @staticmethod
+    def load(log, relations):
+        with gzip.open(log, "rt", encoding="ascii", errors="replace") as file:
+            readings = [Reading.parse(line) for line in file if line.startswith(("ODOM ", "FLASER "))]
+        with open(relations, encoding="ascii") as file:
+            related = [line.split() for line in file if line.strip() and not line.startswith("#")]
+        return Drive(readings, related, max(max(reading.ranges) for reading in readings if reading.ranges))
+
+    def save(self, log, relations):
+        with gzip.open(log, "wt", compresslevel=1, encoding="ascii") as file:
+            file.writelines(reading.line() + "\n" for reading in self.readings)
+        with open(relations, "w", encoding="ascii") as file:
+            file.writelines(" ".join(words) + "\n" for words in self.relations)
+
+    def scans(self):
+        return (reading for reading in self.readings if reading.ranges)
+
+
+def mirror(drive, _):
+    """left and right exchanged: the same problem with other rounding and other tie-breaks"""
+    for reading in drive.readings:
+        reading.ranges.reverse()
+        x, y, yaw = reading.pose
+        reading.pose = (x, -y, -yaw)
+    for words in drive.relations:
+        for place in (3, 7):
+            words[place] = f"{-float(words[place]):.6f}"
+
+
+def late(drive, chance):
+    """begun when 5 to 40 % of the log have passed"""
+    stamps = [reading.stamp for reading in drive.readings]
+    begin = min(stamps) + chance.uniform(0.05, 0.4) * (max(stamps) - min(stamps))
+    drive.readings = [reading for reading in drive.readings if reading.stamp >= begin]
+    drive.relations = [words for words in drive.relations if min(float(words[0]), float(words[1])) >= begin]
+
+
+def thin(drive, _):
+    """two of three scans missing"""
+    missing = {id(scan) for number, scan in enumerate(drive.scans()) if number % 3 != 2}
+    drive.readings = [reading for reading in drive.readings if id(reading) not in missing]
+
+
+def short(drive, _):
+    """a laser that sees 8 m"""
+    for scan in drive.scans():
+        scan.ranges = [drive.no_return_m if value > 8 else value for value in scan.ranges]
+
+
+def coarse(drive, _):
+    """every second beam"""
+    for scan in drive.scans():
+        scan.ranges = scan.ranges[::2]
+
+
+def noisy(drive, chance):
+    """2 cm of noise on each range, and 3 % of the beams without a return"""
+    def spoilt(value):
+        if chance.random() < 0.03:
+            return drive.no_return_m
+        return value if value > drive.no_return_m - 1 else max(0.02, value + chance.gauss(0, 0.02))
+
+    for scan in drive.scans():
+        scan.ranges = [spoilt(value) for value in scan.ranges]
+
+
+def odometry(drive, chance):
+    """wheels 3 % off in scale that drift by half a degree a metre, with 5 % of noise"""
+    scale = 1 + chance.choice([-1, 1]) * 0.03
+    drift = chance.choice([-1, 1]) * math.radians(0.5)
+    last = made = drive.readings[0].pose
+    for reading in drive.readings:
+        dx, dy = reading.pose[0] - last[0], reading.pose[1] - last[1]
+        turn = math.remainder(reading.pose[2] - last[2], 2 * math.pi)
+        last_cos, last_sin = math.cos(last[2]), math.sin(last[2])
+        factor = scale * (1 + chance.gauss(0, 0.05))
+        along, across = factor * (last_cos * dx + last_sin * dy), factor * (-last_sin * dx + last_cos * dy)
+        last = reading.pose
+        cos, sin = math.cos(made[2]), math.sin(made[2])
+        made = (made[0] + cos * along - sin * across, made[1] + sin * along + cos * across,
+                made[2] + turn + drift * math.hypot(dx, dy) + chance.gauss(0, 0.05) * abs(turn))
+        reading.pose = made
+
+
+def jitter(drive, chance):
+    """each stamp off by up to 10 ms"""
+    for reading in drive.readings:
+        reading.stamp += chance.uniform(-0.01, 0.01)
+
+
+KINDS = {change.__name__: change for change in (mirror, late, thin, short, coarse, noisy, odometry, jitter)}
+
+
+@dataclasses.dataclass
+class Result:
+    mean_m: float = math.nan
+    largest_m: float = math.nan
+    islands: int = 0
+    error: str = ""
+
+    @property
+    def failed(self):
+        return bool(self.error) or self.islands != 1 or not self.largest_m <= FAILED_M
+
+    def cell(self):
+        if self.error:
+            return f"**{self.error}**"
+        text = f"{self.mean_m:.4f} ({self.largest_m:.1f} m)" if self.failed else f"{self.mean_m:.4f}"
+        text += f", {self.islands} islands" if self.islands != 1 else ""
+        return f"**{text}**" if self.failed else text
+
+
+def command(arguments, name, *words):
+    result = subprocess.run([os.path.join(arguments.build, "bin", "isthmus-" + name), *words], capture_output=True, text=True)
+    if result.returncode != 0:
+        raise RuntimeError(f"isthmus-{name}: {result.stderr.strip() or result.returncode}")
+    return result.stdout
+
+
+def run(arguments, name, kind, seed):
+    """One log in one variant; as it was recorded where there is no kind."""
+    folder = os.path.join(arguments.data, "bench", name)
+    try:
+        with tempfile.TemporaryDirectory() as work:
+            drive = Drive.load(folder + ".clf.gz", folder + ".relations")
+            if kind:
+                KINDS[kind](drive, random.Random(f"{kind} {seed}"))
+            log, relations, events, output = (os.path.join(work, file) for file in ("log.clf.gz", "relations", "log.lcm", "map"))
+            drive.save(log, relations)
+            command(arguments, "import", "carmen", "--robot", "R1=" + log, *MOUNTS.get(name, []), "-o", events)
+            refine = ["--refine"] if arguments.refine else []
+            summary = json.loads(command(arguments, "replay", events, *refine, "--output", output, "--json"))
+            errors = json.loads(command(arguments, "evaluate", "--relations", relations, "--output", output, "--json"))
+            metres = errors["relations"]["intra"]["translation_m"]
+            return Result(metres["mean"], metres["max"], summary["islands"])
+    except (RuntimeError, OSError, KeyError, ValueError) as error:
+        return Result(error=str(error))
+
+
+def table(name, arguments, recorded, results):
+    print(f"\n## {name}: {recorded.cell()} m as recorded\n")
+    print("| kind | " + " | ".join(f"seed {seed}" for seed in arguments.seeds) + " |")
+    print("|---" * (1 + len(arguments.seeds)) + "|")
+    for kind in arguments.kinds:
+        print(f"| {kind} | " + " | ".join(results[kind, seed].cell() for seed in arguments.seeds) + " |", flush=True)
+
+
+def logs_of(arguments):
+    bench = os.path.join(arguments.data, "bench")
+    found = sorted(file[:-len(".clf.gz")] for file in os.listdir(bench) if file.endswith(".clf.gz"))
+    unknown = set(arguments.logs) - set(found)
+    if unknown:
+        print(f"no such log: {', '.join(sorted(unknown))}; there are {', '.join(found)}", file=sys.stderr)
+        raise SystemExit(2)
+    return arguments.logs or found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("logs", nargs="*", metavar="LOG", help="those of the data that are run; all of them without")
+    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS), metavar="KIND")
+    parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3], metavar="SEED")
+    parser.add_argument("--refine", action="store_true", help="with the last pass of isthmus-replay")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
+    parser.add_argument("--most-failures", type=int, default=3)
+    parser.add_argument("--build", default=os.path.join(ROOT, ".build", "release"))
+    parser.add_argument("--data", default=os.environ.get("ISTHMUS_DATA", os.path.join(ROOT, "..", "shared", "data")))
+    parser.add_argument("--list", action="store_true", help="what the kinds change")
+    arguments = parser.parse_args()
+    if arguments.list:
+        for kind, change in KINDS.items():
+            print(f"{kind:10}{change.__doc__}")
+        return 0
+    if not os.path.isdir(os.path.join(arguments.data, "bench")):
+        print(f"no recorded data at {arguments.data}: set ISTHMUS_DATA", file=sys.stderr)
+        return 1
+    runs = failures = 0
+    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+        for name in logs_of(arguments):
+            recorded = pool.submit(run, arguments, name, None, 0)
+            pending = {(kind, seed): pool.submit(run, arguments, name, kind, seed)
+                       for kind in arguments.kinds for seed in arguments.seeds}
+            results = {key: future.result() for key, future in pending.items()}
+            table(name, arguments, recorded.result(), results)
+            runs += len(results)
+            failures += sum(result.failed for result in results.values())
+    print(f"\n{failures} of {runs} runs failed: a relation more than {FAILED_M:g} m off, or more than one island")
+    return 1 if failures > arguments.most_failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
