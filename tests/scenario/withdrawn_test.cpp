@@ -199,7 +199,7 @@ TEST(Withdrawn, MergeAmongFourRobotsLeavesTheIslandsOfTheReference) {
 
 // By other sightings, by tags, after their ways have drifted apart, and by whatever number it comes again.
 TEST(Forbidden, MergeOfRobotsWithoutALaserStaysSoHoweverItIsFoundAgain) {
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Team run = run_of("blind", seed);
     ASSERT_TRUE(run.merge.valid());
     EXPECT_TRUE(robots_together(run.reference).empty()) << seed;
