@@ -27,7 +27,7 @@ constexpr std::int64_t small_segment_bytes = 30'000;
 
 /// A journal of two robots, in some ten segments.
 std::string write_journal(const TemporaryDirectory& directory, int rounds = 150) {
-  const std::string path = directory / "journal";
+  std::string path = directory / "journal";
   JournalOptions options;
   options.segment_bytes = small_segment_bytes;
   Journal journal(path, options);

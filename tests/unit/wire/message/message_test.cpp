@@ -57,7 +57,7 @@ RobotEvent plain_robot() {
 
 SightingEvent plain_sighting() { return {"R1", 5, 7, 2.0, 0.1, 0.5, 0.01}; }
 
-Decoded round_trip(Event event) {
+Decoded round_trip(const Event& event) {
   const Message message = encode(event);
   return decode(ChannelNames{}, message.channel, message.bytes, message.utime);
 }
@@ -134,7 +134,7 @@ TEST(Decode, RefusesOdometryThatCannotBe) {
 }
 
 TEST(Decode, RefusesScansThatCannotBe) {
-  const auto reason = [](bot_core::planar_lidar_t scan) {
+  const auto reason = [](const bot_core::planar_lidar_t& scan) {
     return decode_on("R1_SCAN", bytes_of(scan)).reason;
   };
   const auto changed = [](auto change) {
