@@ -109,6 +109,18 @@ TEST(PlaceSearcher, FindsNothingInThePlaceThatThePieceIsPartOf) {
   }
 }
 
+// What was not searched to its end might have fitted better.
+TEST(PlaceSearcher, FindsNothingWhereTheSearchGaveUpAtAnotherPlace) {
+  Searched searched(1);
+  searched.searcher.add({anywhere_around(PatchId{9}), anywhere_around(PatchId{1})});
+  searched.searcher.search_next(place_around(searched.map, PatchId{9}, searched.options), searched.its,
+                                searched.options);
+  searched.options.place_search.coarse_evaluations = 1;
+  const PlaceDecision decision = searched.decide();
+  EXPECT_TRUE(decision.ambiguous);
+  EXPECT_FALSE(decision.find);
+}
+
 // Where the search gives up, it takes two of half the yaw, or remains without an answer.
 TEST(PlaceSearcher, SearchesInHalvesWhatIsTooMuchForOneStep) {
   for (const bool halves : {false, true}) {
