@@ -40,21 +40,22 @@ Robot& Engine::State::with_name(const std::string& name) {
   return robot->second;
 }
 
-std::string Engine::State::drop(const std::string& robot, const std::string& reason) {
+DropReason Engine::State::drop(const std::string& robot, DropReason reason) {
   ++counters.dropped[reason];
   // Anybody can make up names: strangers are counted together, and names beyond so many too.
   constexpr std::size_t max_names = 256;
   const bool countable =
-      robots.contains(robot) || (reason != "unknown_robot" && (counters.dropped_by_robot.contains(robot) ||
-                                                               counters.dropped_by_robot.size() < max_names));
+      robots.contains(robot) ||
+      (reason != DropReason::unknown_robot &&
+       (counters.dropped_by_robot.contains(robot) || counters.dropped_by_robot.size() < max_names));
   if (!robot.empty()) ++counters.dropped_by_robot[countable ? robot : "(others)"][reason];
   return reason;
 }
 
 Outcome Engine::State::take(const ConfigurationEvent& event) {
-  if (counters.events > 1) return {drop("", "late_configuration"), {}};
+  if (counters.events > 1) return {drop("", DropReason::late_configuration), {}};
   auto parsed = parse_configuration(event.toml, "configuration");
-  if (std::holds_alternative<std::string>(parsed)) return {drop("", "bad_configuration"), {}};
+  if (std::holds_alternative<std::string>(parsed)) return {drop("", DropReason::bad_configuration), {}};
   configure(std::get<Configuration>(std::move(parsed)));
   return {};
 }
@@ -63,7 +64,7 @@ Outcome Engine::State::take(const RobotEvent& event) {
   for (const auto& [name, other] : robots) {
     if (event.barcode >= 0 && name != event.robot && other.declared &&
         other.declaration.barcode == event.barcode) {
-      return {drop(event.robot, "barcode_taken"), {}};
+      return {drop(event.robot, DropReason::barcode_taken), {}};
     }
   }
   Robot& robot = with_name(event.robot);
@@ -84,7 +85,7 @@ Outcome Engine::State::take(const RobotEvent& event) {
 
 // The robot was switched off and on: its odometry has another origin.
 void Engine::State::begin_anew(Robot& robot) {
-  for (std::size_t i = 0; i < robot.pending.size(); ++i) drop(robot.declaration.robot, "restarted");
+  for (std::size_t i = 0; i < robot.pending.size(); ++i) drop(robot.declaration.robot, DropReason::restarted);
   robot.pending.clear();
   handling->restarted(robot);
   robot.odometry.clear();
@@ -97,31 +98,33 @@ Outcome Engine::State::take(const TagEvent& event) {
 
 Outcome Engine::State::take(const OdometryEvent& event) {
   Robot* robot = declared(event.robot);
-  if (!robot) return {drop(event.robot, "unknown_robot"), {}};
+  if (!robot) return {drop(event.robot, DropReason::unknown_robot), {}};
   robot->odometry.add(event.utime, event.odom_from_robot);
   robot->health.heard_stamp(event.utime, counters.last_receive_utime);
   robot->health.heard_odometry(event.odom_from_robot);
   Outcome outcome;
   if (!has_no_laser(*robot)) return outcome;
-  const std::string reason = handling->take_way(*robot, event, outcome);
-  if (!reason.empty()) outcome.drop_reason = drop(event.robot, reason);
+  const DropReason reason = handling->take_way(*robot, event, outcome);
+  if (reason != DropReason::none) outcome.drop_reason = drop(event.robot, reason);
   return outcome;
 }
 
 Outcome Engine::State::take(const ScanEvent& event) {
   Robot* robot = declared(event.robot);
-  if (!robot) return {drop(event.robot, "unknown_robot"), {}};
+  if (!robot) return {drop(event.robot, DropReason::unknown_robot), {}};
   const Scan& scan = event.scan;
   robot->health.heard_stamp(scan.utime, counters.last_receive_utime);
   robot->health.heard_scan(scan, robot->declaration.laser, configuration.engine.match,
                            configuration.engine.health);
-  if (has_no_laser(*robot)) return {drop(event.robot, "no_laser"), {}};
-  if (scan.ranges_m.empty() || scan.bearing_step_rad == 0) return {drop(event.robot, "zero_beams"), {}};
+  if (has_no_laser(*robot)) return {drop(event.robot, DropReason::no_laser), {}};
+  if (scan.ranges_m.empty() || scan.bearing_step_rad == 0)
+    return {drop(event.robot, DropReason::zero_beams), {}};
   const bool first = robot->last_scan_utime == 0;
-  if (!first && scan.utime == robot->last_scan_utime) return {drop(event.robot, "duplicate_stamp"), {}};
+  if (!first && scan.utime == robot->last_scan_utime)
+    return {drop(event.robot, DropReason::duplicate_stamp), {}};
   if (!first && scan.utime < robot->newest_scan_utime - configuration.engine.intake.backward_us) {
     if (++robot->stale_scans < configuration.engine.intake.max_stale_scans)
-      return {drop(event.robot, "stale_stamp"), {}};
+      return {drop(event.robot, DropReason::stale_stamp), {}};
     handling->forget_place(*robot);
     robot->newest_scan_utime = scan.utime;
   }
@@ -136,17 +139,18 @@ Outcome Engine::State::take(const ScanEvent& event) {
 Outcome Engine::State::take(const SightingEvent& event) {
   ++counters.sightings;
   const Robot* observer = declared(event.robot);
-  const auto refuse = [&](Reason reason) {
+  const auto refuse = [&](Reason reason, DropReason drop_reason) {
     handling->refuse_sighting(event, reason);
-    return Outcome{drop(event.robot, std::string(word(reason))), {}};
+    return Outcome{drop(event.robot, drop_reason), {}};
   };
-  if (!observer) return refuse(Reason::unknown_robot);
-  if (observer->declaration.barcode == event.barcode) return refuse(Reason::sees_itself);
+  if (!observer) return refuse(Reason::unknown_robot, DropReason::unknown_robot);
+  if (observer->declaration.barcode == event.barcode)
+    return refuse(Reason::sees_itself, DropReason::sees_itself);
   const auto worn = std::ranges::find_if(robots, [&](const auto& entry) {
     return entry.second.declared && entry.second.declaration.barcode == event.barcode;
   });
   const bool is_tag = tags.contains(event.barcode) || configuration.any_tag;
-  if (worn == robots.end() && !is_tag) return refuse(Reason::unknown_barcode);
+  if (worn == robots.end() && !is_tag) return refuse(Reason::unknown_barcode, DropReason::unknown_barcode);
   const std::string target = worn != robots.end() ? worn->first : tag_name(event.barcode);
   if (worn != robots.end()) {
     Robot& seer = robots.at(event.robot);
@@ -158,15 +162,15 @@ Outcome Engine::State::take(const SightingEvent& event) {
     if (now) note_teammate(seer, event, target, *odometry);
     rendezvous.take_sighting(event.robot, target);
   }
-  const std::string reason = handling->take_sighting(event, target, worn == robots.end());
-  if (!reason.empty()) return {drop(event.robot, reason), {}};
+  const DropReason reason = handling->take_sighting(event, target, worn == robots.end());
+  if (reason != DropReason::none) return {drop(event.robot, reason), {}};
   return {};
 }
 
 Outcome Engine::State::take(const CommandEvent& event) {
   if (event.verb == Verb::send_map) return {};  // for whoever publishes it
-  const std::string reason = handling->obey(event);
-  if (!reason.empty()) return {drop("", reason), {}};
+  const DropReason reason = handling->obey(event);
+  if (reason != DropReason::none) return {drop("", reason), {}};
   return {};
 }
 
@@ -184,11 +188,11 @@ void Engine::State::answer_pending(Robot& robot, Outcome& outcome, bool no_more_
     }
     const Scan scan = std::move(robot.pending.front().scan);
     robot.pending.pop_front();
-    const std::string refused = handling->refusal_of_scans(robot);
-    if (odometry && refused.empty()) {
+    const DropReason refused = handling->refusal_of_scans(robot);
+    if (odometry && refused == DropReason::none) {
       handling->take_scan(robot, scan, *odometry, outcome);
     } else {
-      drop(robot.declaration.robot, refused.empty() ? "no_odometry" : refused);
+      drop(robot.declaration.robot, refused == DropReason::none ? DropReason::no_odometry : refused);
     }
   }
 }
@@ -204,11 +208,11 @@ Observation Engine::State::observed(const Robot& robot, const Scan& scan, const 
   return observe(without_bodies(scan, laser, bodies), laser, configuration.engine.patch);
 }
 
-void Engine::State::count_scan(const ScanOutcome& done) {
-  if (done.predicted_reason.empty()) {
+void Engine::State::count_scan(Unmatched unmatched) {
+  if (unmatched == Unmatched::no) {
     ++counters.scans_matched;
   } else {
-    ++counters.scans_predicted[done.predicted_reason];
+    ++counters.scans_predicted[unmatched];
   }
 }
 
@@ -265,9 +269,7 @@ bool Engine::is_stranger(const Event& event) const {
   return std::visit([&](const auto& body) { return state_->is_stranger(body); }, event.body);
 }
 
-void Engine::count_dropped(const std::string& robot, const std::string& reason) {
-  state_->drop(robot, reason);
-}
+void Engine::count_dropped(const std::string& robot, DropReason reason) { state_->drop(robot, reason); }
 
 bool Engine::has_queued_work() const {
   const State& state = *state_;

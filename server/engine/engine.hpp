@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/engine/input/configuration.hpp"
+#include "server/engine/input/drop_reason.hpp"
 #include "server/engine/input/event.hpp"
 #include "server/engine/record/map_copy.hpp"
 #include "server/engine/robot/robot_pose.hpp"
@@ -17,7 +18,7 @@ namespace isthmus {
 
 /// What became of an event.
 struct Outcome {
-  std::string drop_reason;       ///< empty: accepted
+  DropReason drop_reason = DropReason::none;  ///< none: accepted
   std::vector<RobotPose> poses;  ///< scans answered by this event (a scan may wait for its odometry)
 };
 
@@ -39,7 +40,7 @@ class Engine {
   bool is_stranger(const Event& event) const;
 
   /// Counts a message that never became an event. `robot` may be empty.
-  void count_dropped(const std::string& robot, const std::string& reason);
+  void count_dropped(const std::string& robot, DropReason reason);
 
   /// What remains to be done when no more events will come: waiting scans, queued work, the last fit.
   /// Returns the answers to scans that were still waiting.

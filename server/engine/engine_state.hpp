@@ -53,7 +53,8 @@ struct Engine::State {
 
   World world() { return {map, robots, configuration.engine, counters.last_receive_utime, false}; }
 
-  std::string drop(const std::string& robot, const std::string& reason);
+  /// Counts what is dropped, and returns why.
+  DropReason drop(const std::string& robot, DropReason reason);
 
   Robot* declared(const std::string& name) {
     const auto found = robots.find(name);
@@ -86,7 +87,7 @@ struct Engine::State {
 
   /// What a scan shows beside other robots.
   Observation observed(const Robot& robot, const Scan& scan, const Pose& odom_from_robot) const;
-  void count_scan(const ScanOutcome& done);
+  void count_scan(Unmatched unmatched);
   void begin_session(Robot& robot, const RobotPose& pose);
   /// Keeps where the robot is after a scan, and answers it.
   void keep_pose(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);

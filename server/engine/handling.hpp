@@ -17,18 +17,18 @@ class Engine::Handling {
  public:
   virtual ~Handling() = default;
 
-  /// Odometry of a robot without a laser. Returns why it is dropped, or nothing; answers are added.
-  virtual std::string take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) = 0;
-  /// Why scans of the robot are dropped at present, or nothing.
-  virtual std::string refusal_of_scans(const Robot& robot) const = 0;
+  /// Odometry of a robot without a laser. Returns why it is dropped; answers are added.
+  virtual DropReason take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) = 0;
+  /// Why scans of the robot are dropped at present.
+  virtual DropReason refusal_of_scans(const Robot& robot) const = 0;
   /// A scan with the odometry of its stamp.
   virtual void take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) = 0;
-  /// A sighting of a robot or tag. Returns why it is dropped, or nothing.
-  virtual std::string take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) = 0;
+  /// A sighting of a robot or tag. Returns why it is dropped.
+  virtual DropReason take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) = 0;
   /// A sighting of nobody known, or by nobody known.
   virtual void refuse_sighting(const SightingEvent& event, Reason reason) = 0;
-  /// An order that may change the map. Returns why it is not obeyed, or nothing.
-  virtual std::string obey(const CommandEvent& order) = 0;
+  /// An order that may change the map. Returns why it is not carried out.
+  virtual DropReason obey(const CommandEvent& order) = 0;
 
   /// The robot was switched off and on.
   virtual void restarted(Robot& robot) = 0;

@@ -11,7 +11,7 @@ Engine::Localising::Localising(State& state) : state_(state), frozen_(state.map,
 }
 
 // Its way would have to become a map.
-std::string Engine::Localising::take_way(Robot&, const OdometryEvent&, Outcome&) { return "frozen"; }
+DropReason Engine::Localising::take_way(Robot&, const OdometryEvent&, Outcome&) { return DropReason::frozen; }
 
 void Engine::Localising::take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot,
                                    Outcome& outcome) {
@@ -19,19 +19,19 @@ void Engine::Localising::take_scan(Robot& robot, const Scan& scan, const Pose& o
       frozen_.take_scan(state_.map, robot, state_.observed(robot, scan, odom_from_robot), odom_from_robot,
                         state_.configuration.engine);
   if (!done) {
-    ++state_.counters.scans_predicted["not_found_yet"];
+    state_.count_scan(Unmatched::not_found_yet);
     return;
   }
-  state_.count_scan(*done);
+  state_.count_scan(done->unmatched);
   if (done->new_session) state_.begin_session(robot, done->pose);
   state_.keep_pose(robot, std::move(*done), odom_from_robot, outcome);
 }
 
-std::string Engine::Localising::take_sighting(const SightingEvent&, const std::string&, bool) {
-  return "frozen";
+DropReason Engine::Localising::take_sighting(const SightingEvent&, const std::string&, bool) {
+  return DropReason::frozen;
 }
 
-std::string Engine::Localising::obey(const CommandEvent&) { return "frozen"; }
+DropReason Engine::Localising::obey(const CommandEvent&) { return DropReason::frozen; }
 
 void Engine::Localising::work(std::int64_t receive_utime) {
   frozen_.advance(state_.map, state_.configuration.engine, receive_utime);

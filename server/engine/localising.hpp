@@ -14,12 +14,12 @@ class Engine::Localising : public Engine::Handling {
   /// Robots that are on the map stay where they are on it.
   explicit Localising(State& state);
 
-  std::string take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) override;
-  std::string refusal_of_scans(const Robot&) const override { return {}; }
+  DropReason take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) override;
+  DropReason refusal_of_scans(const Robot&) const override { return DropReason::none; }
   void take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) override;
-  std::string take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) override;
+  DropReason take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) override;
   void refuse_sighting(const SightingEvent&, Reason) override {}
-  std::string obey(const CommandEvent& order) override;
+  DropReason obey(const CommandEvent& order) override;
   void restarted(Robot& robot) override { frozen_.restart(robot); }
   void forget_place(Robot& robot) override { frozen_.restart(robot); }
   /// What is heard need not come after the journal: a log of another day may be localised.

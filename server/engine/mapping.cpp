@@ -38,32 +38,32 @@ void Engine::Mapping::relate_measured_starts() {
 }
 
 // Takes a robot's data so far out of the map; what it sends from now on begins a new island.
-std::string Engine::Mapping::drop_data(const std::string& name) {
+DropReason Engine::Mapping::drop_data(const std::string& name) {
   Robot* robot = state_.declared(name);
-  if (!robot) return "unknown_robot";
+  if (!robot) return DropReason::unknown_robot;
   state_.closures.forget_robot(name);
   state_.hypotheses.forget_robot(state_.map, name);
   const std::vector<Relation> taken = take_out(state_.map, name, state_.robots);
   State::Dropped& kept = state_.dropped[name];
   kept.relations.insert(kept.relations.end(), taken.begin(), taken.end());
   kept.end = state_.map.manifold().next_id();
-  for (std::size_t i = 0; i < robot->pending.size(); ++i) state_.drop(name, "robot_dropped");
+  for (std::size_t i = 0; i < robot->pending.size(); ++i) state_.drop(name, DropReason::robot_dropped);
   robot->place.reset();
   robot->history = {};
   robot->pending.clear();
   robot->unplaced.clear();
   robot->local_loops.clear();
   map_changed(state_.map.graph().islands());
-  return "";
+  return DropReason::none;
 }
 
-std::string Engine::Mapping::take_back_drop(const std::string& name) {
+DropReason Engine::Mapping::take_back_drop(const std::string& name) {
   const auto found = state_.dropped.find(name);
-  if (found == state_.dropped.end()) return "not_dropped";
+  if (found == state_.dropped.end()) return DropReason::not_dropped;
   for (const Relation& relation : found->second.relations) state_.map.relate(relation);
   state_.dropped.erase(found);
   map_changed(state_.map.graph().islands());
-  return "";
+  return DropReason::none;
 }
 
 void Engine::Mapping::map_changed(const std::vector<std::vector<PatchId>>& islands) {
@@ -80,27 +80,27 @@ void Engine::Mapping::arrange_meeting() {
 }
 
 // Returns why not, or nothing.
-std::string Engine::Mapping::obey(const CommandEvent& order) {
+DropReason Engine::Mapping::obey(const CommandEvent& order) {
   switch (order.verb) {
     case Verb::withdraw:
     case Verb::forbid:
-      if (!is_closure_id(order.closure)) return "no_such_closure";
+      if (!is_closure_id(order.closure)) return DropReason::no_such_closure;
       return state_.closures.forbid(state_.world(), ClosureId{static_cast<std::int32_t>(order.closure)},
                                     order.verb == Verb::withdraw);
     case Verb::allow:
       if (!order.robot.empty()) return take_back_drop(order.robot);
-      if (!is_closure_id(order.closure)) return "no_such_closure";
+      if (!is_closure_id(order.closure)) return DropReason::no_such_closure;
       return state_.closures.allow(ClosureId{static_cast<std::int32_t>(order.closure)});
     case Verb::drop:
       return drop_data(order.robot);
     case Verb::refine:
       state_.proximity_matching.match_all(state_.map, options().propagation);
       state_.refine_asked = true;
-      return "";
+      return DropReason::none;
     case Verb::send_map:
-      return "";
+      return DropReason::none;
   }
-  return "";
+  return DropReason::none;
 }
 
 void Engine::Mapping::work(std::int64_t) {
@@ -120,30 +120,30 @@ void Engine::Mapping::work(std::int64_t) {
   arrange_meeting();
 }
 
-std::string Engine::Mapping::take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) {
+DropReason Engine::Mapping::take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) {
   if (robot.place && event.utime < robot.place->utime - options().intake.backward_us) {
-    if (++robot.stale_scans < options().intake.max_stale_scans) return "stale_stamp";
+    if (++robot.stale_scans < options().intake.max_stale_scans) return DropReason::stale_stamp;
     robot.place.reset();
   }
   robot.stale_scans = 0;
-  if (may_not_begin(robot, options())) return "too_many_patches";
+  if (may_not_begin(robot, options())) return DropReason::too_many_patches;
   if (auto done = take_odometry(state_.map, robot, event.odom_from_robot, event.utime, options()))
     keep(robot, std::move(*done), event.odom_from_robot, outcome);
-  return "";
+  return DropReason::none;
 }
 
-std::string Engine::Mapping::refusal_of_scans(const Robot& robot) const {
-  return may_not_begin(robot, options()) ? "too_many_patches" : "";
+DropReason Engine::Mapping::refusal_of_scans(const Robot& robot) const {
+  return may_not_begin(robot, options()) ? DropReason::too_many_patches : DropReason::none;
 }
 
 void Engine::Mapping::take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot,
                                 Outcome& outcome) {
   ScanOutcome done = isthmus::take_scan(state_.map, robot, state_.observed(robot, scan, odom_from_robot),
                                         odom_from_robot, options());
-  state_.count_scan(done);
+  state_.count_scan(done.unmatched);
   const std::string& name = robot.declaration.robot;
   if (done.loop_closed) state_.island_fits.request(done.pose.island);
-  if (done.predicted_reason.empty())
+  if (done.unmatched == Unmatched::no)
     state_.proximity_matching.stands_on(name, done.pose.pose.patch, options().propagation);
   keep(robot, std::move(done), odom_from_robot, outcome);
   const auto met_nobody = state_.rendezvous.take_scan(
@@ -152,7 +152,7 @@ void Engine::Mapping::take_scan(Robot& robot, const Scan& scan, const Pose& odom
 }
 
 void Engine::Mapping::keep(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome) {
-  if (done.patch_refused) state_.drop(robot.declaration.robot, "too_many_patches");
+  if (done.patch_refused) state_.drop(robot.declaration.robot, DropReason::too_many_patches);
   if (done.new_session) {
     state_.begin_session(robot, done.pose);
     if (!robot.first_patch.valid()) {
@@ -163,10 +163,10 @@ void Engine::Mapping::keep(Robot& robot, ScanOutcome done, const Pose& odom_from
   state_.keep_pose(robot, std::move(done), odom_from_robot, outcome);
 }
 
-std::string Engine::Mapping::take_sighting(const SightingEvent& event, const std::string& target,
-                                           bool is_tag) {
+DropReason Engine::Mapping::take_sighting(const SightingEvent& event, const std::string& target,
+                                          bool is_tag) {
   state_.closures.take(event, target, is_tag, state_.counters.last_receive_utime);
-  return "";
+  return DropReason::none;
 }
 
 void Engine::Mapping::refuse_sighting(const SightingEvent& event, Reason reason) {

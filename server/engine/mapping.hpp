@@ -14,12 +14,12 @@ class Engine::Mapping : public Engine::Handling {
  public:
   explicit Mapping(State& state) : state_(state) {}
 
-  std::string take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) override;
-  std::string refusal_of_scans(const Robot& robot) const override;
+  DropReason take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) override;
+  DropReason refusal_of_scans(const Robot& robot) const override;
   void take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) override;
-  std::string take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) override;
+  DropReason take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) override;
   void refuse_sighting(const SightingEvent& event, Reason reason) override;
-  std::string obey(const CommandEvent& order) override;
+  DropReason obey(const CommandEvent& order) override;
   void restarted(Robot& robot) override;
   void forget_place(Robot& robot) override;
   void work(std::int64_t receive_utime) override;
@@ -35,8 +35,8 @@ class Engine::Mapping : public Engine::Handling {
   const EngineOptions& options() const { return state_.configuration.engine; }
   void keep(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);
   void relate_measured_starts();
-  std::string drop_data(const std::string& name);
-  std::string take_back_drop(const std::string& name);
+  DropReason drop_data(const std::string& name);
+  DropReason take_back_drop(const std::string& name);
   void map_changed(const std::vector<std::vector<PatchId>>& islands);
   void arrange_meeting();
 

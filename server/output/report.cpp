@@ -117,13 +117,14 @@ Json health(const MapCopy& map) {
 }
 
 /// A map of counts; an empty one is an object too.
-Json counts(const std::map<std::string, std::int64_t>& by_reason) {
+template <HasWords Enum>
+Json counts(const std::map<Enum, std::int64_t>& by_reason) {
   Json object = Json::object();
-  for (const auto& [reason, count] : by_reason) object[reason] = count;
+  for (const auto& [reason, count] : by_reason) object[std::string(word(reason))] = count;
   return object;
 }
 
-Json counts_by_robot(const std::map<std::string, std::map<std::string, std::int64_t>>& by_robot) {
+Json counts_by_robot(const std::map<std::string, std::map<DropReason, std::int64_t>>& by_robot) {
   Json object = Json::object();
   for (const auto& [robot, by_reason] : by_robot) object[robot] = counts(by_reason);
   return object;
@@ -162,8 +163,7 @@ std::string report_json(const MapCopy& map, const RankedIslands& islands, const 
                        {"finish_s", cost.finish_s},
                        {"finished", cost.finished},
                        {"map_sha256", map_sha256(map)}};
-  // Names and reasons may hold bytes that are no UTF-8; those are replaced, for a report must not fail on
-  // them.
+  // Names may hold bytes that are no UTF-8; those are replaced, for a report must not fail on them.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -23,8 +23,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
          if (!wants(channel) || channel.size() > isthmus::max_channel_characters) std::abort();
          if (bytes.size() > 65'536) std::abort();
        },
-       [](std::string_view, std::string_view reason) {
-         if (reason.empty()) std::abort();
+       [](std::string_view, isthmus::DropReason reason) {
+         if (reason == isthmus::DropReason::none) std::abort();
        }},
       limits);
   std::int64_t now_us = 0;

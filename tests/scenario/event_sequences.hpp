@@ -47,7 +47,7 @@ inline Events delayed(Events events, const std::string& robot, std::int64_t by_u
 /// An engine after a run's events but not finished, and why it dropped which of them.
 struct Played {
   Engine engine;
-  std::vector<std::string> drop_reasons;
+  std::vector<DropReason> drop_reasons;
 };
 
 /// Plays events up to a time (all, where it is 0).
@@ -57,7 +57,7 @@ inline Played play(const Events& events, std::int64_t until_utime = 0,
   for (const Event& event : events) {
     if (until_utime != 0 && event.receive_utime > until_utime) break;
     const Outcome outcome = played.engine.handle(event);
-    if (!outcome.drop_reason.empty()) played.drop_reasons.push_back(outcome.drop_reason);
+    if (outcome.drop_reason != DropReason::none) played.drop_reasons.push_back(outcome.drop_reason);
   }
   return played;
 }

@@ -187,12 +187,12 @@ TEST(FrozenMap, StaysAsItIsWhileOthersDriveThroughIt) {
   }
   for (const Verb verb : {Verb::refine, Verb::withdraw, Verb::forbid, Verb::allow, Verb::drop}) {
     const Event order = command(office.events.back().receive_utime + later_us, verb, 0);
-    EXPECT_EQ(office.engine.handle(order).drop_reason, "frozen") << word(verb);
+    EXPECT_EQ(office.engine.handle(order).drop_reason, DropReason::frozen) << word(verb);
   }
   office.engine.finish();
   EXPECT_EQ(sha256_of(office.engine), before);
   const MapCopy map = office.engine.copy();
-  EXPECT_GT(map.counters.dropped.at("frozen"), 100);
+  EXPECT_GT(map.counters.dropped.at(DropReason::frozen), 100);
   for (const char* robot : {"OTHERR1", "OTHERR2", "OTHERR3", "OTHERR4"})
     EXPECT_EQ(sessions_of(map, robot).size(), 1U) << robot;
 }

@@ -26,8 +26,8 @@ TEST(HostileMessages, InTheNameOfEveryoneLeaveTheServerAlive) {
     SCOPED_TRACE(scenario);
     const HostileTrial trial =
         try_hostile_messages(load_scenario(scenario, {}), 1, 10'000, HostileNames::everyone);
-    EXPECT_GT(trial.dropped.at("no_laser"), 0) << "no robot's laser went off";
-    EXPECT_GT(trial.dropped.at("barcode_taken"), 0) << "no robot took another's barcode";
+    EXPECT_GT(trial.dropped.at(DropReason::no_laser), 0) << "no robot's laser went off";
+    EXPECT_GT(trial.dropped.at(DropReason::barcode_taken), 0) << "no robot took another's barcode";
     EXPECT_GT(trial.hostile_patches, 10U);
   }
 }

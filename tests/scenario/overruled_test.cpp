@@ -101,15 +101,16 @@ TEST(Withdraw, IsRefusedForWhatIsNotAccepted) {
   Played played = play(events);
   played.engine.finish();
   EXPECT_EQ(played.drop_reasons,
-            (std::vector<std::string>{"no_such_closure", "not_accepted", "no_such_closure", "no_such_closure",
-                                      "not_forbidden"}));
-  EXPECT_EQ(played.engine.copy().counters.dropped.at("no_such_closure"), 3);
+            (std::vector<DropReason>{DropReason::no_such_closure, DropReason::not_accepted,
+                                     DropReason::no_such_closure, DropReason::no_such_closure,
+                                     DropReason::not_forbidden}));
+  EXPECT_EQ(played.engine.copy().counters.dropped.at(DropReason::no_such_closure), 3);
   EXPECT_EQ(map_sha256(played.engine.copy()), plain);
 }
 
 TEST(Withdraw, TwiceIsRefusedTheSecondTime) {
   Played played = play(overruled({{merged_s, Verb::withdraw, 0}, {12, Verb::withdraw, 0}}));
-  EXPECT_EQ(played.drop_reasons, (std::vector<std::string>{"not_accepted"}));
+  EXPECT_EQ(played.drop_reasons, (std::vector<DropReason>{DropReason::not_accepted}));
 }
 
 TEST(Drop, TakesARobotsDataOutAndAllowBringsItBack) {
@@ -133,7 +134,7 @@ TEST(Drop, TakesARobotsDataOutAndAllowBringsItBack) {
   insert(events, said(40.2, Verb::allow, "R2"));
   insert(events, said(40.3, Verb::drop, "R9"));
   Played back = play(events, after_s(meeting().events, 40.35));
-  EXPECT_EQ(back.drop_reasons, (std::vector<std::string>{"not_dropped", "unknown_robot"}));
+  EXPECT_EQ(back.drop_reasons, (std::vector<DropReason>{DropReason::not_dropped, DropReason::unknown_robot}));
   const MapCopy with = back.engine.copy();
   EXPECT_TRUE(with.left_out.empty());
   EXPECT_EQ(with.graph.island(PatchId{0}), with.graph.island(without.left_out.front()));

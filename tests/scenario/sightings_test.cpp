@@ -109,12 +109,12 @@ TEST(BadSightings, AreRefusedWithTheReasonAndLeaveTheMapAsItWas) {
   Played played = play(events);
   played.engine.finish();
   const MapCopy map = played.engine.copy();
-  const auto dropped = [&](const std::string& reason) { return map.counters.dropped.at(reason); };
-  EXPECT_EQ(dropped("unknown_barcode"), 2);
-  EXPECT_EQ(dropped("sees_itself"), 2);
-  EXPECT_EQ(dropped("unknown_robot"), 2);
-  EXPECT_EQ(dropped("barcode_taken"), 2);
-  EXPECT_EQ(map.counters.dropped_by_robot.at("R3").at("barcode_taken"), 2);
+  const auto dropped = [&](DropReason reason) { return map.counters.dropped.at(reason); };
+  EXPECT_EQ(dropped(DropReason::unknown_barcode), 2);
+  EXPECT_EQ(dropped(DropReason::sees_itself), 2);
+  EXPECT_EQ(dropped(DropReason::unknown_robot), 2);
+  EXPECT_EQ(dropped(DropReason::barcode_taken), 2);
+  EXPECT_EQ(map.counters.dropped_by_robot.at("R3").at(DropReason::barcode_taken), 2);
   EXPECT_EQ(played.drop_reasons.size(), 8U);
   const auto count = verdicts(map);
   EXPECT_EQ(count.at("unknown_barcode"), 2);
@@ -148,7 +148,8 @@ TEST(BadSightings, ARobotWhoseBarcodeIsTakenIsNotThere) {
   insert(events, {now, thief});
   insert(events, {now, OdometryEvent{"R3", now, {}}});
   Played played = play(events, after_s(events, 5));
-  EXPECT_EQ(played.drop_reasons, (std::vector<std::string>{"barcode_taken", "unknown_robot"}));
+  EXPECT_EQ(played.drop_reasons,
+            (std::vector<DropReason>{DropReason::barcode_taken, DropReason::unknown_robot}));
 }
 
 // Before they meet, both robots tell three times of a meeting that was not, two seconds late, so that no

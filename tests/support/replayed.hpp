@@ -15,7 +15,7 @@ namespace isthmus {
 struct Replayed {
   std::string sha256;
   std::size_t events = 0;
-  std::map<std::string, std::int64_t> dropped = {};  ///< messages, by reason
+  std::map<DropReason, std::int64_t> dropped = {};  ///< messages, and why
 };
 
 inline Replayed replay(const std::string& journal) {
@@ -28,7 +28,7 @@ inline Replayed replay(const std::string& journal) {
     }
     const Decoded decoded =
         decode(channels_of(engine.configuration()), message.channel, message.bytes, message.utime);
-    EXPECT_TRUE(decoded.event) << message.channel << " " << decoded.reason;
+    EXPECT_TRUE(decoded.event) << message.channel << " " << word(decoded.reason);
     if (decoded.event) engine.handle(*decoded.event);
   }
   engine.finish();

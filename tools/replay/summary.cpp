@@ -19,10 +19,11 @@ std::string line(const char* format, Values... values) {
 }
 
 /// "no_overlap 3, no_odometry 1".
-std::string counts(const std::map<std::string, std::int64_t>& by_reason) {
+template <HasWords Enum>
+std::string counts(const std::map<Enum, std::int64_t>& by_reason) {
   std::string text;
   for (const auto& [reason, count] : by_reason) {
-    text += (text.empty() ? "" : ", ") + reason + " " + std::to_string(count);
+    text += (text.empty() ? "" : ", ") + std::string(word(reason)) + " " + std::to_string(count);
   }
   return text.empty() ? "none" : text;
 }
@@ -85,8 +86,8 @@ std::string summary_json(const ReplayResult& result, const MapCopy& map) {
                      {"missing_events", result.missing_events},
                      {"scans", c.scans},
                      {"matched_share", share_matched(c)},
-                     {"scans_predicted", Json(c.scans_predicted)},
-                     {"dropped", Json(c.dropped)},
+                     {"scans_predicted", Json(by_word(c.scans_predicted))},
+                     {"dropped", Json(by_word(c.dropped))},
                      {"patches", patch_count(map)},
                      {"tags", map.patches.size() - patch_count(map)},
                      {"relations", map.graph.relations().size()},

@@ -183,7 +183,7 @@ void hostile_campaign(const Arguments& arguments) {
           name.c_str(), static_cast<unsigned long long>(seed), static_cast<long long>(t.messages), t.cpu_s,
           t.peak_rss_mb, t.hostile_patches);
       for (const auto& [reason, count] : t.dropped)
-        std::printf("  %-28s %9lld\n", reason.c_str(), static_cast<long long>(count));
+        std::printf("  %-28s %9lld\n", std::string(word(reason)).c_str(), static_cast<long long>(count));
       std::printf("  the team's error: %.4f m over %zu relations (%.4f m without them), %zu not told (%zu)\n",
                   t.errors.mean_m, t.errors.compared, t.errors.mean_clean_m, t.errors.missing,
                   t.errors.missing_clean);

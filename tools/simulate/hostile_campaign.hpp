@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "server/engine/input/drop_reason.hpp"
 #include "tools/simulate/sightings_campaign.hpp"
 #include "tools/simulate/simulation.hpp"
 
@@ -19,8 +20,8 @@ enum class HostileNames {
 /// bytes changed, cut, lengthened, spliced or of random bytes, in the name of a robot that joins the team, of
 /// strangers, and of the server itself; a tenth are well formed and make no sense (unruly_event).
 struct HostileTrial {
-  std::int64_t messages = 0;                    ///< hostile ones that were sent
-  std::map<std::string, std::int64_t> dropped;  ///< messages, by reason
+  std::int64_t messages = 0;                   ///< hostile ones that were sent
+  std::map<DropReason, std::int64_t> dropped;  ///< messages, and why
   std::size_t hostile_patches =
       0;                      ///< that the map holds of it: what was well formed is mapped as it is told
   RelationComparison errors;  ///< of the team, against its run without them

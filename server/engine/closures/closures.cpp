@@ -169,15 +169,15 @@ void Closures::refuse_from_scans(ClosureId id, Reason reason) {
   closure->record.reason = reason;
 }
 
-std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
+DropReason Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   Entry* closure = ledger_.find(id);
   if (closure == nullptr) {
-    if (must_be_accepted) return "no_such_closure";
+    if (must_be_accepted) return DropReason::no_such_closure;
     ledger_.forbid_id(id);
-    return "";
+    return DropReason::none;
   }
   const bool accepted = closure->record.state == ClosureState::accepted;
-  if (must_be_accepted && !accepted) return "not_accepted";
+  if (must_be_accepted && !accepted) return DropReason::not_accepted;
   closure->forbidden = true;
   if (trials_.is_on_trial(id)) closure->joining = as_mapped(trials_.take()->map(), closure->joining);
   if (accepted) {
@@ -188,17 +188,17 @@ std::string Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   observations_.set_verdict(closure->evidence, Verdict::refused, Reason::forbidden, id);
   observations_.remove(closure->evidence);
   look_at_all_again();
-  return "";
+  return DropReason::none;
 }
 
-std::string Closures::allow(ClosureId id) {
+DropReason Closures::allow(ClosureId id) {
   Entry* closure = ledger_.find(id);
-  if (closure == nullptr) return ledger_.allow_id(id) ? "" : "no_such_closure";
-  if (!closure->forbidden) return "not_forbidden";
+  if (closure == nullptr) return ledger_.allow_id(id) ? DropReason::none : DropReason::no_such_closure;
+  if (!closure->forbidden) return DropReason::not_forbidden;
   ledger_.allow(*closure);
   observations_.put_back(std::exchange(closure->evidence, {}), Reason::allowed_again);
   look_at_all_again();
-  return "";
+  return DropReason::none;
 }
 
 void Closures::look_at_all_again() {

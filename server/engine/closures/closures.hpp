@@ -9,6 +9,7 @@
 #include "server/engine/closures/scan_proposal.hpp"
 #include "server/engine/closures/sighting_proposer.hpp"
 #include "server/engine/closures/trial_runner.hpp"
+#include "server/engine/input/drop_reason.hpp"
 #include "server/engine/robot/world.hpp"
 #include "server/engine/sightings/mutual_observations.hpp"
 #include "server/engine/sightings/tag_placer.hpp"
@@ -47,10 +48,10 @@ class Closures {
   bool has_work() const { return observations_.has_work() || on_trial(); }
 
   /// Operators: no closure of this id, or like it, from now on; an accepted one is taken back. Returns why
-  /// not, or nothing.
-  std::string forbid(World world, ClosureId id, bool must_be_accepted);
+  /// not, or `none`.
+  DropReason forbid(World world, ClosureId id, bool must_be_accepted);
   /// Takes that back: the sightings are looked at again.
-  std::string allow(ClosureId id);
+  DropReason allow(ClosureId id);
 
   /// A robot's data is taken out: nothing that it saw, or that saw it, waits any longer. A trial is put off.
   void forget_robot(const std::string& robot);

@@ -84,7 +84,8 @@ std::optional<ScanOutcome> Frozen::follow_on(const Map& map, Robot& robot, const
     const auto lookout = lookouts_.find(name);
     const bool moved_away = lookout != lookouts_.end() && lookout->second.moved_away;
     if (lookout != lookouts_.end()) lookouts_.erase(lookout);
-    return ScanOutcome{answer(map, robot, true), {}, moved_away || robot.session < 0, false, false};
+    return ScanOutcome{answer(map, robot, true), Unmatched::no, moved_away || robot.session < 0, false,
+                       false};
   }
   robot.place->suspect = is_in_doubt(*robot.place, options.frozen);
   if (!robot.place->suspect)

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -34,6 +36,14 @@ constexpr std::optional<Enum> value_of(std::string_view word) {
   const auto found = std::ranges::find(words_of<Enum>, word);
   if (found == words_of<Enum>.end()) return std::nullopt;
   return static_cast<Enum>(found - words_of<Enum>.begin());
+}
+
+/// What is counted of each value, by its word.
+template <HasWords Enum, class Count>
+std::map<std::string, Count> by_word(const std::map<Enum, Count>& counts) {
+  std::map<std::string, Count> counts_by_word;
+  for (const auto& [value, count] : counts) counts_by_word.emplace(word(value), count);
+  return counts_by_word;
 }
 
 }  // namespace isthmus

@@ -87,11 +87,11 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
   placement.covariance = expectation.covariance;
   placement.tracking_covariance = expectation.tracking_covariance;
   if (static_cast<int>(points.size()) < options.match.min_pairs) {
-    placement.reason = "few_returns";
+    placement.reason = Unmatched::few_returns;
     return placement;
   }
   if (local_map.patches.empty()) {
-    placement.reason = "no_overlap";
+    placement.reason = Unmatched::no_overlap;
     return placement;
   }
 
@@ -131,7 +131,7 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
   }
   placement.match = std::move(best);
   if (!fits(placement.match)) {
-    placement.reason = placement.match.ok ? "low_score" : "few_pairs";
+    placement.reason = placement.match.ok ? Unmatched::low_score : Unmatched::few_pairs;
     return placement;
   }
   placement.matched = true;

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <string>
-
 #include "scanmatch/match.hpp"
+#include "server/engine/localise/unmatched.hpp"
 #include "server/engine/robot/robot.hpp"
 
 namespace isthmus {
@@ -22,7 +21,7 @@ Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t
 /// The result of matching a scan.
 struct Placement {
   bool matched = false;
-  std::string reason;  ///< why not
+  Unmatched reason = Unmatched::no;  ///< why not
   Pose local_from_robot;
   Eigen::Matrix3d covariance;
   Eigen::Matrix3d tracking_covariance;

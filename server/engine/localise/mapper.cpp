@@ -15,7 +15,7 @@ bool worth_a_patch_unmatched(const Robot& robot, const Placement& placement,
                              std::span<const ScanPoint> points, const EngineOptions& options) {
   const FollowOptions& its = options.follow;
   const Pose& path = robot.place->since_last_patch.start_from_end;
-  return !robot.place->suspect && placement.reason != "few_returns" &&
+  return !robot.place->suspect && placement.reason != Unmatched::few_returns &&
          static_cast<double>(points.size()) >= its.unmatched_points * options.match.min_pairs &&
          robot.place->lost_scans >= its.unmatched_lost_scans &&
          (std::hypot(path.x, path.y) > its.unmatched_spacing * options.patch_spacing_m ||

@@ -8,11 +8,11 @@ namespace isthmus {
 /// What one scan did.
 struct ScanOutcome {
   RobotPose pose;
-  std::string predicted_reason;  ///< why it was not matched; empty where it was
-  bool new_session = false;      ///< the robot began a new island with this scan
-  bool unplaced = false;         ///< nothing tells yet where it was
-  bool loop_closed = false;      ///< the island wants a fit as a whole
-  bool patch_refused = false;    ///< it would have become a patch, had the robot not as many as it may have
+  Unmatched unmatched = Unmatched::no;
+  bool new_session = false;    ///< the robot began a new island with this scan
+  bool unplaced = false;       ///< nothing tells yet where it was
+  bool loop_closed = false;    ///< the island wants a fit as a whole
+  bool patch_refused = false;  ///< it would have become a patch, had the robot not as many as it may have
 };
 
 /// Whether a robot has as many patches as it may have. What it shows from then on is no longer mapped, so

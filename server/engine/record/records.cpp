@@ -11,8 +11,8 @@ std::vector<HealthRecord> health_records(const std::map<std::string, Robot>& rob
     if (!robot.declared) continue;
     const auto found = counters.dropped_by_robot.find(name);
     const bool any = found != counters.dropped_by_robot.end();
-    const std::map<std::string, std::int64_t> dropped =
-        any ? found->second : std::map<std::string, std::int64_t>{};
+    const std::map<DropReason, std::int64_t> dropped =
+        any ? found->second : std::map<DropReason, std::int64_t>{};
     HealthRecord record{name, robot.health.figures(options.health), {}};
     record.warnings =
         health_warnings(name, robot.declaration.laser, record.figures, dropped, options.health_warnings);

@@ -8,8 +8,10 @@
 
 #include "server/engine/input/engine_options.hpp"
 #include "server/engine/map/map.hpp"
-#include "server/engine/record/map_copy.hpp"
+#include "server/engine/record/counters.hpp"
+#include "server/engine/robot/health_warnings.hpp"
 #include "server/engine/robot/robot.hpp"
+#include "server/engine/sightings/tag_record.hpp"
 
 namespace isthmus {
 

@@ -44,7 +44,7 @@ class Judge {
         const HealthWarningOptions& options)
       : robot_(robot), laser_(laser), f_(figures), o_(options) {}
 
-  std::vector<HealthWarning> judge(const std::map<std::string, std::int64_t>& dropped) {
+  std::vector<HealthWarning> judge(const std::map<DropReason, std::int64_t>& dropped) {
     judge_clock();
     if (laser_.range_max_m > 0) {
       judge_presence(dropped);
@@ -72,10 +72,10 @@ class Judge {
     }
   }
 
-  void judge_presence(const std::map<std::string, std::int64_t>& dropped) {
+  void judge_presence(const std::map<DropReason, std::int64_t>& dropped) {
     std::string why;
     for (const auto& [reason, count] : dropped)
-      why += (why.empty() ? "; dropped: " : ", ") + reason + " " + std::to_string(count);
+      why += (why.empty() ? "; dropped: " : ", ") + std::string(word(reason)) + " " + std::to_string(count);
     if (f_.scans == 0 && f_.odometry_messages >= o_.min_messages)
       warn("no_scans", text("%s declares a laser and no scan of it was taken%s", name(), why.c_str()));
     if (f_.odometry_messages == 0 && f_.scans >= o_.min_messages)
@@ -205,7 +205,7 @@ class Judge {
 
 std::vector<HealthWarning> health_warnings(const std::string& robot, const Laser& laser,
                                            const HealthFigures& figures,
-                                           const std::map<std::string, std::int64_t>& dropped,
+                                           const std::map<DropReason, std::int64_t>& dropped,
                                            const HealthWarningOptions& options) {
   return Judge(robot, laser, figures, options).judge(dropped);
 }

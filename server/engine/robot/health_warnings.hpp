@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/engine/input/drop_reason.hpp"
 #include "server/engine/robot/robot_health.hpp"
 
 namespace isthmus {
@@ -23,10 +24,10 @@ struct HealthRecord {
 };
 
 /// What looks wrong with a robot's data; nothing while too little is known. Of warnings with the same cause,
-/// the plainest. `dropped`: its messages, by reason.
+/// the plainest. `dropped`: its messages.
 std::vector<HealthWarning> health_warnings(const std::string& robot, const Laser& laser,
                                            const HealthFigures& figures,
-                                           const std::map<std::string, std::int64_t>& dropped,
+                                           const std::map<DropReason, std::int64_t>& dropped,
                                            const HealthWarningOptions& options);
 
 }  // namespace isthmus

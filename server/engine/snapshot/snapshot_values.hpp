@@ -13,6 +13,10 @@
 #include <cereal/types/variant.hpp>
 #include <cereal/types/vector.hpp>
 #include <future>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
 #include <tuple>
 
 #include "relations/relation.hpp"
@@ -55,6 +59,24 @@ void serialize(Archive& archive, Value& value) {
     std::apply([](const auto&... members) { (check_value(members), ...); }, value.members());
   if constexpr (std::is_same_v<Archive, SnapshotReader> && requires { value.is_sound(); })
     if (!value.is_sound()) throw std::runtime_error("its map is not one");
+}
+
+/// Counters hold the words of what they count: a new reason changes no snapshot.
+template <HasWords Enum>
+void save(SnapshotWriter& writer, const std::map<Enum, std::int64_t>& counts) {
+  writer(by_word(counts));
+}
+
+template <HasWords Enum>
+void load(SnapshotReader& reader, std::map<Enum, std::int64_t>& counts) {
+  std::map<std::string, std::int64_t> counts_by_word;
+  reader(counts_by_word);
+  counts.clear();
+  for (const auto& [text, count] : counts_by_word) {
+    const std::optional<Enum> value = value_of<Enum>(text);
+    if (!value) throw std::runtime_error("it counts by a reason that there is not");
+    counts.emplace(*value, count);
+  }
 }
 
 template <class Archive, class Tag>

@@ -12,12 +12,12 @@ bool admit_one(std::set<T>& known, const T& one, std::size_t most) {
 
 }  // namespace
 
-std::string Admission::admit(const Event& event) {
+DropReason Admission::admit(const Event& event) {
   if (const auto* robot = std::get_if<RobotEvent>(&event.body))
-    return admit_one(robots_, robot->robot, limits_.robots) ? "" : "too_many_robots";
+    return admit_one(robots_, robot->robot, limits_.robots) ? DropReason::none : DropReason::too_many_robots;
   if (const auto* tag = std::get_if<TagEvent>(&event.body))
-    return admit_one(tags_, tag->barcode, limits_.tags) ? "" : "too_many_tags";
-  return "";
+    return admit_one(tags_, tag->barcode, limits_.tags) ? DropReason::none : DropReason::too_many_tags;
+  return DropReason::none;
 }
 
 void Admission::know(const MapCopy& map) {

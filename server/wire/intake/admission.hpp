@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "server/engine/input/drop_reason.hpp"
 #include "server/engine/record/map_copy.hpp"
 
 namespace isthmus {
@@ -20,8 +21,8 @@ class Admission {
  public:
   explicit Admission(AdmissionLimits limits = {}) : limits_(limits) {}
 
-  /// Why an event is refused; empty: it is not, and whom it introduces is known from now on.
-  std::string admit(const Event& event);
+  /// Why an event is refused; `none`: it is not, and whom it introduces is known from now on.
+  DropReason admit(const Event& event);
 
   /// The robots and tags of a map that was made before.
   void know(const MapCopy& map);

@@ -44,14 +44,14 @@ void Inbox::put_back(const std::string& sender, bool is_scan, Message message) {
 /// False: it will not be taken, which has been counted.
 bool Inbox::is_welcome(const std::string& queue, std::size_t bytes) {
   if (closed_) return false;
-  if (bytes > limits_.message_bytes) drops_[queue]["bad_length"].count += 1;
+  if (bytes > limits_.message_bytes) drops_[queue][DropReason::bad_length].count += 1;
   return bytes <= limits_.message_bytes;
 }
 
 void Inbox::push_locked(const std::string& queue, bool is_scan, Message message) {
   while (!has_room(queue, message.bytes.size())) {
     const std::int64_t number = remove_oldest(senders_[queue]);
-    Dropped& dropped = drops_[queue]["queue_full"];
+    Dropped& dropped = drops_[queue][DropReason::queue_full];
     dropped.count += 1;
     if (number >= 0) dropped.received.push_back(number);
   }
@@ -90,7 +90,7 @@ bool Inbox::is_stranger(const std::string& robot) const {
   return refuses_strangers_ && !reserved_.contains(robot);
 }
 
-void Inbox::count_drop(const std::string& sender, const std::string& reason) {
+void Inbox::count_drop(const std::string& sender, DropReason reason) {
   const std::lock_guard lock(mutex_);
   // Anybody can make up names: not more of them than queues between one take_drops and the next.
   const bool named = drops_.contains(sender) || drops_.size() < limits_.senders + reserved_.size();

@@ -73,7 +73,7 @@ class Inbox {
   bool is_stranger(const std::string& robot) const;
 
   /// Counts a message that was refused before it came here.
-  void count_drop(const std::string& sender, const std::string& reason);
+  void count_drop(const std::string& sender, DropReason reason);
 
   /// Nothing more will come: push drops silently from now on.
   void close();

@@ -32,9 +32,9 @@ LcmSink Reception::sink() {
           [this](std::int64_t utime, std::string_view channel, std::span<const std::uint8_t> bytes) {
             take(utime, std::string(channel), bytes);
           },
-          [this](std::string_view channel, std::string_view reason) {
+          [this](std::string_view channel, DropReason reason) {
             const std::optional<Channel> found = find_channel(configured_, std::string(channel));
-            inbox_.count_drop(found ? found->robot : "", std::string(reason));
+            inbox_.count_drop(found ? found->robot : "", reason);
           }};
 }
 
@@ -56,7 +56,7 @@ void Reception::take(std::int64_t utime, const std::string& name,
     const std::optional<Channel> channel = find_channel(configured_, name);
     if (!channel) return;
     if (authenticator_.is_required()) {
-      inbox_.count_drop(channel->robot, "unsigned");
+      inbox_.count_drop(channel->robot, DropReason::not_signed);
     } else {
       push(*channel, utime, name, bytes);
     }
@@ -78,7 +78,7 @@ void Reception::push(const Channel& channel, std::int64_t utime, const std::stri
 
 void Reception::refuse_stranger(const std::string& robot) {
   constexpr std::size_t max_told = 16;  // enough to see a robot that forgets to introduce itself
-  inbox_.count_drop("(others)", "unknown_robot");
+  inbox_.count_drop("(others)", DropReason::unknown_robot);
   if (!log_ || strangers_told_.size() >= max_told || !strangers_told_.insert(robot).second) return;
   log_(LogLevel::warning, "messages of a robot that has not introduced itself are refused",
        {{"robot", robot}});

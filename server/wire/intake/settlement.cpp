@@ -36,7 +36,7 @@ void Settlement::journalled(const Message& message) {
   if (message.received >= 0) recorded_.push_back({journal_.appended(), message.received});
 }
 
-void Settlement::dropped(const std::string& robot, const std::string& reason, const Dropped& dropped) {
+void Settlement::dropped(const std::string& robot, DropReason reason, const Dropped& dropped) {
   Dropped& sum = drops_[robot][reason];
   sum.count += dropped.count;
   sum.received.insert(sum.received.end(), dropped.received.begin(), dropped.received.end());

@@ -25,7 +25,7 @@ class Settlement {
   /// The journal has just taken this message.
   void journalled(const Message& message);
   /// Messages of a robot were not taken.
-  void dropped(const std::string& robot, const std::string& reason, const Dropped& dropped);
+  void dropped(const std::string& robot, DropReason reason, const Dropped& dropped);
 
   /// Appends those dropped so far to the journal, in one record.
   void record_drops(std::int64_t utime);

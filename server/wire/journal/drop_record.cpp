@@ -22,7 +22,7 @@ Message encode_drops(std::int64_t utime, const Drops& drops) {
     for (const auto& [reason, dropped] : reasons) {
       drop_t one{};
       one.robot = robot;
-      one.reason = reason;
+      one.reason = word(reason);
       one.count = dropped.count;
       one.received = dropped.received;
       one.nreceived = static_cast<std::int32_t>(one.received.size());
@@ -35,13 +35,15 @@ Message encode_drops(std::int64_t utime, const Drops& drops) {
 
 std::optional<Drops> read_drops(const Message& message) {
   if (message.channel != dropped_channel) return std::nullopt;
-  if (!check_bytes(dropped_t::getHash(), members, message.bytes).empty()) return std::nullopt;
+  if (check_bytes(dropped_t::getHash(), members, message.bytes) != DropReason::none) return std::nullopt;
   dropped_t record;
   const int size = static_cast<int>(message.bytes.size());
   if (record.decode(message.bytes.data(), 0, size) != size) return std::nullopt;
   Drops drops;
   for (const drop_t& one : record.drops) {
-    Dropped& dropped = drops[one.robot][one.reason];
+    const std::optional<DropReason> reason = value_of<DropReason>(one.reason);
+    if (!reason || *reason == DropReason::none) return std::nullopt;
+    Dropped& dropped = drops[one.robot][*reason];
     dropped.count += one.count;
     dropped.received.insert(dropped.received.end(), one.received.begin(), one.received.end());
   }

@@ -30,7 +30,7 @@ bool is_segment(const std::string& path) {
 
 /// What readers take instead of an event that is set aside.
 Message in_place_of(const Message& message, const SetAside& event) {
-  Message record = encode_drops(message.utime, {{event.robot, {{"set_aside", {1, {}}}}}});
+  Message record = encode_drops(message.utime, {{event.robot, {{DropReason::set_aside, {1, {}}}}}});
   record.received = message.received;
   record.sequence = message.sequence;
   return record;

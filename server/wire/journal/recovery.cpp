@@ -114,7 +114,7 @@ void Recovery::set_aside(ServedMap& map, const Message& message, const std::stri
   write_set_aside(directory_, set_aside_);
   options_.guard->acquit();
   map.set_aside.push_back(message.sequence);
-  map.engine.count_dropped(robot, "set_aside");
+  map.engine.count_dropped(robot, DropReason::set_aside);
   if (options_.report_set_aside)
     options_.report_set_aside("event " + std::to_string(message.sequence) + " of the journal on " +
                               message.channel + " is set aside: two servers ended while they took it");

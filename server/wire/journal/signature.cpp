@@ -39,7 +39,7 @@ bool may_be_counters(std::span<const std::uint8_t> beginning, std::int64_t bytes
 
 bool raise_counters(const Message& message, SignatureCounters& counters, bool& complete) {
   if (message.channel != counters_channel) return false;
-  if (!check_bytes(counters_t::getHash(), members, message.bytes).empty()) return false;
+  if (check_bytes(counters_t::getHash(), members, message.bytes) != DropReason::none) return false;
   counters_t record;
   const int size = static_cast<int>(message.bytes.size());
   if (record.decode(message.bytes.data(), 0, size) != size) return false;

@@ -66,7 +66,7 @@ template <class T>
 std::optional<T> decoded(const Frame& frame, std::string_view channel, std::span<const Member> members) {
   T message{};
   const int size = static_cast<int>(frame.data.size());
-  if (frame.channel != channel || !check_bytes(T::getHash(), members, frame.data).empty() ||
+  if (frame.channel != channel || check_bytes(T::getHash(), members, frame.data) != DropReason::none ||
       message.decode(frame.data.data(), 0, size) != size)
     return std::nullopt;
   return message;

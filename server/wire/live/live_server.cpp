@@ -271,22 +271,22 @@ void LiveServer::handle(Message message) {
   const Decoded decoded = decode(map_.channels, message.channel, message.bytes, message.utime);
   Dropped one{1, {}};
   if (message.received >= 0) one.received.push_back(message.received);
-  if (!decoded.ours) return drop("", "bad_channel", {0, one.received});  // not counted
+  if (!decoded.ours) return drop("", DropReason::bad_channel, {0, one.received});  // not counted
   if (!decoded.event || is_own(*decoded.event))
-    return drop(decoded.robot, decoded.event ? "bad_channel" : decoded.reason, one);
-  if (const std::string reason = refusal(*decoded.event); !reason.empty())
+    return drop(decoded.robot, decoded.event ? DropReason::bad_channel : decoded.reason, one);
+  if (const DropReason reason = refusal(*decoded.event); reason != DropReason::none)
     return drop(decoded.robot, reason, one);
   map_.last_utime = message.utime;
   map_.monitor.heard(decoded.robot, message.utime);
-  if (!journal(message)) return drop(decoded.robot, "journal_full", one);
+  if (!journal(message)) return drop(decoded.robot, DropReason::journal_full, one);
   take(*decoded.event);
   reserve_queue(*decoded.event);
   if (asks_for_map(*decoded.event)) map_publisher_->request_whole();
 }
 
-/// Why the map does not take an event; empty: it does. What is refused is not journalled.
-std::string LiveServer::refusal(const Event& event) {
-  return map_.engine.is_stranger(event) ? "unknown_robot" : admission_.admit(event);
+/// Why the map does not take an event, if so. What is refused is not journalled.
+DropReason LiveServer::refusal(const Event& event) {
+  return map_.engine.is_stranger(event) ? DropReason::unknown_robot : admission_.admit(event);
 }
 
 /// Robots that the map knows; admission bounds their number.
@@ -360,7 +360,7 @@ void LiveServer::tell_clock_step() {
       {{"seconds", std::to_string(1e-6 * static_cast<double>(std::abs(*step_us)))}});
 }
 
-void LiveServer::drop(const std::string& robot, const std::string& reason, const Dropped& dropped) {
+void LiveServer::drop(const std::string& robot, DropReason reason, const Dropped& dropped) {
   count_drops(map_.engine, {{robot, {{reason, dropped}}}});
   if (settlement_) settlement_->dropped(robot, reason, dropped);
 }

@@ -91,7 +91,7 @@ class LiveServer {
   void freeze();
   void refuse_strangers();
   void handle(Message message);
-  std::string refusal(const Event& event);
+  DropReason refusal(const Event& event);
   void take(const Event& event);
   bool journal(const Message& message);
   void reserve_queue(const Event& event);
@@ -100,7 +100,7 @@ class LiveServer {
   void tick_if_due();
   void go_on_in_time(std::int64_t journal_utime);
   void tell_clock_step();
-  void drop(const std::string& robot, const std::string& reason, const Dropped& dropped);
+  void drop(const std::string& robot, DropReason reason, const Dropped& dropped);
   void count_inbox_drops();
   void record_drops_if_due();
   void publish_status_if_due();

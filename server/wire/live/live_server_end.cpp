@@ -33,7 +33,7 @@ void LiveServer::count_left_over() {
       continue;
     }
     const Decoded decoded = decode(map_.channels, message->channel, message->bytes, message->utime);
-    if (decoded.ours) map_.engine.count_dropped(decoded.robot, "stopped");
+    if (decoded.ours) map_.engine.count_dropped(decoded.robot, DropReason::stopped);
   }
   if (kept > 0)
     say(LogLevel::info, "received and not handled yet; the next start on this journal does",

@@ -65,12 +65,13 @@ Fit take_members(Rest& rest, std::span<const Member> members) {
 
 }  // namespace
 
-std::string_view check_bytes(std::int64_t fingerprint, std::span<const Member> members,
-                             std::span<const std::uint8_t> bytes) {
-  if (bytes.size() < 8) return "bad_length";
-  if (read_int64(bytes) != fingerprint) return "bad_fingerprint";
+DropReason check_bytes(std::int64_t fingerprint, std::span<const Member> members,
+                       std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < 8) return DropReason::bad_length;
+  if (read_int64(bytes) != fingerprint) return DropReason::bad_fingerprint;
   Rest rest{bytes.subspan(8), static_cast<std::int64_t>(bytes.size()) - 8};
-  return take_members(rest, members) == Fit::yes && rest.bytes == 0 ? "" : "bad_length";
+  return take_members(rest, members) == Fit::yes && rest.bytes == 0 ? DropReason::none
+                                                                    : DropReason::bad_length;
 }
 
 bool may_begin(std::int64_t fingerprint, std::span<const Member> members,

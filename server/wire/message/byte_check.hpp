@@ -3,7 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string_view>
+
+#include "server/engine/input/drop_reason.hpp"
 
 namespace isthmus {
 
@@ -33,10 +34,10 @@ constexpr Member list(const std::array<Member, size>& of, std::int32_t most) {
 }
 
 /// Walks the members of a message, before any generated decoder sees it: those trust counts and lengths.
-/// Returns the reason for refusal, "bad_fingerprint" or "bad_length" (a count or length out of bounds, or a
-/// message longer or shorter than they say); empty for a message that is safe to decode.
-std::string_view check_bytes(std::int64_t fingerprint, std::span<const Member> members,
-                             std::span<const std::uint8_t> bytes);
+/// Returns the reason for refusal, `bad_fingerprint` or `bad_length` (a count or length out of bounds, or a
+/// message longer or shorter than they say); `none` for a message that is safe to decode.
+DropReason check_bytes(std::int64_t fingerprint, std::span<const Member> members,
+                       std::span<const std::uint8_t> bytes);
 
 /// Whether these can be the first bytes of a message of so many: its fingerprint is there, and counts and
 /// lengths agree as far as they are. A message that is all there must be one that `check_bytes` finds safe.

@@ -45,7 +45,7 @@ template <class T>
 Reading read_as(std::span<const std::uint8_t> bytes, const std::string& robot) {
   T message;
   const int size = static_cast<int>(bytes.size());
-  if (message.decode(bytes.data(), 0, size) != size) return {std::nullopt, "bad_length"};
+  if (message.decode(bytes.data(), 0, size) != size) return {std::nullopt, DropReason::bad_length};
   return read_message(message, robot);
 }
 
@@ -164,11 +164,12 @@ Decoded decode(const ChannelNames& configured, const std::string& channel,
   }
   decoded.robot = found->robot;
   const InputType& type = input_types[static_cast<std::size_t>(found->input)];
-  decoded.reason = found->valid ? check_bytes(type.fingerprint(), type.members, bytes) : "bad_channel";
-  if (!decoded.reason.empty()) return decoded;
+  decoded.reason =
+      found->valid ? check_bytes(type.fingerprint(), type.members, bytes) : DropReason::bad_channel;
+  if (decoded.reason != DropReason::none) return decoded;
   Reading reading = type.read(bytes, found->robot);
-  decoded.reason = is_plausible_utime(receive_utime) ? reading.reason : "absurd_value";
-  if (decoded.reason.empty()) decoded.event = Event{receive_utime, std::move(*reading.body)};
+  decoded.reason = is_plausible_utime(receive_utime) ? reading.reason : DropReason::absurd_value;
+  if (decoded.reason == DropReason::none) decoded.event = Event{receive_utime, std::move(*reading.body)};
   return decoded;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/engine/input/drop_reason.hpp"
 #include "server/engine/input/event.hpp"
 #include "server/wire/message/server_configuration.hpp"
 
@@ -31,9 +32,9 @@ struct Message {
 /// What a channel's message became: an event, or the reason why not.
 struct Decoded {
   std::optional<Event> event;
-  std::string robot;   ///< upper case; empty where the channel belongs to none
-  std::string reason;  ///< lower_case, as in report.json's `dropped`; empty for an event
-  bool ours = true;    ///< false: a channel that is not Isthmus' input (ignored, not counted as dropped)
+  std::string robot;                     ///< upper case; empty where the channel belongs to none
+  DropReason reason = DropReason::none;  ///< none for an event
+  bool ours = true;  ///< false: a channel that is not Isthmus' input (ignored, not counted as dropped)
 };
 
 /// Checks the bytes (fingerprint, counts and string lengths within bounds, exact length) before any decode,

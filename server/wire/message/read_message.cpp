@@ -23,7 +23,7 @@ constexpr double single_beam_step_rad = 0.01;
 /// A full turn, and room for the rounding of a float step times thousands of beams.
 constexpr double largest_field_of_view_rad = 2 * std::numbers::pi + 0.1;
 
-Reading refuse(std::string_view reason) { return {std::nullopt, reason}; }
+Reading refuse(DropReason reason) { return {std::nullopt, reason}; }
 
 bool all_finite(std::initializer_list<double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -37,31 +37,32 @@ bool are_plausible_limits(double range_min_m, double range_max_m) {
   return range_max_m == 0 || range_min_m < range_max_m;
 }
 
-/// What is wrong with a scan's ranges; empty where some beam hit something or came back empty. Single beams
+/// What is wrong with a scan's ranges; nothing where some beam hit something or came back empty. Single beams
 /// may hold anything (REP-117): they are judged one by one, by the robot's limits.
-std::string_view check_ranges(const std::vector<float>& ranges) {
-  if (ranges.empty()) return "zero_beams";
-  if (std::any_of(ranges.begin(), ranges.end(), [](float r) { return r > 0; })) return "";
+DropReason check_ranges(const std::vector<float>& ranges) {
+  if (ranges.empty()) return DropReason::zero_beams;
+  if (std::any_of(ranges.begin(), ranges.end(), [](float r) { return r > 0; })) return DropReason::none;
   const bool any_number = std::any_of(ranges.begin(), ranges.end(), [](float r) { return std::isfinite(r); });
-  return any_number ? "absurd_value" : "not_finite";
+  return any_number ? DropReason::absurd_value : DropReason::not_finite;
 }
 
 /// What is wrong with a measured part of a sighting: a value and its sigma, +inf for "not measured".
-std::string_view check_measured(double value, double sigma, double least, double most) {
-  if (std::isnan(sigma)) return "not_finite";
-  if (sigma <= 0) return "absurd_value";
-  if (std::isinf(sigma)) return "";
-  if (!std::isfinite(value)) return "not_finite";
-  return value < least || value > most ? "absurd_value" : "";
+DropReason check_measured(double value, double sigma, double least, double most) {
+  if (std::isnan(sigma)) return DropReason::not_finite;
+  if (sigma <= 0) return DropReason::absurd_value;
+  if (std::isinf(sigma)) return DropReason::none;
+  if (!std::isfinite(value)) return DropReason::not_finite;
+  return value < least || value > most ? DropReason::absurd_value : DropReason::none;
 }
 
 /// What an order is about: a closure, a robot, or neither.
-std::string_view check_operand(Verb verb, std::int64_t closure, const std::string& robot) {
+DropReason check_operand(Verb verb, std::int64_t closure, const std::string& robot) {
   const bool names_closure = closure >= 0 && closure <= std::numeric_limits<std::int32_t>::max();
-  if (is_about_a_closure(verb)) return names_closure ? "" : "absurd_value";
-  if (verb == Verb::allow) return names_closure || !robot.empty() ? "" : "absurd_value";
-  if (verb == Verb::drop) return robot.empty() ? "bad_name" : "";
-  return "";
+  if (is_about_a_closure(verb)) return names_closure ? DropReason::none : DropReason::absurd_value;
+  if (verb == Verb::allow)
+    return names_closure || !robot.empty() ? DropReason::none : DropReason::absurd_value;
+  if (verb == Verb::drop) return robot.empty() ? DropReason::bad_name : DropReason::none;
+  return DropReason::none;
 }
 
 }  // namespace
@@ -69,17 +70,17 @@ std::string_view check_operand(Verb verb, std::int64_t closure, const std::strin
 bool is_plausible_utime(std::int64_t utime) { return utime >= 0 && utime <= largest_utime; }
 
 Reading read_message(const robot_t& message, const std::string& robot) {
-  if (upper_case(message.name) != robot) return refuse("bad_name");
+  if (upper_case(message.name) != robot) return refuse(DropReason::bad_name);
   if (!all_finite({message.laser_x_m, message.laser_y_m, message.laser_yaw_rad, message.range_min_m,
                    message.range_max_m, message.footprint_radius_m})) {
-    return refuse("not_finite");
+    return refuse(DropReason::not_finite);
   }
   const bool plausible = is_plausible_utime(message.utime) && within(message.laser_x_m, largest_mount_m) &&
                          within(message.laser_y_m, largest_mount_m) &&
                          within(message.laser_yaw_rad, largest_angle_rad) &&
                          are_plausible_limits(message.range_min_m, message.range_max_m) &&
                          message.footprint_radius_m >= 0 && message.footprint_radius_m <= largest_footprint_m;
-  if (!plausible) return refuse("absurd_value");
+  if (!plausible) return refuse(DropReason::absurd_value);
   RobotEvent event;
   event.robot = robot;
   event.utime = message.utime;
@@ -89,29 +90,29 @@ Reading read_message(const robot_t& message, const std::string& robot) {
                  message.range_max_m};
   event.footprint_radius_m = message.footprint_radius_m;
   event.restarted = message.restarted != 0;
-  return {std::move(event), ""};
+  return {std::move(event)};
 }
 
 Reading read_message(const bot_core::pose_t& message, const std::string& robot) {
   const auto& [w, x, y, z] = message.orientation;
-  if (!all_finite({message.pos[0], message.pos[1], w, x, y, z})) return refuse("not_finite");
+  if (!all_finite({message.pos[0], message.pos[1], w, x, y, z})) return refuse(DropReason::not_finite);
   if (!is_plausible_utime(message.utime) || !within(message.pos[0], largest_position_m) ||
       !within(message.pos[1], largest_position_m) || !within(w, 2) || !within(x, 2) || !within(y, 2) ||
       !within(z, 2)) {
-    return refuse("absurd_value");
+    return refuse(DropReason::absurd_value);
   }
   // The rotated x axis, of a quaternion that need not be quite of unit length.
   const double forward_x = w * w + x * x - y * y - z * z;
   const double forward_y = 2 * (x * y + w * z);
-  if (std::hypot(forward_x, forward_y) < 0.1) return refuse("absurd_value");
-  return {
-      OdometryEvent{robot, message.utime, {message.pos[0], message.pos[1], std::atan2(forward_y, forward_x)}},
-      ""};
+  if (std::hypot(forward_x, forward_y) < 0.1) return refuse(DropReason::absurd_value);
+  return {OdometryEvent{
+      robot, message.utime, {message.pos[0], message.pos[1], std::atan2(forward_y, forward_x)}}};
 }
 
 Reading read_message(const bot_core::planar_lidar_t& message, const std::string& robot) {
-  if (const std::string_view reason = check_ranges(message.ranges); !reason.empty()) return refuse(reason);
-  if (!all_finite({message.rad0, message.radstep})) return refuse("not_finite");
+  if (const DropReason reason = check_ranges(message.ranges); reason != DropReason::none)
+    return refuse(reason);
+  if (!all_finite({message.rad0, message.radstep})) return refuse(DropReason::not_finite);
   const double bearing0_rad = message.rad0;
   // One beam has no step: some say 0.
   const bool no_step = message.ranges.size() == 1 && message.radstep == 0;
@@ -119,21 +120,20 @@ Reading read_message(const bot_core::planar_lidar_t& message, const std::string&
   const double field_of_view_rad = std::abs(step_rad) * static_cast<double>(message.ranges.size() - 1);
   if (!is_plausible_utime(message.utime) || !within(bearing0_rad, largest_angle_rad) ||
       std::abs(step_rad) < smallest_step_rad || field_of_view_rad > largest_field_of_view_rad) {
-    return refuse("absurd_value");
+    return refuse(DropReason::absurd_value);
   }
-  return {ScanEvent{robot, {message.utime, bearing0_rad, step_rad, message.ranges}}, ""};
+  return {ScanEvent{robot, {message.utime, bearing0_rad, step_rad, message.ranges}}};
 }
 
 Reading read_message(const sighting_t& message, const std::string& robot) {
-  for (const std::string_view reason :
-       {check_measured(message.range_m, message.range_sigma_m, 0, largest_range_m),
-        check_measured(message.bearing_rad, message.bearing_sigma_rad, -largest_angle_rad,
-                       largest_angle_rad)}) {
-    if (!reason.empty()) return refuse(reason);
+  for (const DropReason reason : {check_measured(message.range_m, message.range_sigma_m, 0, largest_range_m),
+                                  check_measured(message.bearing_rad, message.bearing_sigma_rad,
+                                                 -largest_angle_rad, largest_angle_rad)}) {
+    if (reason != DropReason::none) return refuse(reason);
   }
   const bool nothing_measured = std::isinf(message.range_sigma_m) && std::isinf(message.bearing_sigma_rad);
   if (!is_plausible_utime(message.utime) || message.barcode < 0 || nothing_measured) {
-    return refuse("absurd_value");
+    return refuse(DropReason::absurd_value);
   }
   SightingEvent event{robot,
                       message.utime,
@@ -144,29 +144,29 @@ Reading read_message(const sighting_t& message, const std::string& robot) {
                       message.bearing_sigma_rad};
   if (std::isinf(event.range_sigma_m)) event.range_m = 0;
   if (std::isinf(event.bearing_sigma_rad)) event.bearing_rad = 0;
-  return {std::move(event), ""};
+  return {std::move(event)};
 }
 
 Reading read_message(const tag_t& message, const std::string&) {
-  if (!is_plausible_utime(message.utime) || message.barcode < 0) return refuse("absurd_value");
-  return {TagEvent{message.utime, message.barcode}, ""};
+  if (!is_plausible_utime(message.utime) || message.barcode < 0) return refuse(DropReason::absurd_value);
+  return {TagEvent{message.utime, message.barcode}};
 }
 
 Reading read_message(const command_t& message, const std::string&) {
   const std::optional<Verb> verb = value_of<Verb>(message.verb);
-  if (!verb) return refuse("unknown_command");
+  if (!verb) return refuse(DropReason::unknown_command);
   const std::string robot = upper_case(message.robot);
-  if (!robot.empty() && !is_robot_name(robot)) return refuse("bad_name");
-  if (!is_plausible_utime(message.utime)) return refuse("absurd_value");
-  const std::string_view reason = check_operand(*verb, message.closure, robot);
-  if (!reason.empty()) return refuse(reason);
-  return {CommandEvent{message.utime, *verb, message.closure, robot}, ""};
+  if (!robot.empty() && !is_robot_name(robot)) return refuse(DropReason::bad_name);
+  if (!is_plausible_utime(message.utime)) return refuse(DropReason::absurd_value);
+  const DropReason reason = check_operand(*verb, message.closure, robot);
+  if (reason != DropReason::none) return refuse(reason);
+  return {CommandEvent{message.utime, *verb, message.closure, robot}};
 }
 
 Reading read_message(const configuration_t& message, const std::string&) {
-  return {ConfigurationEvent{message.toml}, ""};
+  return {ConfigurationEvent{message.toml}};
 }
 
-Reading read_message(const tick_t&, const std::string&) { return {TickEvent{}, ""}; }
+Reading read_message(const tick_t&, const std::string&) { return {TickEvent{}}; }
 
 }  // namespace isthmus

@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "bot_core/planar_lidar_t.hpp"
 #include "bot_core/pose_t.hpp"
@@ -12,6 +11,7 @@
 #include "isthmus/sighting_t.hpp"
 #include "isthmus/tag_t.hpp"
 #include "isthmus/tick_t.hpp"
+#include "server/engine/input/drop_reason.hpp"
 #include "server/engine/input/event.hpp"
 
 namespace isthmus {
@@ -21,7 +21,7 @@ using EventBody = decltype(Event::body);
 /// A decoded message's meaning, or the reason why its values are not believed.
 struct Reading {
   std::optional<EventBody> body;
-  std::string_view reason;
+  DropReason reason = DropReason::none;
 };
 
 /// Whether a stamp can be one: not negative, and exact as a double, so that no arithmetic on it overflows.

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/engine/input/drop_reason.hpp"
 #include "server/wire/network/lcm_packet.hpp"
 
 namespace isthmus {
@@ -30,7 +31,7 @@ struct LcmSink {
   /// received.
   std::function<void(std::int64_t utime, std::string_view channel, std::span<const std::uint8_t>)> deliver;
   /// A message was lost on a channel that is wanted, or a datagram was none of LCM's (channel empty).
-  std::function<void(std::string_view channel, std::string_view reason)> drop;
+  std::function<void(std::string_view channel, DropReason reason)> drop;
 };
 
 /// Bounds of what unfinished messages may take: anybody can send fragments under any address.
@@ -89,15 +90,15 @@ class Reassembly {
 
   void take_fragment(const LcmSender& sender, const LcmPacket& packet, std::int64_t utime,
                      std::int64_t now_us);
-  std::string_view refusal(const LcmPacket& packet) const;
+  DropReason refusal(const LcmPacket& packet) const;
   Unfinished& message_of(const Key& key, const LcmPacket& packet, std::int64_t now_us);
   void add(Unfinished& message, const LcmPacket& packet);
   void finish(Unfinished& message, std::int64_t utime);
-  void close(Unfinished& message, std::string_view reason);
+  void close(Unfinished& message, DropReason reason);
   void make_room(const LcmSender& sender);
   void touch(const Key& key, Unfinished& message, std::int64_t now_us);
-  void remove(Messages::iterator message, std::string_view reason);
-  void remove_oldest(std::string_view reason) { remove(messages_.find(by_age_.begin()->second), reason); }
+  void remove(Messages::iterator message, DropReason reason);
+  void remove_oldest(DropReason reason) { remove(messages_.find(by_age_.begin()->second), reason); }
 
   LcmSink sink_;
   ReassemblyLimits limits_;

@@ -35,21 +35,21 @@ Authenticator::Authenticator(Authentication keys, SignatureCounters counters)
 Opened Authenticator::open(const ChannelNames& configured, std::int64_t utime,
                            std::span<const std::uint8_t> bytes) {
   Envelope envelope;
-  if (!is_required()) return {{}, "", "no_keys"};
-  if (std::string reason = read_envelope(bytes, envelope); !reason.empty())
-    return {{}, "", std::move(reason)};
+  if (!is_required()) return {{}, "", DropReason::no_keys};
+  if (const DropReason reason = read_envelope(bytes, envelope); reason != DropReason::none)
+    return {{}, "", reason};
   const std::string sender = upper_case(envelope.sender);
   const auto signer = signers_.find(sender);
-  if (signer == signers_.end()) return {{}, "", "unknown_sender"};
+  if (signer == signers_.end()) return {{}, "", DropReason::unknown_sender};
   const std::string robot = keys_.robots.contains(sender) ? sender : "";
-  if (!is_genuine(signer->second.key, bytes)) return {{}, robot, "forged"};
+  if (!is_genuine(signer->second.key, bytes)) return {{}, robot, DropReason::forged};
   const std::optional<Channel> channel = find_channel(configured, envelope.channel);
-  if (!channel || !may_send(keys_, sender, *channel)) return {{}, robot, "foreign_channel"};
+  if (!channel || !may_send(keys_, sender, *channel)) return {{}, robot, DropReason::foreign_channel};
   const std::string stream = default_channel(channel->input, channel->robot);
-  if (!counts_on(sender, stream, signer->second, envelope.counter)) return {{}, robot, "replayed"};
+  if (!counts_on(sender, stream, signer->second, envelope.counter)) return {{}, robot, DropReason::replayed};
   Message message{utime, std::move(envelope.channel), std::move(envelope.payload)};
   message.signature = Signature{signer->second.name, stream, envelope.counter};
-  return {std::move(message), channel->robot, ""};
+  return {std::move(message), channel->robot};
 }
 
 /// Whether a counter is above all that this sender's key has signed on a channel so far; it is the last then.

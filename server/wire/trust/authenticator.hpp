@@ -13,9 +13,9 @@ namespace isthmus {
 
 /// An envelope that was opened, or the reason why not.
 struct Opened {
-  std::optional<Message> message;  ///< with its signature
-  std::string robot;               ///< whose message it is or claims to be; empty: no robot's
-  std::string reason;              ///< as in report.json's `dropped`
+  std::optional<Message> message;        ///< with its signature
+  std::string robot;                     ///< whose message it is or claims to be; empty: no robot's
+  DropReason reason = DropReason::none;  ///< none where it was opened
 };
 
 /// Decides which messages are believed, once the configuration holds keys: those in an envelope whose sender

@@ -33,17 +33,17 @@ Message seal(const AuthKey& key, const std::string& sender, std::int64_t counter
   return sealed;
 }
 
-std::string read_envelope(std::span<const std::uint8_t> bytes, Envelope& envelope) {
-  const std::string_view reason = check_bytes(signed_t::getHash(), members, bytes);
-  if (!reason.empty()) return std::string(reason);
+DropReason read_envelope(std::span<const std::uint8_t> bytes, Envelope& envelope) {
+  const DropReason reason = check_bytes(signed_t::getHash(), members, bytes);
+  if (reason != DropReason::none) return reason;
   signed_t message;
   const int size = static_cast<int>(bytes.size());
-  if (message.decode(bytes.data(), 0, size) != size) return "bad_length";
+  if (message.decode(bytes.data(), 0, size) != size) return DropReason::bad_length;
   envelope.channel = std::move(message.channel);
   envelope.sender = std::move(message.sender);
   envelope.counter = message.counter;
   envelope.payload = std::move(message.payload);
-  return "";
+  return DropReason::none;
 }
 
 std::string key_fingerprint(const AuthKey& key) {

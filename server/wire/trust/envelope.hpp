@@ -25,8 +25,8 @@ struct Envelope {
   std::vector<std::uint8_t> payload;
 };
 
-/// Returns the reason for refusal, as `check_bytes`; empty where `envelope` was read.
-std::string read_envelope(std::span<const std::uint8_t> bytes, Envelope& envelope);
+/// Returns the reason for refusal, as `check_bytes`; `none` where `envelope` was read.
+DropReason read_envelope(std::span<const std::uint8_t> bytes, Envelope& envelope);
 
 /// Whether the envelope's last 32 bytes are HMAC-SHA-256 (RFC 2104) of those before, with this key. The bytes
 /// must be an envelope's.

@@ -13,11 +13,11 @@ double smoothed(double rate_hz, std::int64_t count, double elapsed_s) {
   return rate_hz + newest_weight * (static_cast<double>(count) / elapsed_s - rate_hz);
 }
 
-std::vector<count_t> to_counts(const std::map<std::string, std::int64_t>& by_reason) {
+std::vector<count_t> to_counts(const std::map<DropReason, std::int64_t>& by_reason) {
   std::vector<count_t> counts;
   for (const auto& [reason, count] : by_reason) {
     count_t one{};
-    one.reason = reason;
+    one.reason = word(reason);
     one.count = count;
     counts.push_back(one);
   }

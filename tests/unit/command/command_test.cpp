@@ -58,7 +58,7 @@ struct Server {
 
   void take(const std::string& channel, std::span<const std::uint8_t> bytes_of_order) {
     const Decoded decoded = decode(ChannelNames{}, channel, bytes_of_order, 1);
-    ASSERT_TRUE(decoded.event) << decoded.reason;
+    ASSERT_TRUE(decoded.event) << word(decoded.reason);
     orders.push_back(std::get<CommandEvent>(decoded.event->body));
     const auto bytes = encoded(status_t{});
     lcm.publish("ISTHMUS_STATUS", bytes.data(), static_cast<unsigned>(bytes.size()));

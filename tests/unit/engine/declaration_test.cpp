@@ -54,7 +54,7 @@ class Declared {
   double way_m() const { return 0.1 * static_cast<double>((utime_ - start_utime) / period_us); }
   Pose odometry() const { return {way_m(), 0, 0}; }
   Pose world_from_robot() const { return {-3 + way_m(), -1, 0}; }
-  std::int64_t dropped(const std::string& reason) const {
+  std::int64_t dropped(DropReason reason) const {
     const Counters counters = engine.copy().counters;
     const auto found = counters.dropped.find(reason);
     return found == counters.dropped.end() ? 0 : found->second;
@@ -116,13 +116,13 @@ TEST(Declaration, ALaserThatGoesOnAndOffLeavesOneIsland) {
   }
   robot.engine.finish();
   EXPECT_EQ(robot.engine.copy().graph.islands().size(), 1U);
-  EXPECT_EQ(robot.dropped("no_laser"), 18);
+  EXPECT_EQ(robot.dropped(DropReason::no_laser), 18);
 }
 
 TEST(Declaration, ScansOfARobotWithoutALaserAreRefused) {
   Declared robot;
   robot.say(without_laser());
-  EXPECT_EQ(robot.tell_scan().drop_reason, "no_laser");
+  EXPECT_EQ(robot.tell_scan().drop_reason, DropReason::no_laser);
   robot.pass();
   robot.tell_odometry();
   const MapCopy map = robot.engine.copy();
@@ -205,7 +205,7 @@ TEST(Declaration, AnotherRangeIsOfTheScansFromThenOn) {
   robot.drive(10);
   robot.say(with_laser(0.1));  // every beam is now one without a return
   robot.drive(1);
-  EXPECT_EQ(robot.engine.copy().counters.scans_predicted.at("few_returns"), 1);
+  EXPECT_EQ(robot.engine.copy().counters.scans_predicted.at(Unmatched::few_returns), 1);
   robot.say(with_laser(20));
   robot.drive(10);
   const MapCopy map = robot.engine.copy();
@@ -224,15 +224,15 @@ TEST(Declaration, ABarcodeIsOfWhoeverWearsItWhenItIsSeen) {
     return robot.engine.handle({start_utime, SightingEvent{"R1", start_utime, barcode, 2, 0.1, 0, 0.02}})
         .drop_reason;
   };
-  EXPECT_EQ(see(5), "");
+  EXPECT_EQ(see(5), DropReason::none);
   other.barcode = 6;
   robot.say(other);
-  EXPECT_EQ(see(5), "unknown_barcode");
-  EXPECT_EQ(see(6), "");
+  EXPECT_EQ(see(5), DropReason::unknown_barcode);
+  EXPECT_EQ(see(6), DropReason::none);
   RobotEvent own = with_laser(20);
   own.barcode = 5;  // free again
-  EXPECT_EQ(robot.say(own).drop_reason, "");
-  EXPECT_EQ(see(5), "sees_itself");
+  EXPECT_EQ(robot.say(own).drop_reason, DropReason::none);
+  EXPECT_EQ(see(5), DropReason::sees_itself);
 }
 
 TEST(Declaration, WhatWaitsWhenARobotRestartsIsCounted) {
@@ -245,16 +245,16 @@ TEST(Declaration, WhatWaitsWhenARobotRestartsIsCounted) {
   RobotEvent again = with_laser(20);
   again.restarted = true;
   robot.say(again);
-  EXPECT_EQ(robot.dropped("restarted"), 2);
+  EXPECT_EQ(robot.dropped(DropReason::restarted), 2);
 }
 
 TEST(Declaration, ScansThatWaitAreBoundedWhereTimeStandsStill) {
   Declared robot;
   robot.say(with_laser(20));
   for (int i = 0; i < 1000; ++i) robot.tell_scan(i);  // without any odometry, in no time
-  EXPECT_EQ(robot.dropped("no_odometry"), 1000 - 64);
+  EXPECT_EQ(robot.dropped(DropReason::no_odometry), 1000 - 64);
   robot.engine.finish();
-  EXPECT_EQ(robot.dropped("no_odometry"), 1000);
+  EXPECT_EQ(robot.dropped(DropReason::no_odometry), 1000);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ RobotPose drive(Engine& engine, const std::string& name, std::int64_t from_utime
     const Pose pose{-2 + i * step_m, -1, 0};
     engine.handle(odometry(name, utime, pose));
     const Outcome outcome = engine.handle(scan(name, utime, pose));
-    EXPECT_EQ(outcome.drop_reason, "");
+    EXPECT_EQ(outcome.drop_reason, DropReason::none);
     if (!outcome.poses.empty()) last = outcome.poses.back();
   }
   return last;
@@ -75,7 +75,7 @@ TEST(Engine, ARobotWithAllItsPatchesIsLocalisedAndAddsNoMore) {
   drive(engine, "R2", start_utime, 1, 0.1);
   const MapCopy map = engine.copy();
   EXPECT_EQ(map.patches.size(), 3U) << "each robot has its own limit";
-  EXPECT_GT(map.counters.dropped_by_robot.at("R1").at("too_many_patches"), 0);
+  EXPECT_GT(map.counters.dropped_by_robot.at("R1").at(DropReason::too_many_patches), 0);
   EXPECT_FALSE(map.counters.dropped_by_robot.contains("R2"));
   EXPECT_EQ(map.trajectory_rows, 21U);
 }
@@ -92,7 +92,7 @@ TEST(Engine, ARobotWithAllItsPatchesDoesNotBeginAgain) {
   EXPECT_TRUE(engine.handle(scan("R1", later, Pose{-2, -1, 0})).poses.empty());
   const MapCopy map = engine.copy();
   EXPECT_EQ(map.patches.size(), 1U);
-  EXPECT_EQ(map.counters.dropped.at("too_many_patches"), 1);
+  EXPECT_EQ(map.counters.dropped.at(DropReason::too_many_patches), 1);
 }
 
 TEST(Engine, EveryRelationSaysWhereItCameFrom) {
@@ -119,12 +119,12 @@ TEST(Engine, TwoRobotsMapTheirOwnIslands) {
 
 TEST(Engine, AnUnknownRobotIsCountedAndNothingElseHappens) {
   Engine engine;
-  EXPECT_EQ(engine.handle(odometry("R9", start_utime, {})).drop_reason, "unknown_robot");
-  EXPECT_EQ(engine.handle(scan("R9", start_utime, {})).drop_reason, "unknown_robot");
+  EXPECT_EQ(engine.handle(odometry("R9", start_utime, {})).drop_reason, DropReason::unknown_robot);
+  EXPECT_EQ(engine.handle(scan("R9", start_utime, {})).drop_reason, DropReason::unknown_robot);
   const MapCopy map = engine.copy();
   EXPECT_TRUE(map.patches.empty());
-  EXPECT_EQ(map.counters.dropped.at("unknown_robot"), 2);
-  EXPECT_EQ(map.counters.dropped_by_robot.at("(others)").at("unknown_robot"), 2);
+  EXPECT_EQ(map.counters.dropped.at(DropReason::unknown_robot), 2);
+  EXPECT_EQ(map.counters.dropped_by_robot.at("(others)").at(DropReason::unknown_robot), 2);
 }
 
 TEST(Engine, AScanWithoutBeamsOrWithTheLastStampIsDroppedByReason) {
@@ -134,9 +134,9 @@ TEST(Engine, AScanWithoutBeamsOrWithTheLastStampIsDroppedByReason) {
   const std::string before = map_sha256(engine.copy());
   ScanEvent empty{"R1", {}};
   empty.scan.utime = start_utime + 900'000;
-  EXPECT_EQ(engine.handle(at(start_utime + 900'000, empty)).drop_reason, "zero_beams");
-  EXPECT_EQ(engine.handle(scan("R1", start_utime + 400'000, {})).drop_reason, "duplicate_stamp");
-  EXPECT_EQ(engine.handle(scan("R1", start_utime - 5'000'000, {})).drop_reason, "stale_stamp");
+  EXPECT_EQ(engine.handle(at(start_utime + 900'000, empty)).drop_reason, DropReason::zero_beams);
+  EXPECT_EQ(engine.handle(scan("R1", start_utime + 400'000, {})).drop_reason, DropReason::duplicate_stamp);
+  EXPECT_EQ(engine.handle(scan("R1", start_utime - 5'000'000, {})).drop_reason, DropReason::stale_stamp);
   EXPECT_EQ(map_sha256(engine.copy()), before);
 }
 
@@ -155,7 +155,7 @@ TEST(Engine, ARobotThatNeverSentOdometryIsAnsweredByACount) {
   engine.handle(robot("R1"));
   engine.handle(scan("R1", start_utime, {}));
   engine.finish();
-  EXPECT_EQ(engine.copy().counters.dropped.at("no_odometry"), 1);
+  EXPECT_EQ(engine.copy().counters.dropped.at(DropReason::no_odometry), 1);
 }
 
 TEST(Engine, ARestartedRobotBeginsANewSessionOnANewIsland) {
@@ -178,11 +178,11 @@ TEST(Engine, SightingsAreValidated) {
     return engine.handle(at(start_utime, SightingEvent{who, start_utime, barcode, 2, 0.1, 0.5, 0.02}))
         .drop_reason;
   };
-  EXPECT_EQ(see("R1", 2), "");
-  EXPECT_EQ(see("R1", 50), "");
-  EXPECT_EQ(see("R1", 1), "sees_itself");
-  EXPECT_EQ(see("R1", 77), "unknown_barcode");
-  EXPECT_EQ(see("R7", 1), "unknown_robot");
+  EXPECT_EQ(see("R1", 2), DropReason::none);
+  EXPECT_EQ(see("R1", 50), DropReason::none);
+  EXPECT_EQ(see("R1", 1), DropReason::sees_itself);
+  EXPECT_EQ(see("R1", 77), DropReason::unknown_barcode);
+  EXPECT_EQ(see("R7", 1), DropReason::unknown_robot);
   const MapCopy map = engine.copy();
   ASSERT_EQ(map.sightings.size(), 5U);
   EXPECT_EQ(map.sightings[0].verdict, Verdict::waiting);
@@ -200,25 +200,28 @@ TEST(Engine, ARobotWithoutALaserWhoseClockIsSetBackBeginsAnew) {
   const auto drive_at = [&](std::int64_t utime) {
     return engine.handle(at(utime, OdometryEvent{"R1", utime, Pose{}})).drop_reason;
   };
-  EXPECT_EQ(drive_at(start_utime), "");
-  for (int i = 0; i < 9; ++i) EXPECT_EQ(drive_at(start_utime - 60'000'000 + i * 100'000), "stale_stamp");
+  EXPECT_EQ(drive_at(start_utime), DropReason::none);
+  for (int i = 0; i < 9; ++i)
+    EXPECT_EQ(drive_at(start_utime - 60'000'000 + i * 100'000), DropReason::stale_stamp);
   EXPECT_EQ(engine.copy().sessions.size(), 1U);
-  EXPECT_EQ(drive_at(start_utime - 59'000'000), "");
+  EXPECT_EQ(drive_at(start_utime - 59'000'000), DropReason::none);
   EXPECT_EQ(engine.copy().sessions.size(), 2U);
 }
 
 TEST(Engine, TwoRobotsCannotWearOneBarcode) {
   Engine engine;
   engine.handle(robot("R1", 1));
-  EXPECT_EQ(engine.handle(robot("R2", 1)).drop_reason, "barcode_taken");
-  EXPECT_EQ(engine.handle(robot("R2", 2)).drop_reason, "");
+  EXPECT_EQ(engine.handle(robot("R2", 1)).drop_reason, DropReason::barcode_taken);
+  EXPECT_EQ(engine.handle(robot("R2", 2)).drop_reason, DropReason::none);
 }
 
 TEST(Engine, AConfigurationIsTakenOnlyFirst) {
   Engine engine;
-  EXPECT_EQ(engine.handle(at(start_utime, ConfigurationEvent{"tags = \"any\""})).drop_reason, "");
+  EXPECT_EQ(engine.handle(at(start_utime, ConfigurationEvent{"tags = \"any\""})).drop_reason,
+            DropReason::none);
   EXPECT_TRUE(engine.configuration().any_tag);
-  EXPECT_EQ(engine.handle(at(start_utime, ConfigurationEvent{""})).drop_reason, "late_configuration");
+  EXPECT_EQ(engine.handle(at(start_utime, ConfigurationEvent{""})).drop_reason,
+            DropReason::late_configuration);
   EXPECT_TRUE(engine.configuration().any_tag);
 }
 

@@ -28,13 +28,13 @@ class AMappedRoom {
     engine.handle({utime_, OdometryEvent{"R1", utime_, pose}});
     return engine.handle({utime_, ScanEvent{"R1", scan_from(furnished_room(), pose, utime_)}});
   }
-  std::string blind_odometry() {
+  DropReason blind_odometry() {
     return engine.handle({utime_, OdometryEvent{"R3", utime_, Pose{}}}).drop_reason;
   }
-  std::string see(int barcode) {
+  DropReason see(int barcode) {
     return engine.handle({utime_, SightingEvent{"R1", utime_, barcode, 2, 0.1, 0.5, 0.02}}).drop_reason;
   }
-  std::string order(Verb verb) {
+  DropReason order(Verb verb) {
     return engine.handle({utime_, CommandEvent{utime_, verb, 7, "R1"}}).drop_reason;
   }
 
@@ -56,10 +56,10 @@ class AMappedRoom {
 TEST(Mapping, TakesWhatChangesTheMap) {
   AMappedRoom room;
   const std::size_t patches = room.engine.copy().patches.size();
-  EXPECT_EQ(room.blind_odometry(), "");
-  EXPECT_EQ(room.see(2), "");
-  EXPECT_EQ(room.order(Verb::refine), "");
-  EXPECT_EQ(room.order(Verb::allow), "not_dropped");
+  EXPECT_EQ(room.blind_odometry(), DropReason::none);
+  EXPECT_EQ(room.see(2), DropReason::none);
+  EXPECT_EQ(room.order(Verb::refine), DropReason::none);
+  EXPECT_EQ(room.order(Verb::allow), DropReason::not_dropped);
   for (int i = 1; i <= 15; ++i) room.drive_to({0.1 * i, -1, 0});
   EXPECT_GT(room.engine.copy().patches.size(), patches);
   EXPECT_EQ(room.engine.copy().sightings.size(), 1U);
@@ -69,12 +69,12 @@ TEST(Localising, RefusesAsFrozenWhatWouldChangeTheMap) {
   AMappedRoom room;
   room.engine.freeze();
   EXPECT_TRUE(room.engine.is_frozen());
-  EXPECT_EQ(room.blind_odometry(), "frozen") << "its way would have to become a map";
-  EXPECT_EQ(room.see(2), "frozen");
-  EXPECT_EQ(room.see(77), "unknown_barcode") << "why it is of no use in any map comes first";
+  EXPECT_EQ(room.blind_odometry(), DropReason::frozen) << "its way would have to become a map";
+  EXPECT_EQ(room.see(2), DropReason::frozen);
+  EXPECT_EQ(room.see(77), DropReason::unknown_barcode) << "why it is of no use in any map comes first";
   for (const Verb verb : {Verb::withdraw, Verb::forbid, Verb::allow, Verb::drop, Verb::refine})
-    EXPECT_EQ(room.order(verb), "frozen") << word(verb);
-  EXPECT_EQ(room.order(Verb::send_map), "");
+    EXPECT_EQ(room.order(verb), DropReason::frozen) << word(verb);
+  EXPECT_EQ(room.order(Verb::send_map), DropReason::none);
   EXPECT_TRUE(room.engine.copy().sightings.empty()) << "the log of sightings is the map's";
 }
 

@@ -94,7 +94,7 @@ TEST(MapSha256, PatchesThatOperatorsHaveDroppedCount) {
 
 TEST(MapSha256, WhatItCostAndWhatWasDroppedAreNoPartOfTheMap) {
   MapCopy map = small_map();
-  map.counters.dropped["unknown_robot"] = 5;
+  map.counters.dropped[DropReason::unknown_robot] = 5;
   map.sessions.clear();
   EXPECT_EQ(map_sha256(map), map_sha256(small_map()));
 }

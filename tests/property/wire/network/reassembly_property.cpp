@@ -88,7 +88,7 @@ RC_GTEST_PROP(Reassembly, HandsOnEachWholeMessageOnceAndNothingElse, (std::uint3
                          [&](std::int64_t, std::string_view channel, std::span<const std::uint8_t> bytes) {
                            heard[{std::string(channel), {bytes.begin(), bytes.end()}}] += 1;
                          },
-                         [&](std::string_view, std::string_view) { ++drops; }});
+                         [&](std::string_view, DropReason) { ++drops; }});
   for (const auto& [message, fragment] : traffic.order) {
     const Sent& sent = traffic.messages[message];
     reassembly.take(sent.sender, sent.datagrams[fragment], 1, 1);
@@ -129,7 +129,7 @@ RC_GTEST_PROP(Reassembly, StaysWithinItsBoundsWhateverComes, (std::uint32_t seed
                            RC_ASSERT(channel == "R1_SCAN");
                            RC_ASSERT(bytes.size() <= limits.message_bytes);
                          },
-                         [](std::string_view, std::string_view) {}},
+                         [](std::string_view, DropReason) {}},
                         limits);
   for (std::int64_t now_us = 0; now_us < 3'000'000; now_us += random() % 5000) {
     reassembly.take({1, static_cast<std::uint16_t>(random() % 12)}, any_datagram(random), 1, now_us);

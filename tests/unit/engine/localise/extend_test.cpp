@@ -53,7 +53,7 @@ struct InARoom {
   }
   bool is_worth_it(const Pose& world_from_robot) {
     const Placement placement = matched(world_from_robot);
-    EXPECT_TRUE(placement.matched) << placement.reason;
+    EXPECT_TRUE(placement.matched) << word(placement.reason);
     return is_worth_it(world_from_robot, placement);
   }
   bool is_worth_it(const Pose& world_from_robot, const Placement& placement) {

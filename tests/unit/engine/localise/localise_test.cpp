@@ -122,9 +122,9 @@ TEST(Place, FindsTheTruthWhereOdometryIsOff) {
   const Pose truth{0.4, -0.3, 0.2};
   const Placement placement = placed(robot_at({}), expecting({0.52, -0.38, 0.25}),
                                      local_map_of(furnished_room()), furnished_room(), truth);
-  ASSERT_TRUE(placement.matched) << placement.reason;
+  ASSERT_TRUE(placement.matched) << word(placement.reason);
   expect_near(placement.local_from_robot, truth, 0.02, 0.006);
-  EXPECT_TRUE(placement.reason.empty());
+  EXPECT_TRUE(placement.reason == Unmatched::no);
 }
 
 // Eq. 13 with what odometry expects: across the corridor the walls decide, along it nothing but odometry.
@@ -132,7 +132,7 @@ TEST(Place, BelievesOdometryWhereWallsSayNothing) {
   const Expectation expectation = expecting({0.3, 0.1, 0.02});
   const Placement placement =
       placed(robot_at({}), expectation, local_map_of(corridor()), corridor(), {0, 0, 0});
-  ASSERT_TRUE(placement.matched) << placement.reason;
+  ASSERT_TRUE(placement.matched) << word(placement.reason);
   expect_near(placement.local_from_robot, {0.3, 0, 0}, 0.02, 0.006);
   EXPECT_NEAR(placement.tracking_covariance(0, 0) / expectation.tracking_covariance(0, 0), 1, 0.05);
   EXPECT_LT(placement.tracking_covariance(1, 1) / expectation.tracking_covariance(1, 1), 0.01);
@@ -163,7 +163,7 @@ TEST(Place, StaysAtItsExpectationWithFewReturns) {
   points.resize(11);
   const Placement placement =
       localise(robot_at({}), expectation, local_map_of(furnished_room()), points, EngineOptions{});
-  EXPECT_EQ(placement.reason, "few_returns");
+  EXPECT_EQ(placement.reason, Unmatched::few_returns);
   expect_as_expected(placement, expectation);
 }
 
@@ -171,7 +171,7 @@ TEST(Place, StaysAtItsExpectationWhereThereIsNoLocalMap) {
   const Expectation expectation = expecting({0.4, -0.3, 0.2});
   const Placement placement =
       placed(robot_at({}), expectation, {PatchId{0}, {}}, furnished_room(), {0.4, -0.3, 0.2});
-  EXPECT_EQ(placement.reason, "no_overlap");
+  EXPECT_EQ(placement.reason, Unmatched::no_overlap);
   expect_as_expected(placement, expectation);
 }
 
@@ -181,7 +181,8 @@ TEST(Place, StaysAtItsExpectationAmongOtherWalls) {
   const Expectation expectation = expecting({0, 0, 0}, 0.02, 0.02);
   const Placement placement =
       placed(robot_at({}), expectation, local_map_of(furnished_room()), others, {0, 0, 0});
-  EXPECT_TRUE(placement.reason == "low_score" || placement.reason == "few_pairs") << placement.reason;
+  EXPECT_TRUE(placement.reason == Unmatched::low_score || placement.reason == Unmatched::few_pairs)
+      << word(placement.reason);
   expect_as_expected(placement, expectation);
 }
 
@@ -190,7 +191,7 @@ TEST(Place, SearchesAsFarAsItsCovarianceAllows) {
   const Pose truth{0.4, -0.3, 0.9};
   const Placement placement = placed(robot_at({}), expecting({-0.4, 0.3, 0}, 0.2, 0.2),
                                      local_map_of(furnished_room()), furnished_room(), truth);
-  ASSERT_TRUE(placement.matched) << placement.reason;
+  ASSERT_TRUE(placement.matched) << word(placement.reason);
   expect_near(placement.local_from_robot, truth, 0.02, 0.006);
 }
 
@@ -234,11 +235,11 @@ TEST(Place, GoesWhereAJumpLedToWhereWallsDoNotObject) {
     local_map.patches.push_back({make_patch(PatchId{0}, "R1", scan, laser_of(10), {}), {x, 0, 0}});
   const Placement along =
       localise(robot_at({}), expectation, local_map, to_points(scan, laser_of(10), {}), EngineOptions{});
-  ASSERT_TRUE(along.matched) << along.reason;
+  ASSERT_TRUE(along.matched) << word(along.reason);
   EXPECT_NEAR(along.local_from_robot.x, 2, 0.1);
   const Placement not_along =
       placed(robot_at({}), expectation, local_map_of(furnished_room()), furnished_room(), {0.1, 0, 0});
-  ASSERT_TRUE(not_along.matched) << not_along.reason;
+  ASSERT_TRUE(not_along.matched) << word(not_along.reason);
   expect_near(not_along.local_from_robot, {0.1, 0, 0}, 0.02, 0.006);
 }
 

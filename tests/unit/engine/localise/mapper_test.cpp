@@ -46,7 +46,7 @@ TEST(TakeScan, LocalisesOnKnownGroundAndDiscardsTheScan) {
   driven.scan({});
   const ScanOutcome second = driven.scan({0.2, 0.1, 0.05}, {0.22, 0.09, 0.06}, furnished_room());
   EXPECT_FALSE(second.new_session);
-  EXPECT_TRUE(second.predicted_reason.empty()) << second.predicted_reason;
+  EXPECT_EQ(second.unmatched, Unmatched::no) << word(second.unmatched);
   EXPECT_NEAR(second.pose.map_from_robot.x, 0.2, 0.01);
   EXPECT_NEAR(second.pose.map_from_robot.y, 0.1, 0.01);
   EXPECT_NEAR(second.pose.map_from_robot.yaw, 0.05, 0.005);
@@ -72,7 +72,7 @@ TEST(TakeScan, RefusesAPatchBeyondThoseThatARobotMayHave) {
   for (int i = 1; i <= 10; ++i) EXPECT_FALSE(driven.scan({0.1 * i - 0.05, 0, 0}).patch_refused);
   const ScanOutcome far = driven.scan({1.1, 0, 0});
   EXPECT_TRUE(far.patch_refused);
-  EXPECT_TRUE(far.predicted_reason.empty()) << "it is localised all the same";
+  EXPECT_EQ(far.unmatched, Unmatched::no) << "it is localised all the same";
   EXPECT_EQ(driven.map.manifold().size(), 1U);
   driven.robot.place.reset();
   EXPECT_TRUE(may_not_begin(driven.robot, driven.options)) << "it would need a patch";
@@ -85,7 +85,7 @@ TEST(TakeScan, ExtendsTheMapByOdometryOnceItsSurroundingsAreLeftBehind) {
   Walls hall;
   add_box(hall, -0.9, -0.9, 1.1, 0.8);
   const auto elsewhere = [&](double way_m) { return driven.scan({}, {way_m, 0, 0}, hall); };
-  EXPECT_FALSE(elsewhere(0.1).predicted_reason.empty());
+  EXPECT_NE(elsewhere(0.1).unmatched, Unmatched::no);
   elsewhere(0.3);
   EXPECT_EQ(driven.map.manifold().size(), 1U);
   elsewhere(0.5);
@@ -97,7 +97,8 @@ TEST(TakeScan, ExtendsTheMapByOdometryOnceItsSurroundingsAreLeftBehind) {
 TEST(TakeScan, MakesNoPatchOfAScanThatSawNothing) {
   Driven driven;
   driven.scan({});
-  for (int i = 1; i < 10; ++i) EXPECT_EQ(driven.blind_scan({0.3 * i, 0, 0}).predicted_reason, "few_returns");
+  for (int i = 1; i < 10; ++i)
+    EXPECT_EQ(driven.blind_scan({0.3 * i, 0, 0}).unmatched, Unmatched::few_returns);
   EXPECT_EQ(driven.map.manifold().size(), 1U);
   EXPECT_NEAR(driven.robot.place->pose.patch_from_object.x, 2.7, 1e-9);
 }
@@ -124,7 +125,7 @@ TEST(TakeScan, ForgivesAJumpOnceAScanFits) {
   add_box(hall, -0.9, -0.9, 1.1, 0.8);
   for (int i = 0; i < 5; ++i) driven.scan({}, {30, 0, 0}, hall);
   const ScanOutcome found = driven.scan({0.5, 0, 0}, {30.5, 0, 0}, furnished_room());
-  EXPECT_TRUE(found.predicted_reason.empty()) << found.predicted_reason;
+  EXPECT_EQ(found.unmatched, Unmatched::no) << word(found.unmatched);
   EXPECT_FALSE(found.unplaced);
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(driven.scan({}, {30.5, 0, 0}, hall).new_session);
   EXPECT_EQ(driven.map.graph().islands().size(), 1U);

@@ -12,8 +12,8 @@ TEST(HealthRecords, AreOfDeclaredRobotsWithTheirOwnLosses) {
   robots["STRANGER"];
   for (int i = 0; i < 3; ++i) robots["R1"].health.heard_odometry({0.1 * i, 0, 0});
   Counters counters;
-  counters.dropped_by_robot["R2"]["no_odometry"] = 100;
-  counters.dropped_by_robot["STRANGER"]["unknown_robot"] = 5;
+  counters.dropped_by_robot["R2"][DropReason::no_odometry] = 100;
+  counters.dropped_by_robot["STRANGER"][DropReason::unknown_robot] = 5;
   const std::vector<HealthRecord> records = health_records(robots, counters, {});
   ASSERT_EQ(records.size(), 2U);
   EXPECT_EQ(records[0].robot, "R1");

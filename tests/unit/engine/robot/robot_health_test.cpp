@@ -211,7 +211,7 @@ TEST(RobotHealth, ScansThatSayNothing) {
 TEST(RobotHealth, ScansWithoutOdometry) {
   RobotHealth health;
   for (int i = 0; i < 100; ++i) health.heard_scan(scan_with(181, 100), laser, {}, {});
-  const auto warnings = health_warnings("R1", laser, health.figures({}), {{"absurd_value", 7}}, {});
+  const auto warnings = health_warnings("R1", laser, health.figures({}), {{DropReason::absurd_value, 7}}, {});
   ASSERT_FALSE(warnings.empty());
   EXPECT_EQ(warnings[0].key, "no_odometry");
   EXPECT_NE(warnings[0].text.find("absurd_value 7"), std::string::npos);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "server/engine/input/drop_reason.hpp"
 #include "server/engine/snapshot/snapshot_archive.hpp"
 #include "tests/support/solids.hpp"
 #include "tests/support/walls.hpp"
@@ -60,6 +61,19 @@ TEST(SnapshotArchive, RefusesToCountMoreThanThereIs) {
   std::vector<std::uint8_t> bytes = saved(std::vector<double>{1});
   bytes.at(7) = 0x70;
   EXPECT_THROW(restored<std::vector<double>>(bytes), std::runtime_error);
+}
+
+using Dropped = std::map<DropReason, std::int64_t>;
+using DroppedByWord = std::map<std::string, std::int64_t>;
+
+TEST(SnapshotValues, CountByTheWordsOfReasons) {
+  const Dropped dropped = {{DropReason::not_signed, 3}, {DropReason::unknown_sender, 1}};
+  EXPECT_EQ(saved(dropped), saved(DroppedByWord{{"unknown_sender", 1}, {"unsigned", 3}}));
+  EXPECT_EQ(restored<Dropped>(saved(dropped)), dropped);
+}
+
+TEST(SnapshotValues, RefuseToCountByAReasonThatThereIsNot) {
+  EXPECT_THROW(restored<Dropped>(saved(DroppedByWord{{"not_signed", 3}})), std::runtime_error);
 }
 
 TEST(SnapshotValues, KeepARelation) {

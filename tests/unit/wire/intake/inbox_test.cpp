@@ -69,7 +69,7 @@ TEST(Inbox, KeepsAQueueForARobotWhoseNameIsReserved) {
   inbox.reserve("R1");
   for (int i = 0; i < 100; ++i) push(inbox, "X" + std::to_string(i), i, true);
   for (int i = 0; i < 4; ++i) push(inbox, "R1", i, true);
-  EXPECT_EQ(inbox.take_drops().at("R1").at("queue_full").count, 1);
+  EXPECT_EQ(inbox.take_drops().at("R1").at(DropReason::queue_full).count, 1);
 }
 
 TEST(Inbox, DropsTheOldestScanOfTheRobotThatFloods) {
@@ -82,7 +82,7 @@ TEST(Inbox, DropsTheOldestScanOfTheRobotThatFloods) {
   EXPECT_EQ(pop_all(inbox), (std::vector<std::int64_t>{1, 2, 4, 5}));
   const auto drops = inbox.take_drops();
   ASSERT_EQ(drops.size(), 1U);
-  EXPECT_EQ(drops.at("R1").at("queue_full").count, 1);
+  EXPECT_EQ(drops.at("R1").at(DropReason::queue_full).count, 1);
   EXPECT_TRUE(inbox.take_drops().empty());
 }
 
@@ -106,7 +106,7 @@ TEST(Inbox, RefusesMessagesThatAreTooLong) {
   Inbox inbox(limits);
   push(inbox, "R1", 1, true, 11);
   EXPECT_EQ(inbox.size(), 0U);
-  EXPECT_EQ(inbox.take_drops().at("R1").at("bad_length").count, 1);
+  EXPECT_EQ(inbox.take_drops().at("R1").at(DropReason::bad_length).count, 1);
 }
 
 TEST(Inbox, BoundsTheNumberOfQueues) {
@@ -163,7 +163,7 @@ TEST(Inbox, TellsStrangersFromRobotsOnceAllOnTheMapAreReserved) {
 
 TEST(Inbox, CountsTheDropsOfMadeUpNamesTogether) {
   Inbox inbox;
-  for (int i = 0; i < 200'000; ++i) inbox.count_drop("X" + std::to_string(i), "unsigned");
+  for (int i = 0; i < 200'000; ++i) inbox.count_drop("X" + std::to_string(i), DropReason::not_signed);
   const auto drops = inbox.take_drops();
   EXPECT_LE(drops.size(), InboxLimits().senders + 1);
   EXPECT_TRUE(drops.contains("(others)"));

@@ -53,7 +53,7 @@ TEST(Reception, RefusesStrangersAndLetsInWhatFollowsAnIntroductionAtOnce) {
   take("ISTHMUS_TAG", encode({1, TagEvent{1, 7}}).bytes);
   EXPECT_EQ(channels_in(inbox),
             (std::vector<std::string>{"R1_ROBOT", "R1_ROBOT", "R1_ODOMETRY", "R1_SCAN", "ISTHMUS_TAG"}));
-  EXPECT_EQ(inbox.take_drops().at("(others)").at("unknown_robot").count, 4 + 100);
+  EXPECT_EQ(inbox.take_drops().at("(others)").at(DropReason::unknown_robot).count, 4 + 100);
   EXPECT_EQ(told.size(), 16U) << "names of strangers, a bounded number";
   EXPECT_EQ(told.front(), "R1");
 }

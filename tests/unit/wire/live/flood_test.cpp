@@ -116,7 +116,7 @@ TEST(Flood, OfScansDelaysNobodyElse) {
   };
   flood.run(act, 10'000, calm_rounds);
   expect_calm(flood);
-  EXPECT_GT(flood.map().counters.dropped_by_robot.at("R2").at("queue_full"), 0);
+  EXPECT_GT(flood.map().counters.dropped_by_robot.at("R2").at(DropReason::queue_full), 0);
 }
 
 TEST(Flood, OfScansAMegabyteLongDelaysNobodyElse) {
@@ -134,7 +134,7 @@ TEST(Flood, OfNamesDelaysNobodyElse) {
   const auto act = [&](Inbox& inbox, std::int64_t n) {
     const std::string name = "X" + std::to_string(n % 10'000);
     inbox.push(name, false, n, name + "_ODOMETRY", std::vector<std::uint8_t>(100));
-    if (n % 100 == 0) inbox.count_drop("R2", "unsigned");
+    if (n % 100 == 0) inbox.count_drop("R2", DropReason::not_signed);
   };
   flood.run(act, 1000, calm_rounds);
   const std::vector<std::int64_t> between = flood.between();

@@ -191,13 +191,13 @@ TEST(KeptMessages, AreCountedAsDroppedAfterAKillWhereTheInboxWasFull) {
   ASSERT_TRUE(soon([&] { return server.brake.holds(); }));
   drive(server.inbox, 1, 100);
   server.brake.let_go();
-  const auto recorded = [&] { return replay(directory / "journal").dropped["queue_full"] >= 170; };
+  const auto recorded = [&] { return replay(directory / "journal").dropped[DropReason::queue_full] >= 170; };
   ASSERT_TRUE(soon(recorded));
   copy_as_if_killed(directory / "journal", directory / "killed");
   server.end();
 
   const MapCopy map = serve(journalled(directory / "killed"));
-  const auto dropped = static_cast<std::size_t>(map.counters.dropped.at("queue_full"));
+  const auto dropped = static_cast<std::size_t>(map.counters.dropped.at(DropReason::queue_full));
   expect_each_once(directory / "killed", 1 + 2 * 100 - dropped);
   EXPECT_EQ(replay(directory / "killed").dropped, map.counters.dropped);
 }
@@ -253,7 +253,7 @@ TEST(KeptMessages, KeepTheirSignatures) {
     Authenticator authenticator = server.authenticator();
     for (const Message& envelope : sealed) {
       const Opened opened = authenticator.open(server.channels(), envelope.utime, envelope.bytes);
-      EXPECT_EQ(opened.reason, "replayed");
+      EXPECT_EQ(opened.reason, DropReason::replayed);
     }
     next.close();
     server.run();
@@ -345,11 +345,11 @@ TEST(AFatalEvent, IsSetAsideAfterItsSecondCrashAndReplayPassesItOverToo) {
     EXPECT_NE(content(journal + "/said").find(" of the journal on R1_SCAN is set aside"), std::string::npos);
 
     const MapCopy map = serve(journalled(journal));
-    EXPECT_EQ(map.counters.dropped.at("set_aside"), 1);
+    EXPECT_EQ(map.counters.dropped.at(DropReason::set_aside), 1);
     EXPECT_EQ(map.counters.scans, 79);
     const Replayed replayed = replay(journal);
     EXPECT_EQ(replayed.sha256, map_sha256(map));
-    EXPECT_EQ(replayed.dropped.at("set_aside"), 1);
+    EXPECT_EQ(replayed.dropped.at(DropReason::set_aside), 1);
     EXPECT_EQ(live_in_a_process(journal, 80, 90, 20, throws), 0) << "and again";
   }
 }

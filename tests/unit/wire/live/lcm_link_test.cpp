@@ -129,7 +129,7 @@ TEST(LcmLink, SurvivesAFragmentBeyondItsMessage) {
   const std::vector<Message> received = wait_for(inbox, 1);
   ASSERT_EQ(received.size(), 1U);
   EXPECT_EQ(received[0].bytes, message.bytes);
-  EXPECT_EQ(inbox.take_drops().at("").at("malformed_packet").count, 3);
+  EXPECT_EQ(inbox.take_drops().at("").at(DropReason::malformed_packet).count, 3);
 }
 
 /// Sockets of this machine that are bound to a UDP port.

@@ -138,8 +138,8 @@ TEST(LiveServer, CountsBadMessagesAndKeepsThemOutOfTheJournal) {
   server.run();
 
   const MapCopy map = server.engine().copy();
-  const std::map<std::string, std::int64_t> expected = {
-      {"bad_length", 1}, {"bad_fingerprint", 1}, {"bad_channel", 2}};
+  const std::map<DropReason, std::int64_t> expected = {
+      {DropReason::bad_length, 1}, {DropReason::bad_fingerprint, 1}, {DropReason::bad_channel, 2}};
   EXPECT_EQ(map.counters.dropped, expected);
   EXPECT_FALSE(server.engine().configuration().any_tag);
   EXPECT_EQ(events_in(directory / "journal"), 4U) << "configuration, robot, odometry, scan";
@@ -157,7 +157,7 @@ TEST(LiveServer, RefusesAStrangersMessagesBeforeTheJournal) {
   inbox.close();
   server.run();
   const MapCopy map = server.engine().copy();
-  EXPECT_EQ(map.counters.dropped.at("unknown_robot"), 2);
+  EXPECT_EQ(map.counters.dropped.at(DropReason::unknown_robot), 2);
   EXPECT_TRUE(map.patches.empty());
   EXPECT_EQ(events_in(directory / "journal"), 1U) << "the configuration";
   EXPECT_EQ(replay(directory / "journal").sha256, map_sha256(map));
@@ -178,7 +178,7 @@ TEST(LiveServer, TakesARobotFromItsFirstIntroductionOn) {
   server.run();
   const MapCopy map = server.engine().copy();
   EXPECT_EQ(map.counters.scans, 3);
-  EXPECT_EQ(map.counters.dropped.at("unknown_robot"), 2);
+  EXPECT_EQ(map.counters.dropped.at(DropReason::unknown_robot), 2);
 }
 
 // Odometry of 200,000 robots that there are not, each under a name of its own.
@@ -197,13 +197,13 @@ TEST(LiveServer, HoldsNothingOfMadeUpRobots) {
   for (int i = 0; i < strangers; ++i) {
     const std::string name = "X" + std::to_string(i);
     inbox.push_waiting(name, false, message.utime, name + "_ODOMETRY", message.bytes);
-    inbox.count_drop(name, "bad_length");
+    inbox.count_drop(name, DropReason::bad_length);
   }
   inbox.close();
   engine.join();
   const Counters counters = server.engine().copy().counters;
-  EXPECT_EQ(counters.dropped.at("unknown_robot"), strangers);
-  EXPECT_EQ(counters.dropped_by_robot.at("(others)").at("unknown_robot"), strangers);
+  EXPECT_EQ(counters.dropped.at(DropReason::unknown_robot), strangers);
+  EXPECT_EQ(counters.dropped_by_robot.at("(others)").at(DropReason::unknown_robot), strangers);
   EXPECT_LE(counters.dropped_by_robot.size(), 257U);
   EXPECT_LT(metrics.size(), 50'000U);
   EXPECT_EQ(events_in(directory / "journal"), 1U);
@@ -222,8 +222,8 @@ TEST(LiveServer, KeepsTheRobotsAndTagsThatItKnowsAndRefusesMore) {
     for (const std::int32_t barcode : {7, 7, 8}) push(inbox, "", encode({1, TagEvent{1, barcode}}));
     inbox.close();
     server.run();
-    const std::map<std::string, std::int64_t> expected = {{"too_many_robots", start},
-                                                          {"too_many_tags", start}};
+    const std::map<DropReason, std::int64_t> expected = {{DropReason::too_many_robots, start},
+                                                         {DropReason::too_many_tags, start}};
     EXPECT_EQ(server.engine().copy().counters.dropped, expected);
   }
 }
@@ -292,7 +292,7 @@ TEST_F(LiveServerOnFailingDisk, RefusesEventsBeforeTheEngineHasThemWhereNoMoreCa
   inbox_.close();
   engine_thread.join();
   const MapCopy map = server->engine().copy();
-  const std::int64_t refused = map.counters.dropped_by_robot.at("R1").at("journal_full");
+  const std::int64_t refused = map.counters.dropped_by_robot.at("R1").at(DropReason::journal_full);
   EXPECT_GT(refused, 100);
   ASSERT_EQ(status.robots.size(), 1U);
   ASSERT_EQ(status.robots[0].dropped.size(), 1U);

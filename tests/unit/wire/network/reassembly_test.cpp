@@ -30,8 +30,8 @@ struct Heard {
                     [this](std::int64_t, std::string_view channel, std::span<const std::uint8_t> bytes) {
                       messages.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
                     },
-                    [this](std::string_view channel, std::string_view reason) {
-                      drops[std::string(channel) + " " + std::string(reason)] += 1;
+                    [this](std::string_view channel, DropReason reason) {
+                      drops[std::string(channel) + " " + std::string(word(reason))] += 1;
                     }},
                    limits) {}
 

@@ -63,7 +63,7 @@ class OwnEars {
                           heard_[std::string(channel)].emplace_back(bytes.begin(), bytes.end());
                           last_utime_ = utime;
                         },
-                        [](std::string_view, std::string_view) {}}};
+                        [](std::string_view, DropReason) {}}};
   UdpReceiver receiver_;
 };
 

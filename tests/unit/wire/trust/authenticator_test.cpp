@@ -35,8 +35,8 @@ Authentication keys() {
 Message odometry(const std::string& robot = "R1") { return BoxRoomRobot(robot).round(0)[0]; }
 Message command() { return encode({1, CommandEvent{1, Verb::refine, -1, ""}}); }
 
-/// The reason for refusal; empty: believed.
-std::string refusal(Authenticator& authenticator, const Message& sealed) {
+/// The reason for refusal; none: believed.
+DropReason refusal(Authenticator& authenticator, const Message& sealed) {
   EXPECT_EQ(sealed.channel, "ISTHMUS_SIGNED");
   return authenticator.open({}, sealed.utime, sealed.bytes).reason;
 }
@@ -71,9 +71,9 @@ TEST(Authenticator, RefusesEveryReplay) {
   std::vector<Message> sent;
   for (int counter = 1; counter <= 1000; ++counter) {
     sent.push_back(seal(robot_key, "R1", counter, odometry()));
-    EXPECT_EQ(refusal(authenticator, sent.back()), "");
+    EXPECT_EQ(refusal(authenticator, sent.back()), DropReason::none);
   }
-  for (const Message& message : sent) EXPECT_EQ(refusal(authenticator, message), "replayed");
+  for (const Message& message : sent) EXPECT_EQ(refusal(authenticator, message), DropReason::replayed);
 }
 
 TEST(Authenticator, RefusesEveryForgery) {
@@ -84,20 +84,21 @@ TEST(Authenticator, RefusesEveryForgery) {
   for (int i = 0; i < 10'000; ++i) {
     Message forged = genuine;
     forged.bytes[random() % forged.bytes.size()] ^= static_cast<std::uint8_t>(1U << random() % 8);
-    refused += refusal(authenticator, forged).empty() ? 0 : 1;
+    refused += refusal(authenticator, forged) == DropReason::none ? 0 : 1;
   }
   EXPECT_EQ(refused, 10'000);
-  EXPECT_EQ(refusal(authenticator, seal({}, "R1", 1000, odometry())), "forged");
-  EXPECT_EQ(refusal(authenticator, seal(other_key, "R1", 1000, odometry())), "forged");
-  EXPECT_EQ(refusal(authenticator, genuine), "") << "forgeries have not used its counter up";
+  EXPECT_EQ(refusal(authenticator, seal({}, "R1", 1000, odometry())), DropReason::forged);
+  EXPECT_EQ(refusal(authenticator, seal(other_key, "R1", 1000, odometry())), DropReason::forged);
+  EXPECT_EQ(refusal(authenticator, genuine), DropReason::none) << "forgeries have not used its counter up";
 }
 
 TEST(Authenticator, CountsEachChannelByItself) {
   Authenticator authenticator(keys());
   const std::vector<Message> round = BoxRoomRobot("R1").round(0);
-  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 9, round[0])), "");
-  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 8, round[1])), "") << "of another process";
-  EXPECT_EQ(refusal(authenticator, seal(other_key, "R2", 1, odometry("R2"))), "");
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 9, round[0])), DropReason::none);
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 8, round[1])), DropReason::none)
+      << "of another process";
+  EXPECT_EQ(refusal(authenticator, seal(other_key, "R2", 1, odometry("R2"))), DropReason::none);
 }
 
 /// What the journal tells a server that is started again.
@@ -112,22 +113,23 @@ TEST(Authenticator, CountsFromTheBeginningWithANewKey) {
   ASSERT_TRUE(opened.message);
   const SignatureCounters counters = counters_of(*opened.message->signature);
   Authenticator same_key(keys(), counters);
-  EXPECT_EQ(refusal(same_key, ran_out), "replayed");
-  EXPECT_EQ(refusal(same_key, seal(robot_key, "R1", last - 1, odometry())), "replayed");
+  EXPECT_EQ(refusal(same_key, ran_out), DropReason::replayed);
+  EXPECT_EQ(refusal(same_key, seal(robot_key, "R1", last - 1, odometry())), DropReason::replayed);
   const AuthKey new_key = {1, 2, 4};
   Authentication changed = keys();
   changed.robots["R1"] = new_key;
   Authenticator authenticator(changed, counters);
-  EXPECT_EQ(refusal(authenticator, ran_out), "forged") << "what the old key signed is worth nothing";
-  EXPECT_EQ(refusal(authenticator, seal(new_key, "R1", 1, odometry())), "");
-  EXPECT_EQ(refusal(authenticator, seal(new_key, "R1", 1, odometry())), "replayed");
-  EXPECT_EQ(refusal(authenticator, seal(new_key, "R1", 2, odometry())), "");
+  EXPECT_EQ(refusal(authenticator, ran_out), DropReason::forged)
+      << "what the old key signed is worth nothing";
+  EXPECT_EQ(refusal(authenticator, seal(new_key, "R1", 1, odometry())), DropReason::none);
+  EXPECT_EQ(refusal(authenticator, seal(new_key, "R1", 1, odometry())), DropReason::replayed);
+  EXPECT_EQ(refusal(authenticator, seal(new_key, "R1", 2, odometry())), DropReason::none);
 }
 
 TEST(Authenticator, HoldsAnyKeyToTheCountersOfJournalsThatNameNone) {
   Authenticator authenticator(keys(), {{{"R1", "R1_ODOMETRY"}, 100}});
-  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 100, odometry())), "replayed");
-  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 101, odometry())), "");
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 100, odometry())), DropReason::replayed);
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 101, odometry())), DropReason::none);
 }
 
 TEST(KeyFingerprint, TellsKeysApart) {
@@ -139,20 +141,20 @@ TEST(KeyFingerprint, TellsKeysApart) {
 TEST(Authenticator, KnowsWhoMaySayWhat) {
   Authenticator authenticator(keys());
   const Message tag = encode({1, TagEvent{1, 7}});
-  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 1, odometry("R2"))), "foreign_channel");
-  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 1, command())), "foreign_channel");
-  EXPECT_EQ(refusal(authenticator, seal(operator_key, "alice", 1, odometry())), "foreign_channel");
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 1, odometry("R2"))), DropReason::foreign_channel);
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 1, command())), DropReason::foreign_channel);
+  EXPECT_EQ(refusal(authenticator, seal(operator_key, "alice", 1, odometry())), DropReason::foreign_channel);
   EXPECT_EQ(refusal(authenticator, seal(operator_key, "alice", 1, encode({1, TickEvent{}}))),
-            "foreign_channel");
-  EXPECT_EQ(refusal(authenticator, seal(operator_key, "BOB", 1, command())), "unknown_sender");
-  EXPECT_EQ(refusal(authenticator, seal(operator_key, "alice", 1, command())), "");
-  EXPECT_EQ(refusal(authenticator, seal(operator_key, "alice", 1, tag)), "");
-  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 1, tag)), "");
+            DropReason::foreign_channel);
+  EXPECT_EQ(refusal(authenticator, seal(operator_key, "BOB", 1, command())), DropReason::unknown_sender);
+  EXPECT_EQ(refusal(authenticator, seal(operator_key, "alice", 1, command())), DropReason::none);
+  EXPECT_EQ(refusal(authenticator, seal(operator_key, "alice", 1, tag)), DropReason::none);
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 1, tag)), DropReason::none);
 }
 
 TEST(Authenticator, SaysThatThereAreNoKeys) {
   Authenticator none;
-  EXPECT_EQ(refusal(none, seal(robot_key, "R1", 1, odometry())), "no_keys");
+  EXPECT_EQ(refusal(none, seal(robot_key, "R1", 1, odometry())), DropReason::no_keys);
 }
 
 /// A server with keys, and what receives for it.
@@ -205,7 +207,8 @@ TEST(SignedServer, MapsWhatIsSignedAndRefusesTheRest) {
   team.send(seal(operator_key, "ALICE", 1, command()));
   const MapCopy map = team.stop(42);
   EXPECT_EQ(map.counters.scans, 20);
-  const std::map<std::string, std::int64_t> expected = {{"forged", 1}, {"replayed", 41}, {"unsigned", 11}};
+  const std::map<DropReason, std::int64_t> expected = {
+      {DropReason::forged, 1}, {DropReason::replayed, 41}, {DropReason::not_signed, 11}};
   EXPECT_EQ(map.counters.dropped, expected);
 }
 
@@ -224,7 +227,7 @@ TEST(SignedServer, RefusesAReplayAfterARestartAndJournalsNoKeyAndNoEnvelope) {
     for (const Message& message : sealed_rounds(20 + restart, 21 + restart)) team.send(message);
     const MapCopy map = team.stop(2);
     EXPECT_EQ(map.counters.scans, 21 + restart);
-    EXPECT_EQ(map.counters.dropped.at("replayed"), 41 * (restart + 1)) << "counted on";
+    EXPECT_EQ(map.counters.dropped.at(DropReason::replayed), 41 * (restart + 1)) << "counted on";
   }
   for (const Message& message : read_log(journal).messages) EXPECT_NE(message.channel, "ISTHMUS_SIGNED");
   for (const auto& entry : std::filesystem::directory_iterator(journal)) {

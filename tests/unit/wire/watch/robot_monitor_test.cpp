@@ -36,8 +36,8 @@ TEST(RobotMonitor, TellsOfEachRobotWhatWasHeardAndDropped) {
     monitor.answered(pose);
   }
   MapCopy map;
-  map.counters.dropped_by_robot["R1"] = {{"stale_stamp", 2}};
-  map.counters.dropped_by_robot["(others)"] = {{"unknown_robot", 9}};
+  map.counters.dropped_by_robot["R1"] = {{DropReason::stale_stamp, 2}};
+  map.counters.dropped_by_robot["(others)"] = {{DropReason::unknown_robot, 9}};
   const status_t status = monitor.status(map, {3, 100, 1}, 60, 2);
   EXPECT_EQ(status.queued, 3);
   EXPECT_EQ(status.journal_bytes, 100);
