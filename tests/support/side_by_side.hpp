@@ -25,7 +25,7 @@ struct SideBySide {
     for (int i = 0; i < patches; ++i)
       for (const int robot : {0, 1}) ways[robot].push_back({-2 + 0.5 * i, robot == 0 ? -1.5 : 0, 0});
     first = add_way(map, walls, ways[0]);
-    second = add_way(map, walls, ways[1], second_from_world);
+    second = add_way(map, walls, ways[1], second_from_world, "R2");
     enter("R1", 1, first, ways[0]);
     enter("R2", 2, second, ways[1]);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/engine/map/map.hpp"
@@ -22,11 +23,13 @@ inline Relation odometry_relation(PatchId a, PatchId b, const Pose& a_from_b,
 /// A robot's way: a patch at each pose of the world, which saw walls of its own, each tied to the one before
 /// by odometry, on an island of its own. Returns its patches.
 inline std::vector<PatchId> add_way(Map& map, const std::vector<Walls>& walls_seen,
-                                    const std::vector<Pose>& world_from_patches, const Pose& map_from_world) {
+                                    const std::vector<Pose>& world_from_patches, const Pose& map_from_world,
+                                    const std::string& robot = "R1") {
   std::vector<PatchId> way;
   for (std::size_t i = 0; i < world_from_patches.size(); ++i) {
     const PatchId id = map.manifold().next_id();
-    map.add(patch_from(walls_seen[i], id, world_from_patches[i]), map_from_world * world_from_patches[i]);
+    map.add(make_patch(id, robot, scan_from(walls_seen[i], world_from_patches[i]), laser_of(), {}),
+            map_from_world * world_from_patches[i]);
     if (!way.empty()) map.relate(odometry_relation(way.back(), id, map.relative_pose(way.back(), id)));
     way.push_back(id);
   }
@@ -35,9 +38,9 @@ inline std::vector<PatchId> add_way(Map& map, const std::vector<Walls>& walls_se
 
 /// The same among walls that all of them saw.
 inline std::vector<PatchId> add_way(Map& map, const Walls& walls, const std::vector<Pose>& world_from_patches,
-                                    const Pose& map_from_world = {}) {
+                                    const Pose& map_from_world = {}, const std::string& robot = "R1") {
   return add_way(map, std::vector<Walls>(world_from_patches.size(), walls), world_from_patches,
-                 map_from_world);
+                 map_from_world, robot);
 }
 
 }  // namespace isthmus::testing

@@ -1,0 +1,155 @@
+#include "server/engine/closures/closures.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/side_by_side.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+constexpr ClosureId first_id{0};
+
+/// R1 and R2, which have seen one another for six seconds.
+struct Meeting {
+  SideBySide scene;
+  Closures closures;
+  double now_s = 16;
+
+  Meeting() {
+    for (double s = 10; s <= 15; ++s) {
+      closures.take(SideBySide::r1_sees_r2(s), "R2", false, SideBySide::utime(s));
+      closures.take(SideBySide::r2_sees_r1(s), "R1", false, SideBySide::utime(s));
+    }
+  }
+  World world() { return scene.world(now_s); }
+  /// Events a tenth of a second apart, two seconds of them, and until nothing is on trial.
+  void work() {
+    for (int i = 0; i < 20 || closures.on_trial(); ++i, now_s += 0.1) {
+      ASSERT_LT(i, 10'000);
+      closures.advance(world());
+    }
+  }
+  std::size_t islands() const { return scene.map.graph().islands().size(); }
+  ClosureRecord record(std::size_t i) const { return closures.closures().at(i); }
+  std::int64_t count(Verdict verdict) const { return closures.sightings().count(verdict); }
+};
+
+TEST(Closures, JoinTheIslandsOfRobotsThatSeeOneAnother) {
+  Meeting met;
+  met.work();
+  ASSERT_EQ(met.closures.closures().size(), 1U);
+  EXPECT_EQ(met.record(0).state, ClosureState::accepted) << word(met.record(0).reason);
+  EXPECT_EQ(met.record(0).kind, ClosureKind::merge);
+  EXPECT_EQ(met.islands(), 1U);
+  EXPECT_NEAR(met.scene.map.relative_pose(met.scene.first[3], met.scene.second[3]).y, 1.5, 0.05);
+  EXPECT_GE(met.count(Verdict::accepted), 4);
+  EXPECT_EQ(met.closures.take_changed(), (std::vector<PatchId>{met.scene.first[0]}));
+  EXPECT_TRUE(met.closures.take_changed().empty()) << "it was told";
+}
+
+TEST(Closures, LeaveTheMapAloneWhileATrialRuns) {
+  Meeting met;
+  met.closures.advance(met.world());
+  EXPECT_TRUE(met.closures.on_trial());
+  EXPECT_TRUE(met.closures.has_work());
+  EXPECT_EQ(met.islands(), 2U);
+  EXPECT_EQ(met.record(0).state, ClosureState::waiting);
+}
+
+TEST(Closures, EndWhatIsOnTrialWhenNoMoreEventsCome) {
+  Meeting met;
+  met.closures.advance(met.world());
+  met.closures.begin_finish(met.world());
+  while (met.closures.finish_step(met.world())) {
+  }
+  EXPECT_EQ(met.record(0).state, ClosureState::accepted);
+  EXPECT_EQ(met.count(Verdict::waiting), 0);
+}
+
+TEST(Closures, TakeBackWhatOperatorsForbidUntilItIsAllowed) {
+  Meeting met;
+  met.work();
+  EXPECT_EQ(met.closures.allow(first_id), DropReason::not_forbidden);
+  EXPECT_EQ(met.closures.forbid(met.world(), first_id, true), DropReason::none);
+  EXPECT_EQ(met.islands(), 2U);
+  EXPECT_EQ(met.record(0).state, ClosureState::withdrawn);
+  met.work();
+  EXPECT_EQ(met.islands(), 2U) << "nor does it come again";
+  EXPECT_EQ(met.closures.allow(first_id), DropReason::none);
+  met.work();
+  EXPECT_EQ(met.islands(), 1U);
+}
+
+TEST(Closures, AreForbiddenBeforeTheyAreProposed) {
+  Meeting met;
+  EXPECT_EQ(met.closures.forbid(met.world(), first_id, true), DropReason::no_such_closure);
+  EXPECT_EQ(met.closures.forbid(met.world(), first_id, false), DropReason::none);
+  met.work();
+  EXPECT_EQ(met.islands(), 2U);
+  EXPECT_EQ(met.record(0).reason, Reason::forbidden);
+  EXPECT_EQ(met.closures.allow(ClosureId{7}), DropReason::no_such_closure);
+}
+
+TEST(Closures, OnTrialAreNotWithdrawnButMayBeForbidden) {
+  Meeting met;
+  met.closures.advance(met.world());
+  EXPECT_EQ(met.closures.forbid(met.world(), first_id, true), DropReason::not_accepted);
+  EXPECT_TRUE(met.closures.on_trial());
+  EXPECT_EQ(met.closures.forbid(met.world(), first_id, false), DropReason::none);
+  EXPECT_FALSE(met.closures.on_trial());
+  EXPECT_EQ(met.record(0).state, ClosureState::refused);
+}
+
+TEST(Closures, PutATrialOffWhenARobotsDataIsTakenOut) {
+  Meeting met;
+  met.closures.advance(met.world());
+  met.closures.forget_robot("R2");
+  EXPECT_FALSE(met.closures.on_trial());
+  EXPECT_TRUE(met.closures.closures().empty()) << "as if it had not been proposed";
+  EXPECT_EQ(met.count(Verdict::refused), 12) << "nothing that saw R2, or that it saw, waits any longer";
+}
+
+/// What scans say of the same.
+ScanProposal from_scans(const SideBySide& scene) {
+  ScanProposal finds;
+  finds.first = scene.first[0];
+  finds.second = scene.second[0];
+  finds.first_from_second = {0, 1.5, 0};
+  for (const std::size_t i : {0U, 3U, 5U})
+    finds.relations.push_back(odometry_relation(scene.first[i], scene.second[i], {0, 1.5, 0}));
+  finds.finds = 3;
+  finds.robots = {"R1", "R2"};
+  return finds;
+}
+
+TEST(Closures, TellScansWhatBecameOfTheirProposals) {
+  SideBySide scene;
+  Closures closures;
+  const ClosureId id = closures.propose_from_scans(scene.world(20), from_scans(scene));
+  EXPECT_TRUE(closures.on_trial());
+  EXPECT_TRUE(closures.take_outcomes().empty());
+  while (closures.step_trial(scene.world(20))) {
+  }
+  const std::vector<ClosureOutcome> outcomes = closures.take_outcomes();
+  ASSERT_EQ(outcomes.size(), 1U);
+  EXPECT_EQ(outcomes[0].id, id);
+  EXPECT_EQ(outcomes[0].state, ClosureState::waiting);
+  EXPECT_EQ(outcomes[0].reason, Reason::too_little_support) << "three metres of way say little";
+  EXPECT_TRUE(closures.take_outcomes().empty()) << "it was told";
+}
+
+TEST(Closures, FromScansAreRefusedByWhatRefutesThem) {
+  SideBySide scene;
+  Closures closures;
+  const ClosureId id = closures.propose_from_scans(scene.world(20), from_scans(scene));
+  closures.refuse_from_scans(id, Reason::met_nobody);
+  EXPECT_FALSE(closures.on_trial());
+  EXPECT_EQ(closures.closures().at(0).state, ClosureState::refused);
+  EXPECT_EQ(closures.closures().at(0).reason, Reason::met_nobody);
+  EXPECT_EQ(scene.map.graph().islands().size(), 2U);
+}
+
+}  // namespace
+}  // namespace isthmus

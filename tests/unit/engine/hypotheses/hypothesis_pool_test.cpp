@@ -1,0 +1,163 @@
+#include "server/engine/hypotheses/hypothesis_pool.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/side_by_side.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+/// Finds of R2's way beside R1's, 2.5 m long; two metres of it are enough.
+struct Pooling {
+  SideBySide scene;
+  HypothesisPool pool;
+  Closures closures;
+  HypothesisCounts counts;
+
+  Pooling() { scene.options.hypotheses.min_way_m = 2; }
+  World world() { return scene.world(20); }
+  /// So short a way is to be enough for the trial too.
+  void believe_little() {
+    TrialOptions& its = scene.options.trial;
+    its.min_matched = 4;
+    its.min_way_m = 1;
+    its.min_width_m = its.min_own_m = 0;
+  }
+  /// That R2's patch lies so beside R1's.
+  void find(std::size_t i, const Pose& first_from_second = {0, 1.5, 0}) {
+    const PatchId query = scene.second[i];
+    const PatchId anchor = scene.first[i];
+    pool.take(world(), "R2",
+              {query, anchor, first_from_second, 0, 1, {odometry_relation(anchor, query, first_from_second)}},
+              counts);
+  }
+  bool propose() { return pool.propose(world(), closures, counts); }
+  /// What is on trial is tried out, and heard of.
+  void hear() {
+    while (closures.step_trial(world())) {
+    }
+    pool.hear(world(), closures, counts);
+  }
+};
+
+TEST(HypothesisPool, ProposesFindsThatAgreeOnEnoughOfTheWay) {
+  Pooling its;
+  its.find(0);
+  its.find(4);
+  EXPECT_FALSE(its.propose()) << "two do not say enough";
+  its.find(2);
+  EXPECT_TRUE(its.propose());
+  EXPECT_TRUE(its.closures.on_trial());
+  EXPECT_EQ(its.counts.proposed, 1);
+  ASSERT_EQ(its.closures.closures().size(), 1U);
+  EXPECT_EQ(its.closures.closures()[0].robots, (std::vector<std::string>{"R1", "R2"}));
+}
+
+TEST(HypothesisPool, ProposesNothingOfOnePlace) {
+  Pooling its;
+  for (const std::size_t i : {0U, 1U, 2U}) its.find(i);
+  EXPECT_FALSE(its.propose()) << "a metre of way";
+}
+
+TEST(HypothesisPool, ProposesNothingThatAsManyFindsContradict) {
+  for (const std::size_t rivals : {1U, 2U}) {
+    Pooling its;
+    for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
+    for (std::size_t i = 0; i < rivals; ++i) its.find(1 + 2 * i, {3, -1.5 + 2.0 * static_cast<double>(i), 1});
+    EXPECT_EQ(its.propose(), rivals == 1);
+  }
+}
+
+TEST(HypothesisPool, KeepsAFindOnceHoweverOftenItIsMade) {
+  Pooling its;
+  its.find(0);
+  its.find(0);
+  EXPECT_EQ(its.counts.finds, 2);
+  EXPECT_EQ(its.pool.waiting(), 1U);
+}
+
+TEST(HypothesisPool, LetsTheOldestFindGoWhenItIsFull) {
+  Pooling its;
+  its.scene.options.hypotheses.max_finds = 3;
+  for (const std::size_t i : {0U, 2U, 4U, 5U}) its.find(i);
+  EXPECT_EQ(its.pool.waiting(), 3U);
+  EXPECT_FALSE(its.propose()) << "a metre and a half of way is left";
+}
+
+TEST(HypothesisPool, ProposesAgainOnlyWithMoreUnlessAllIsTriedAgain) {
+  Pooling its;
+  for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
+  ASSERT_TRUE(its.propose());
+  its.closures.refuse_from_scans(ClosureId{0}, Reason::none);
+  EXPECT_FALSE(its.propose());
+  its.pool.try_all_again();
+  EXPECT_TRUE(its.propose());
+  EXPECT_EQ(its.closures.closures().size(), 1U) << "it is the same closure";
+}
+
+TEST(HypothesisPool, TellsWhatScansAloneDoNotDecide) {
+  Pooling its;
+  for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
+  ASSERT_TRUE(its.propose());
+  EXPECT_TRUE(its.pool.undecided().empty()) << "it is on trial";
+  its.hear();
+  const std::vector<UndecidedHypothesis> undecided = its.pool.undecided();
+  ASSERT_EQ(undecided.size(), 1U);
+  EXPECT_EQ(undecided[0].id, ClosureId{0});
+  EXPECT_EQ(undecided[0].first, its.scene.first[0]);
+  EXPECT_EQ(undecided[0].second, its.scene.second[0]);
+  EXPECT_EQ(undecided[0].first_from_second, (Pose{0, 1.5, 0}));
+  EXPECT_GT(undecided[0].value, 0);
+  EXPECT_EQ(its.pool.waiting(), 3U);
+}
+
+TEST(HypothesisPool, ForgetsFindsThatAreDecided) {
+  Pooling its;
+  its.believe_little();
+  for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
+  ASSERT_TRUE(its.propose());
+  its.hear();
+  ASSERT_EQ(its.closures.closures()[0].state, ClosureState::accepted)
+      << word(its.closures.closures()[0].reason);
+  EXPECT_EQ(its.pool.waiting(), 0U);
+}
+
+TEST(HypothesisPool, HasFindsWaitAgainThatAreAllowedAgain) {
+  Pooling its;
+  its.believe_little();
+  for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
+  ASSERT_TRUE(its.propose());
+  its.hear();
+  its.closures.forbid(its.world(), ClosureId{0}, true);
+  its.hear();
+  EXPECT_EQ(its.pool.waiting(), 0U);
+  its.closures.allow(ClosureId{0});
+  its.hear();
+  EXPECT_EQ(its.pool.waiting(), 3U);
+}
+
+TEST(HypothesisPool, PassesOnWhatIsRefuted) {
+  Pooling its;
+  for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
+  ASSERT_TRUE(its.propose());
+  its.pool.refute(ClosureId{0}, Reason::met_nobody);
+  EXPECT_EQ(its.pool.waiting(), 0U);
+  EXPECT_TRUE(its.closures.on_trial());
+  its.pool.hear(its.world(), its.closures, its.counts);
+  EXPECT_FALSE(its.closures.on_trial());
+  EXPECT_EQ(its.closures.closures()[0].reason, Reason::met_nobody);
+}
+
+TEST(HypothesisPool, ForgetsFindsOfARobotsPatches) {
+  Pooling its;
+  its.find(0);
+  its.pool.forget_robot(its.scene.map, "R3");
+  EXPECT_EQ(its.pool.waiting(), 1U);
+  its.pool.forget_robot(its.scene.map, "R2");
+  EXPECT_EQ(its.pool.waiting(), 0U);
+}
+
+}  // namespace
+}  // namespace isthmus
