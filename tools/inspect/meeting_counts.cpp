@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <sstream>
 #include <vector>
@@ -12,10 +13,9 @@
 namespace isthmus {
 namespace {
 
-void add_sighting(const std::string& verdict, const std::string& reason, std::int64_t closure,
-                  MeetingCounts& counts) {
+void add_sighting(Verdict verdict, const std::string& reason, std::int64_t closure, MeetingCounts& counts) {
   ++counts.sightings_by_verdict[verdict];
-  if (verdict == "refused") ++counts.refused_by_reason[reason];
+  if (verdict == Verdict::refused) ++counts.refused_by_reason[reason];
   if (closure >= 0) ++counts.by_closure[closure].sightings;
 }
 
@@ -23,6 +23,12 @@ void add_relation(std::int64_t closure, std::span<const std::int64_t> depends_on
   if (closure >= 0) ++counts.by_closure[closure].relations;
   for (const std::int64_t other : depends_on)
     if (other != closure) ++counts.by_closure[other].dependents;
+}
+
+Verdict verdict_of(const CsvReader& csv) {
+  const std::optional<Verdict> verdict = value_of<Verdict>(csv.text("verdict"));
+  if (!verdict) csv.fail("'" + csv.text("verdict") + "' is no verdict");
+  return *verdict;
 }
 
 /// Ids, a blank between.
@@ -36,8 +42,7 @@ std::vector<std::int64_t> ids_of(const std::string& text) {
 MeetingCounts count_meetings(const MapCopy& map) {
   MeetingCounts counts;
   for (const SightingRecord& record : map.sightings) {
-    add_sighting(std::string(word(record.verdict)), std::string(word(record.reason)), record.closure.value,
-                 counts);
+    add_sighting(record.verdict, std::string(word(record.reason)), record.closure.value, counts);
   }
   const Dependencies dependencies(map.graph);
   for (const auto& [id, relation] : map.graph.relations()) {
@@ -52,7 +57,7 @@ MeetingCounts read_meeting_counts(const std::string& directory) {
   MeetingCounts counts;
   if (const std::string file = directory + "/sightings.csv"; std::filesystem::exists(file)) {
     CsvReader csv(file);
-    while (csv.next()) add_sighting(csv.text("verdict"), csv.text("reason"), csv.integer("closure"), counts);
+    while (csv.next()) add_sighting(verdict_of(csv), csv.text("reason"), csv.integer("closure"), counts);
   }
   if (const std::string file = directory + "/relations.csv"; std::filesystem::exists(file)) {
     CsvReader csv(file);

@@ -16,8 +16,8 @@ struct ClosureParts {
 
 /// What became of the sightings, and which of them and of the relations belong to which closure.
 struct MeetingCounts {
-  std::map<std::string, int> sightings_by_verdict;
-  std::map<std::string, int> refused_by_reason;
+  std::map<Verdict, int> sightings_by_verdict;
+  std::map<std::string, int> refused_by_reason;  ///< by its word: that of a table may be an earlier version's
   std::map<std::int64_t, ClosureParts> by_closure;
 };
 

@@ -56,8 +56,8 @@ std::string sightings(const Json& report, const MeetingCounts& meetings) {
   std::string text = report.at("sightings").dump();
   const char* separator = ": ";
   for (const auto& [verdict, count] : meetings.sightings_by_verdict) {
-    text += separator + verdict + " " + std::to_string(count);
-    if (verdict == "refused") text += " (" + counts(Json(meetings.refused_by_reason)) + ")";
+    text += separator + std::string(word(verdict)) + " " + std::to_string(count);
+    if (verdict == Verdict::refused) text += " (" + counts(Json(meetings.refused_by_reason)) + ")";
     separator = ", ";
   }
   return text;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "tools/simulate/floor_furniture.hpp"
@@ -29,10 +30,12 @@ FloorOrder read_floor(const Setting& setting) {
   FloorStyle& style = order.style;
   fields.read_within("area_m2", style.area_m2, 100, 1e5);
   fields.read_within("seed", style.seed, 0, std::numeric_limits<std::int64_t>::max());
-  fields.read("corridors", style.corridors);
-  if (style.corridors != "any" && style.corridors != "ring" && style.corridors != "spine")
-    fail_at(fields.where(), "'corridors' must be \"any\", \"ring\" or \"spine\"");
-  if (style.corridors == "ring" && style.area_m2 < 400)
+  std::string corridors(word(style.corridors));
+  fields.read("corridors", corridors);
+  const std::optional<Corridors> known = value_of<Corridors>(corridors);
+  if (!known) fail_at(fields.where(), "'corridors' must be \"any\", \"ring\" or \"spine\"");
+  style.corridors = *known;
+  if (style.corridors == Corridors::ring && style.area_m2 < 400)
     fail_at(fields.where(), "a floor with a ring of corridors has at least 400 square metres");
   if (fields.has("corridor_m")) fields.read_within("corridor_m", style.corridor_m, 1.8, 4);
   if (fields.has("room_m")) fields.read_within("room_m", style.room_m, 3.5, 12);

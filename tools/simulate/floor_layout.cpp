@@ -38,7 +38,8 @@ class Planner {
     const Region floor{Vector2d::Zero(), layout_.size};
     const bool room_for_ring = layout_.size.minCoeff() >= least_ring_m;
     const bool drawn = random_.chance(0.7);
-    if (style_.corridors == "ring" || (style_.corridors == "any" && room_for_ring && drawn)) {
+    if (style_.corridors == Corridors::ring ||
+        (style_.corridors == Corridors::any && room_for_ring && drawn)) {
       ring(floor);
     } else {
       cut(floor, false);

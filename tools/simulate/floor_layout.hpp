@@ -2,22 +2,32 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <string>
 #include <vector>
 
+#include "server/engine/input/words.hpp"
 #include "tools/simulate/floor_plan.hpp"
 
 namespace isthmus {
 
+/// How corridors divide a floor.
+enum class Corridors : std::uint8_t {
+  any,    ///< one of these, as drawn from the seed
+  ring,   ///< round the floor and through it
+  spine,  ///< one, and its branches
+};
+
+template <>
+inline constexpr auto words_of<Corridors> = std::to_array<std::string_view>({"any", "ring", "spine"});
+
 /// What a generated floor should be like; a length of 0 is drawn from the seed.
 struct FloorStyle {
   double area_m2 = 600;
-  std::uint64_t seed = 1;         ///< another seed, another building
-  std::string corridors = "any";  ///< "ring": round the floor and through it; "spine": one, and its branches
-  double corridor_m = 0;          ///< width
-  double room_m = 0;              ///< rooms are at most this long, but for halls
-  double hall_share = 0.1;        ///< of the rooms that could be large
-  double furniture = 1;           ///< times the usual number of pieces
+  std::uint64_t seed = 1;  ///< another seed, another building
+  Corridors corridors = Corridors::any;
+  double corridor_m = 0;    ///< width
+  double room_m = 0;        ///< rooms are at most this long, but for halls
+  double hall_share = 0.1;  ///< of the rooms that could be large
+  double furniture = 1;     ///< times the usual number of pieces
 };
 
 /// A rectangle of floor: a room, or a piece of corridor. Cells tile the floor.

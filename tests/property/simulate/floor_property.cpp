@@ -20,13 +20,13 @@ FloorStyle a_style() {
   FloorStyle style;
   style.seed = *rc::gen::inRange<std::uint64_t>(0, 1'000'000);
   style.area_m2 = *rc::gen::inRange(100, 4000);
-  style.corridors = *rc::gen::element<std::string>("any", "spine");
+  style.corridors = *rc::gen::element(Corridors::any, Corridors::spine);
   return style;
 }
 
 std::vector<std::string> settings_of(const FloorStyle& style, int robots) {
   return {"floor.seed=" + std::to_string(style.seed), "floor.area_m2=" + std::to_string(style.area_m2),
-          "floor.corridors=" + style.corridors, "floor.robots=" + std::to_string(robots)};
+          "floor.corridors=" + std::string(word(style.corridors)), "floor.robots=" + std::to_string(robots)};
 }
 
 TEST(FloorProperty, EveryTourIsDrivableWhateverTheFloorAndTheSeed) {

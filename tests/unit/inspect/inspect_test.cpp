@@ -105,7 +105,7 @@ constexpr const char* report = R"({
 
 TEST(Overview, ShowsCountersIslandsSessionsAndClosuresWithIds) {
   MeetingCounts meetings;
-  meetings.sightings_by_verdict = {{"accepted", 2}, {"refused", 4}, {"waiting", 1}};
+  meetings.sightings_by_verdict = {{Verdict::accepted, 2}, {Verdict::refused, 4}, {Verdict::waiting, 1}};
   meetings.refused_by_reason = {{"gate", 3}, {"unknown_barcode", 1}};
   meetings.by_closure[4] = {2, 5};
   meetings.by_closure[6] = {1, 0};
@@ -167,7 +167,7 @@ TEST(MeetingCounts, AreTheSameFromAMapAndFromItsTables) {
   write_relations(map, directory / "relations.csv");
   for (const MeetingCounts& counts : {count_meetings(map), read_meeting_counts(directory / "")}) {
     EXPECT_EQ(counts.sightings_by_verdict,
-              (std::map<std::string, int>{{"accepted", 1}, {"refused", 2}, {"waiting", 1}}));
+              (std::map<Verdict, int>{{Verdict::accepted, 1}, {Verdict::refused, 2}, {Verdict::waiting, 1}}));
     EXPECT_EQ(counts.refused_by_reason,
               (std::map<std::string, int>{{"forbidden", 1}, {"unknown_barcode", 1}}));
     ASSERT_EQ(counts.by_closure.size(), 2U);
@@ -176,6 +176,18 @@ TEST(MeetingCounts, AreTheSameFromAMapAndFromItsTables) {
     EXPECT_EQ(counts.by_closure.at(4).sightings, 1);
     EXPECT_EQ(counts.by_closure.at(4).relations, 0);
     EXPECT_EQ(counts.by_closure.at(3).dependents, 1);
+  }
+}
+
+TEST(MeetingCounts, AreRefusedWithAVerdictThatThereIsNot) {
+  const TemporaryDirectory directory;
+  std::ofstream(directory / "sightings.csv") << "verdict,reason,closure\naccepted,,1\nmaybe,,1\n";
+  try {
+    read_meeting_counts(directory / "");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("sightings.csv:3: 'maybe' is no verdict"), std::string::npos)
+        << error.what();
   }
 }
 
