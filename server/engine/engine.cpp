@@ -40,15 +40,15 @@ Robot& Engine::State::with_name(const std::string& name) {
   return robot->second;
 }
 
-DropReason Engine::State::drop(const std::string& robot, DropReason reason) {
-  ++counters.dropped[reason];
+DropReason Engine::State::drop(const std::string& robot, DropReason reason, std::int64_t messages) {
+  counters.dropped[reason] += messages;
   // Anybody can make up names: strangers are counted together, and names beyond so many too.
   constexpr std::size_t max_names = 256;
   const bool countable =
       robots.contains(robot) ||
       (reason != DropReason::unknown_robot &&
        (counters.dropped_by_robot.contains(robot) || counters.dropped_by_robot.size() < max_names));
-  if (!robot.empty()) ++counters.dropped_by_robot[countable ? robot : "(others)"][reason];
+  if (!robot.empty()) counters.dropped_by_robot[countable ? robot : "(others)"][reason] += messages;
   return reason;
 }
 
@@ -269,7 +269,9 @@ bool Engine::is_stranger(const Event& event) const {
   return std::visit([&](const auto& body) { return state_->is_stranger(body); }, event.body);
 }
 
-void Engine::count_dropped(const std::string& robot, DropReason reason) { state_->drop(robot, reason); }
+void Engine::count_dropped(const std::string& robot, DropReason reason, std::int64_t messages) {
+  state_->drop(robot, reason, messages);
+}
 
 bool Engine::has_queued_work() const {
   const State& state = *state_;

@@ -39,8 +39,8 @@ class Engine {
   /// Whether it is odometry, a scan or a sighting of a robot that has not introduced itself.
   bool is_stranger(const Event& event) const;
 
-  /// Counts a message that never became an event. `robot` may be empty.
-  void count_dropped(const std::string& robot, DropReason reason);
+  /// Counts messages that never became events. `robot` may be empty.
+  void count_dropped(const std::string& robot, DropReason reason, std::int64_t messages = 1);
 
   /// What remains to be done when no more events will come: waiting scans, queued work, the last fit.
   /// Returns the answers to scans that were still waiting.

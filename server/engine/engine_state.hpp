@@ -54,7 +54,7 @@ struct Engine::State {
   World world() { return {map, robots, configuration.engine, counters.last_receive_utime, false}; }
 
   /// Counts what is dropped, and returns why.
-  DropReason drop(const std::string& robot, DropReason reason);
+  DropReason drop(const std::string& robot, DropReason reason, std::int64_t messages = 1);
 
   Robot* declared(const std::string& name) {
     const auto found = robots.find(name);

@@ -11,6 +11,8 @@ namespace {
 
 constexpr const char* dropped_channel = "ISTHMUS_DROPPED";
 constexpr std::int32_t max_received = 16 * 1024 * 1024;
+/// More than come in a lifetime; millions of such counts add up without overflow.
+constexpr std::int64_t max_count = 1'000'000'000'000;
 constexpr std::array drop_members = {text(64), text(64), fixed(8), array(8, max_received)};
 constexpr std::array members = {list(drop_members, 100'000)};
 
@@ -43,6 +45,7 @@ std::optional<Drops> read_drops(const Message& message) {
   for (const drop_t& one : record.drops) {
     const std::optional<DropReason> reason = value_of<DropReason>(one.reason);
     if (!reason || *reason == DropReason::none) return std::nullopt;
+    if (one.count < 0 || one.count > max_count) return std::nullopt;
     Dropped& dropped = drops[one.robot][*reason];
     dropped.count += one.count;
     dropped.received.insert(dropped.received.end(), one.received.begin(), one.received.end());
@@ -53,7 +56,7 @@ std::optional<Drops> read_drops(const Message& message) {
 void count_drops(Engine& engine, const Drops& drops) {
   for (const auto& [robot, reasons] : drops) {
     for (const auto& [reason, dropped] : reasons) {
-      for (std::int64_t i = 0; i < dropped.count; ++i) engine.count_dropped(robot, reason);
+      if (dropped.count > 0) engine.count_dropped(robot, reason, dropped.count);
     }
   }
 }

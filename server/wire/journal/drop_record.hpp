@@ -13,7 +13,8 @@ namespace isthmus {
 /// spool that still holds them knows that they are settled.
 Message encode_drops(std::int64_t utime, const Drops& drops);
 
-/// Nothing where the message is no such record, or damaged: a reason that there is not makes it so.
+/// Nothing where the message is no such record, or damaged: a reason that there is not, or a count
+/// that cannot be, makes it so.
 std::optional<Drops> read_drops(const Message& message);
 
 /// Counts them as the server did when they came.

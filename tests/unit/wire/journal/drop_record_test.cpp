@@ -2,19 +2,21 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "isthmus/dropped_t.hpp"
 #include "server/wire/message/encoded.hpp"
 
 namespace isthmus {
 namespace {
 
-Message record_of(const std::string& reason) {
+Message record_of(const std::string& reason, std::int64_t count = 2) {
   dropped_t record{};
   record.ndrops = 1;
   record.drops.resize(1);
   record.drops[0].robot = "R1";
   record.drops[0].reason = reason;
-  record.drops[0].count = 2;
+  record.drops[0].count = count;
   return {5, "ISTHMUS_DROPPED", encoded(record)};
 }
 
@@ -44,6 +46,12 @@ TEST(DropRecord, IsRefusedWithAReasonThatThereIsNot) {
   EXPECT_FALSE(read_drops(record_of("")));
 }
 
+TEST(DropRecord, IsRefusedWithACountThatCannotBe) {
+  EXPECT_TRUE(read_drops(record_of("queue_full", 0)));
+  EXPECT_FALSE(read_drops(record_of("queue_full", -1)));
+  EXPECT_FALSE(read_drops(record_of("queue_full", std::numeric_limits<std::int64_t>::max())));
+}
+
 TEST(DropRecord, IsRefusedOnAnotherChannelAndDamaged) {
   Message record = record_of("unsigned");
   record.channel = "ISTHMUS_COUNTERS";
@@ -53,7 +61,7 @@ TEST(DropRecord, IsRefusedOnAnotherChannelAndDamaged) {
   EXPECT_FALSE(read_drops(record));
 }
 
-TEST(DropRecord, IsCountedByTheEngineMessageByMessage) {
+TEST(DropRecord, IsCountedByTheEngine) {
   Engine engine;
   count_drops(engine,
               {{"R1", {{DropReason::queue_full, {2, {}}}}}, {"", {{DropReason::queue_full, {1, {}}}}}});
@@ -61,6 +69,20 @@ TEST(DropRecord, IsCountedByTheEngineMessageByMessage) {
   EXPECT_EQ(counters.dropped, (std::map<DropReason, std::int64_t>{{DropReason::queue_full, 3}}));
   EXPECT_EQ(counters.dropped_by_robot.at("R1").at(DropReason::queue_full), 2);
   EXPECT_EQ(counters.dropped_by_robot.size(), 1U);
+}
+
+// In a log that anybody may have sent into.
+TEST(DropRecord, OfAnyNumberIsCountedAtOnce) {
+  Engine engine;
+  count_drops(engine, {{"R1", {{DropReason::queue_full, {1'000'000'000'000, {}}}}}});
+  EXPECT_EQ(engine.copy().counters.dropped.at(DropReason::queue_full), 1'000'000'000'000);
+}
+
+// Messages on channels that are not the server's are settled, and not counted.
+TEST(DropRecord, OfNoMessagesCountsNoReason) {
+  Engine engine;
+  count_drops(engine, {{"", {{DropReason::bad_channel, {0, {4}}}}}});
+  EXPECT_TRUE(engine.copy().counters.dropped.empty());
 }
 
 }  // namespace
