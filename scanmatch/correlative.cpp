@@ -171,8 +171,10 @@ class Search {
 
   void turn_to(double yaw_offset) {
     cells_.clear();
+    const double c = std::cos(window_.centre.yaw + yaw_offset);
+    const double s = std::sin(window_.centre.yaw + yaw_offset);
     for (const Eigen::Vector2d& beam : beams_) {
-      const Eigen::Vector2d end = rotate(window_.centre.yaw + yaw_offset, beam);
+      const Eigen::Vector2d end(c * beam.x() - s * beam.y(), s * beam.x() + c * beam.y());
       cells_.push_back(
           {pyramid_.cell_x(window_.centre.x + end.x()), pyramid_.cell_y(window_.centre.y + end.y()), 0});
     }
