@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "scanmatch/correlative.hpp"
 
@@ -48,6 +50,31 @@ SearchWindow window_of(const Expectation& expectation, const LocaliseOptions& op
   return {expectation.local_from_robot, half(covariance(0, 0), options.min_window_m, options.max_window_m),
           half(covariance(1, 1), options.min_window_m, options.max_window_m),
           half(covariance(2, 2), options.min_window_rad, options.max_window_rad)};
+}
+
+MatchOptions from_scan_to_scan(const EngineOptions& options) {
+  MatchOptions match_options = options.match;
+  match_options.sigma_m /= std::sqrt(options.localise.match_trust);
+  return match_options;
+}
+
+// A match together with the share of what was expected that it was fitted with. The same beams count at the
+// calibrated noise of relations for what is published.
+Placement placement_of(Match match, const Expectation& expectation, double share,
+                       const EngineOptions& options) {
+  const LocaliseOptions& its = options.localise;
+  Placement placement;
+  placement.matched = true;
+  placement.local_from_robot = match.local_from_robot;
+  const double sigma_m = from_scan_to_scan(options).sigma_m;
+  const double calibration = std::pow(sigma_m / relation_sigma_m(match.quality, options.relations), 2);
+  placement.tracking_covariance =
+      symmetric((share * expectation.tracking_covariance.inverse() + its.match_trust * match.beam_information)
+                    .inverse());
+  placement.covariance =
+      symmetric((share * expectation.covariance.inverse() + calibration * match.beam_information).inverse());
+  placement.match = std::move(match);
+  return placement;
 }
 
 }  // namespace
@@ -96,8 +123,7 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
   }
 
   const LocaliseOptions& its = options.localise;
-  MatchOptions match_options = options.match;
-  match_options.sigma_m /= std::sqrt(its.match_trust);
+  const MatchOptions match_options = from_scan_to_scan(options);
   const Eigen::Matrix3d information = expectation.tracking_covariance.inverse();
   // Far from where it was expected, or where odometry cannot be believed, a match needs more to be.
   const bool doubtful = !expectation.plausible || robot.place->suspect;
@@ -129,21 +155,35 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
         search_window(local_map, points, window_of(expectation, its), options.correlative);
     if (found.score > 0) try_from(found.local_from_robot, its.other_start_gain);
   }
+  if (fits(best)) return placement_of(std::move(best), expectation, 1, options);
+  placement.reason = best.ok ? Unmatched::low_score : Unmatched::few_pairs;
   placement.match = std::move(best);
-  if (!fits(placement.match)) {
-    placement.reason = placement.match.ok ? Unmatched::low_score : Unmatched::few_pairs;
-    return placement;
-  }
-  placement.matched = true;
-  placement.local_from_robot = placement.match.local_from_robot;
-  // The same beams, at the calibrated noise of relations, for what is published.
-  const double calibration =
-      std::pow(match_options.sigma_m / relation_sigma_m(placement.match.quality, options.relations), 2);
-  placement.tracking_covariance =
-      symmetric((information + its.match_trust * placement.match.beam_information).inverse());
-  placement.covariance = symmetric(
-      (expectation.covariance.inverse() + calibration * placement.match.beam_information).inverse());
   return placement;
+}
+
+bool is_doubtful(const Placement& placement, const LocaliseOptions& options) {
+  return !placement.matched || placement.match.quality.score < options.min_score_far;
+}
+
+std::optional<Placement> localise_anew(const Robot& robot, const Expectation& expectation,
+                                       const LocalMap& near, std::span<const ScanPoint> points,
+                                       std::int64_t utime, const EngineOptions& options) {
+  if (static_cast<int>(points.size()) < options.match.min_pairs || near.patches.empty()) return std::nullopt;
+  const LocaliseOptions& its = options.localise;
+  const Localisation& place = *robot.place;
+  const double period_s = std::max(its.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
+  SearchWindow window = window_of(expectation, its);
+  window.centre.yaw = place.pose.patch_from_object.yaw;
+  window.half_yaw_rad =
+      std::min(std::numbers::pi, its.slack_rad + its.max_turn_rad_per_s * period_s * (place.lost_scans + 1));
+  const CorrelativeResult found = search_window(near, points, window, options.correlative);
+  if (found.score <= 0 || found.exhausted || found.second_score >= options.ambiguity.share * found.score)
+    return std::nullopt;
+  Match match = match_scan(
+      near, points, {found.local_from_robot, its.loose_share * expectation.tracking_covariance.inverse()},
+      from_scan_to_scan(options));
+  if (!match.ok || match.quality.score < its.min_score_far) return std::nullopt;
+  return placement_of(std::move(match), expectation, its.loose_share, options);
 }
 
 }  // namespace isthmus

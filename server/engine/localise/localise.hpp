@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "scanmatch/match.hpp"
 #include "server/engine/localise/unmatched.hpp"
 #include "server/engine/robot/robot.hpp"
@@ -33,5 +36,16 @@ struct Placement {
 /// motion, and a search whose window comes from the covariance.
 Placement localise(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
                    std::span<const ScanPoint> points, const EngineOptions& options);
+
+/// Whether a scan may well have been elsewhere than where it was matched, or was not matched at all.
+bool is_doubtful(const Placement& placement, const LocaliseOptions& options);
+
+/// Looks for a doubtful scan wherever the robot can be by now, at all headings that it can have turned to
+/// since the last scan that was matched: odometry may have frozen, slipped, or lagged behind a turn. `near`:
+/// all that lies there, whether or not a scan from where odometry puts the robot would see it. Nothing where
+/// the scan does not fit well, or where it fits two poses about as well.
+std::optional<Placement> localise_anew(const Robot& robot, const Expectation& expectation,
+                                       const LocalMap& near, std::span<const ScanPoint> points,
+                                       std::int64_t utime, const EngineOptions& options);
 
 }  // namespace isthmus

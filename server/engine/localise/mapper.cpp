@@ -22,6 +22,22 @@ bool worth_a_patch_unmatched(const Robot& robot, const Placement& placement,
           std::abs(path.yaw) > its.unmatched_spacing * options.patch_spacing_rad);
 }
 
+// Where a scan fits: in the local map or, where that is in doubt, clearly better somewhere else near.
+Placement place_scan(const Map& map, Robot& robot, const Expectation& expectation,
+                     std::span<const ScanPoint> points, std::int64_t utime, const EngineOptions& options) {
+  choose_local_map(map, robot, expectation.local_from_robot, points, options);
+  Placement placement = localise(robot, expectation, robot.local_map, points, options);
+  if (!is_doubtful(placement, options.localise)) return placement;
+  LocalMap near = robot.surroundings.nearest_patches(map, expectation.local_from_robot, options.surroundings);
+  std::optional<Placement> anew = localise_anew(robot, expectation, near, points, utime, options);
+  if (!anew) return placement;
+  const double min_score = placement.match.quality.score + options.localise.other_start_gain;
+  if (placement.matched && anew->match.quality.score <= min_score) return placement;
+  robot.local_map = std::move(near);
+  robot.local_map_centre = anew->local_from_robot;
+  return *std::move(anew);
+}
+
 }  // namespace
 
 bool has_all_patches(const Robot& robot, const EngineOptions& options) {
@@ -41,8 +57,7 @@ ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pos
   }
   const bool full = has_all_patches(robot, options);
   const Expectation expectation = expect(robot, odom_from_robot, observation.scan.utime, options);
-  choose_local_map(map, robot, expectation.local_from_robot, points, options);
-  const Placement placement = localise(robot, expectation, robot.local_map, points, options);
+  const Placement placement = place_scan(map, robot, expectation, points, observation.scan.utime, options);
   if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
       robot.place->lost_scans + 1 >= options.follow.max_lost_scans && !full) {
     robot.health.unmatched();

@@ -105,4 +105,22 @@ LocalMap Surroundings::local_map(const Map& map, const Pose& local_from_robot,
   return local;
 }
 
+LocalMap Surroundings::nearest_patches(const Map& map, const Pose& local_from_robot,
+                                       const SurroundingsOptions& options) const {
+  const auto distance_m = [&](const Determined* determined) {
+    const Pose& its = determined->local_from_patch;
+    return std::hypot(its.x - local_from_robot.x, its.y - local_from_robot.y);
+  };
+  std::vector<const Determined*> near;
+  for (const Determined& determined : patches_)
+    if (determined.well_determined && distance_m(&determined) <= options.reach_m) near.push_back(&determined);
+  std::ranges::stable_sort(near, {}, distance_m);
+  near.resize(std::min(near.size(), static_cast<std::size_t>(options.oldest + options.newest)));
+  LocalMap local;
+  local.reference = reference_;
+  for (const Determined* determined : near)
+    local.patches.push_back({map.manifold().shared_patch(determined->patch), determined->local_from_patch});
+  return local;
+}
+
 }  // namespace isthmus

@@ -49,6 +49,11 @@ class Surroundings {
   LocalMap local_map(const Map& map, const Pose& local_from_robot, std::span<const ScanPoint> points,
                      const EngineOptions& options) const;
 
+  /// The well determined patches nearest to a pose, whatever a scan from there would see: for a scan whose
+  /// pose is in doubt. As many as a local map has at most.
+  LocalMap nearest_patches(const Map& map, const Pose& local_from_robot,
+                           const SurroundingsOptions& options) const;
+
   auto members() { return std::tie(reference_, stamp_, max_patches_, by_, looked_at_, patches_); }
 
  private:

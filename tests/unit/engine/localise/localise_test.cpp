@@ -260,5 +260,69 @@ TEST(Place, TriesMotionAsBeforeAndRest) {
   EXPECT_EQ(error_m({3, 3, 0.1}, {1.2, -1.5, 0}, {0.82, 0.31, 0.09}), 9) << "neither";
 }
 
+TEST(Placement, IsDoubtfulWhereItFitsBadlyOrNotAtAll) {
+  Placement placement;
+  EXPECT_TRUE(is_doubtful(placement, {}));
+  placement.matched = true;
+  placement.match.quality.score = 0.44;
+  EXPECT_TRUE(is_doubtful(placement, {}));
+  placement.match.quality.score = 0.46;
+  EXPECT_FALSE(is_doubtful(placement, {}));
+}
+
+constexpr std::int64_t scan_period_us = 200'000;
+
+std::optional<Placement> placed_anew(const Robot& robot, const LocalMap& near, const Walls& walls,
+                                     const Pose& truth) {
+  const std::vector<ScanPoint> points = to_points(scan_from(walls, truth), laser_of(), {});
+  return localise_anew(robot, expecting(robot.place->pose.patch_from_object), near, points, scan_period_us,
+                       {});
+}
+
+// Odometry says that it stands still while it turns on the spot as fast as robots do.
+TEST(LocaliseAnew, FindsTheHeadingThatOdometryMissed) {
+  const Robot robot = robot_at({0.4, -0.3, 0.2});
+  const Pose truth{0.45, -0.25, 1.2};
+  const LocalMap near = local_map_of(furnished_room());
+  const std::optional<Placement> placement = placed_anew(robot, near, furnished_room(), truth);
+  ASSERT_TRUE(placement);
+  EXPECT_TRUE(placement->matched);
+  expect_near(placement->local_from_robot, truth, 0.02, 0.006);
+}
+
+// Two radians in a fifth of a second are none of a robot's turns, but they are after half a second without a
+// match.
+TEST(LocaliseAnew, SearchesAsFarAsTheRobotCanHaveTurnedSinceItWasMatched) {
+  Robot robot = robot_at({0.4, -0.3, 0.2});
+  const Pose truth{0.4, -0.3, 2.2};
+  LocalMap near = local_map_of(furnished_room());
+  near.patches.push_back({patch_from(furnished_room(), PatchId{1}, {0, 0, 2}), {0, 0, 2}});
+  EXPECT_FALSE(placed_anew(robot, near, furnished_room(), truth));
+  robot.place->lost_scans = 2;
+  const std::optional<Placement> placement = placed_anew(robot, near, furnished_room(), truth);
+  ASSERT_TRUE(placement);
+  expect_near(placement->local_from_robot, truth, 0.02, 0.006);
+}
+
+// A square room is itself after a quarter turn.
+TEST(LocaliseAnew, SaysNothingWhereTwoPosesFitAboutAsWell) {
+  Walls square;
+  add_box(square, -3, -3, 3, 3);
+  Robot robot = robot_at({});
+  robot.place->lost_scans = 10;
+  EXPECT_FALSE(placed_anew(robot, local_map_of(square), square, {0, 0, 0.8}));
+  EXPECT_TRUE(placed_anew(robot, local_map_of(furnished_room()), furnished_room(), {0, 0, 0.8}))
+      << "any other room tells";
+}
+
+TEST(LocaliseAnew, SaysNothingWhereTheScanFitsNowhereOrThereIsNoneOrNoMap) {
+  Walls other;
+  add_box(other, -1, -1, 1, 1);
+  const Robot robot = robot_at({});
+  EXPECT_FALSE(placed_anew(robot, local_map_of(furnished_room()), other, {0.3, 0, 0.4}));
+  EXPECT_FALSE(placed_anew(robot, local_map_of(furnished_room()), {}, {}));
+  EXPECT_FALSE(placed_anew(robot, {}, furnished_room(), {}));
+}
+
 }  // namespace
 }  // namespace isthmus

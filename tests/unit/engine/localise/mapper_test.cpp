@@ -131,5 +131,29 @@ TEST(TakeScan, ForgivesAJumpOnceAScanFits) {
   EXPECT_EQ(driven.map.graph().islands().size(), 1U);
 }
 
+// It turns by a radian within a scan and its odometry hears of it later: no layer of the room is added at a
+// slant.
+TEST(TakeScan, FindsTheHeadingOfATurnThatOdometryMissed) {
+  Driven driven;
+  for (int i = 0; i < 3; ++i) driven.scan({});
+  const ScanOutcome turned = driven.scan({0, 0, 1}, {}, furnished_room());
+  EXPECT_TRUE(turned.pose.matched);
+  EXPECT_NEAR(turned.pose.map_from_robot.yaw, 1, 0.01);
+  EXPECT_NEAR(driven.scan({0, 0, 1}, {0, 0, 0.9}, furnished_room()).pose.map_from_robot.yaw, 1, 0.01)
+      << "nor when it hears of it";
+}
+
+// A desk was put there: what is seen now fits worse than before, and nowhere better.
+TEST(TakeScan, KeepsAPoorMatchWhereNoneIsClearlyBetter) {
+  Driven driven;
+  driven.scan({});
+  Walls changed = furnished_room();
+  for (double x = -2; x < 3; x += 0.8) add_box(changed, x, 0.8, x + 0.5, 1.3);
+  const ScanOutcome second = driven.scan({0.1, 0, 0}, {0.1, 0, 0}, changed);
+  EXPECT_TRUE(second.pose.matched);
+  EXPECT_NEAR(second.pose.map_from_robot.x, 0.1, 0.03);
+  EXPECT_NEAR(second.pose.map_from_robot.yaw, 0, 0.02);
+}
+
 }  // namespace
 }  // namespace isthmus

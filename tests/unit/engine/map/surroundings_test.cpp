@@ -146,5 +146,30 @@ TEST(Surroundings, LeaveOutOfTheLocalMapWhatTheScanDoesNotSee) {
   EXPECT_EQ(in_local_map(map, surroundings), all);
 }
 
+// Whatever a scan from there sees; the farther and the poorly determined not.
+TEST(Surroundings, NearestPatchesAreThoseWellDeterminedThere) {
+  Map map;
+  for (int i = 0; i < 20; ++i) {
+    map.add(patch_from(furnished_room(), PatchId{i}, {}), {0.5 * i, 0, 0});
+    if (i > 0) map.relate(tie(i - 1, i, {0.5, 0, 0}, RelationKind::odometry, 0.01, 0.005));
+  }
+  map.add(patch_from(furnished_room(), PatchId{20}, {}), {3, 0, 0});
+  map.relate(tie(6, 20, {}, RelationKind::odometry, 1, 0.005));
+  Surroundings surroundings;
+  surroundings.update(map, PatchId{6}, {}, Surroundings::By::scans);
+  SurroundingsOptions options;
+  options.reach_m = 1.2;
+  const auto nearest = [&] {
+    std::vector<int> ids;
+    for (const LocalPatch& local : surroundings.nearest_patches(map, {0.1, 0, 0}, options).patches)
+      ids.push_back(local.patch->id.value);
+    return ids;
+  };
+  EXPECT_EQ(nearest(), (std::vector<int>{6, 7, 5, 8, 4})) << "3.1 m along the line, nearest first";
+  options.oldest = 2;
+  options.newest = 1;
+  EXPECT_EQ(nearest(), (std::vector<int>{6, 7, 5})) << "as many as a local map has";
+}
+
 }  // namespace
 }  // namespace isthmus
