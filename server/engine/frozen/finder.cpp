@@ -43,7 +43,7 @@ std::vector<RigidPiece> all_places(const Map& map, const EngineOptions& options)
     if (island.size() >= options.place_candidates.min_island)
       append_anchors(map, island, options.place_candidates.spacing_m, anchors);
   std::vector<RigidPiece> places;
-  for (const PatchId anchor : anchors) places.push_back(place_around(map, anchor, options));
+  for (const PatchId anchor : anchors) places.push_back(place_around(map, anchor, {}, options));
   return places;
 }
 

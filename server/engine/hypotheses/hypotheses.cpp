@@ -126,7 +126,8 @@ std::int64_t Hypotheses::step(World world) {
   const SearchTerms terms = terms_of(world.options.hypotheses);
   if (const PlaceCandidate* next = query_->search.next()) {
     ++counts_.places_searched;
-    return query_->search.search_next(place_around(world.map, next->anchor, world.options), terms,
+    const std::vector<PatchId> own = own_part(world.map, query_->search.piece());
+    return query_->search.search_next(place_around(world.map, next->anchor, own, world.options), terms,
                                       world.options);
   }
   PlaceDecision decision = query_->search.decide(world.map, terms, world.options);

@@ -59,8 +59,7 @@ std::vector<Rough> anchors_of(const Map& map, const std::vector<Rough>& ranked,
 }
 
 // What of the covariance's box is near the anchor; nothing where the two do not meet.
-bool narrow(double& centre, double& half, double sigma, const PlaceCandidateOptions& options) {
-  const double most = options.window_sigmas * sigma;
+bool narrow(double& centre, double& half, double most, const PlaceCandidateOptions& options) {
   const double low = std::max(centre - most, -options.half_window_m - options.window_margin_m);
   const double high = std::min(centre + most, options.half_window_m + options.window_margin_m);
   if (high <= low) return false;
@@ -87,8 +86,8 @@ std::vector<Rough> rough_places(const Map& map, PatchId query, const PlaceCandid
   return rough;
 }
 
-// The place about an anchor that is known relative to the patch with this covariance; nothing where a find
-// there could only be what the map says, or where the two do not meet.
+// The place about an anchor that is known relative to the patch with this covariance; nothing where the two
+// do not meet.
 std::optional<PlaceCandidate> candidate_at(const Map& map, PatchId query, const Rough& anchor,
                                            const Eigen::Matrix3d& anchor_covariance,
                                            const PlaceCandidateOptions& options) {
@@ -96,21 +95,19 @@ std::optional<PlaceCandidate> candidate_at(const Map& map, PatchId query, const 
   const Pose query_from_anchor = map.relative_pose(query, anchor.anchor);
   const Eigen::Matrix3d jacobian = inverse_jacobian(query_from_anchor);
   const Eigen::Matrix3d covariance = jacobian * anchor_covariance * jacobian.transpose();
-  if (options.window_sigmas * std::sqrt(covariance.diagonal().head<2>().maxCoeff()) <
-      options.known_half_width_m)
-    return std::nullopt;
-  const Eigen::Vector3d sigma =
-      (covariance.diagonal() + systematic_variance(anchor.way_m, options)).cwiseSqrt();
+  const Eigen::Vector3d known = covariance.diagonal();
+  const Eigen::Vector3d window =
+      (options.window_sigmas * options.window_sigmas * (known + drift_variance(anchor.way_m, options)))
+          .cwiseSqrt();
   PlaceCandidate place;
   place.anchor = anchor.anchor;
   place.way_m = anchor.way_m;
   place.window.centre = inverse(query_from_anchor);
-  if (!narrow(place.window.centre.x, place.window.half_x_m, sigma.x(), options) ||
-      !narrow(place.window.centre.y, place.window.half_y_m, sigma.y(), options))
+  if (!narrow(place.window.centre.x, place.window.half_x_m, window.x(), options) ||
+      !narrow(place.window.centre.y, place.window.half_y_m, window.y(), options))
     return std::nullopt;
-  place.sigma_m = std::hypot(sigma.x(), sigma.y());
-  place.window.half_yaw_rad =
-      std::min(std::numbers::pi, options.window_sigmas * sigma.z() + options.slack_rad);
+  place.window.half_yaw_rad = std::min(std::numbers::pi, window.z());
+  place.sigma_m = std::sqrt((known + systematic_variance(anchor.way_m, options)).head<2>().sum());
   return place;
 }
 
@@ -119,6 +116,12 @@ std::optional<PlaceCandidate> candidate_at(const Map& map, PatchId query, const 
 Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options) {
   const double position = options.systematic_m + options.systematic_share * way_m;
   const double yaw = options.systematic_rad + options.systematic_rad_per_m * way_m;
+  return {position * position, position * position, yaw * yaw};
+}
+
+Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& options) {
+  const double position = (options.min_drift_m + options.drift_per_way * way_m) / options.window_sigmas;
+  const double yaw = (options.min_drift_rad + options.drift_rad_per_m * way_m) / options.window_sigmas;
   return {position * position, position * position, yaw * yaw};
 }
 

@@ -25,6 +25,10 @@ struct PlaceCandidate {
 /// what errs the same way all along adds up. Variances of x, y (m²) and yaw (rad²).
 Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options);
 
+/// What a map may be off by however sure it is of itself, for a slip leaves a relation as narrow as any
+/// other: variances that make the bounds of drift `window_sigmas` standard deviations.
+Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& options);
+
 /// Places of the patch's own island that are far from it over the map's relations, but whose projection could
 /// come to lie on it within the relative covariance. Those so well determined that a find could only be what
 /// the map says are left out: local loops are for local_loop.hpp. The likeliest first.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "scanmatch/match_relations.hpp"
@@ -89,18 +90,31 @@ Match match_at(const RigidPiece& place, std::span<const ScanPoint> points, const
 
 }  // namespace
 
-RigidPiece place_around(const Map& map, PatchId anchor, const EngineOptions& options) {
+std::vector<PatchId> own_part(const Map& map, const RigidPiece& piece) {
+  std::vector<PatchId> own;
+  for (const LocalPatch& local : piece.local.patches) {
+    own.push_back(local.patch->id);
+    std::ranges::copy(map.graph().neighbours(local.patch->id), std::back_inserter(own));
+  }
+  std::ranges::sort(own);
+  const auto doubles = std::ranges::unique(own);
+  own.erase(doubles.begin(), doubles.end());
+  return own;
+}
+
+RigidPiece place_around(const Map& map, PatchId anchor, std::span<const PatchId> without,
+                        const EngineOptions& options) {
   Surroundings surroundings;
   surroundings.update(map, anchor, options, Surroundings::By::scans);
   const PlaceSearchOptions& its = options.place_search;
   std::vector<const Determined*> near;
   for (const Determined& determined : surroundings.patches())
-    if (determined.well_determined &&
+    if (determined.well_determined && !std::ranges::binary_search(without, determined.patch) &&
         std::hypot(determined.local_from_patch.x, determined.local_from_patch.y) < its.place_radius_m)
       near.push_back(&determined);
   RigidPiece place;
   place.local.reference = anchor;
-  // Spread evenly over those there are, the anchor among them.
+  // Spread evenly over those there are.
   const std::size_t stride = (near.size() + its.max_place_patches - 1) / its.max_place_patches;
   for (std::size_t i = 0; i < near.size(); i += std::max<std::size_t>(1, stride))
     place.local.patches.push_back({map.manifold().shared_patch(near[i]->patch), near[i]->local_from_patch});

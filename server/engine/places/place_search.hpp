@@ -17,12 +17,18 @@ struct RigidPiece {
   auto members() { return std::tie(local, points); }
 };
 
-/// A place to search: a patch with what is firm relative to it nearby.
-RigidPiece place_around(const Map& map, PatchId anchor, const EngineOptions& options);
+/// A place to search: a patch with what is well determined relative to it nearby, but for some patches (by
+/// id).
+RigidPiece place_around(const Map& map, PatchId anchor, std::span<const PatchId> without,
+                        const EngineOptions& options);
 
 /// What a robot saw on the last metres of its way, as seen from the newest of its patches there.
 RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first,
                         const PlaceSearchOptions& options);
+
+/// The patches of a piece and those that were matched with them, by id: where they lie is what is asked, so
+/// they are no place to find the piece at.
+std::vector<PatchId> own_part(const Map& map, const RigidPiece& piece);
 
 /// Where a piece of a robot's way could lie at a place.
 struct PlaceAnswer {

@@ -6,17 +6,6 @@
 #include <utility>
 
 namespace isthmus {
-namespace {
-
-bool share_a_patch(const RigidPiece& a, const RigidPiece& b) {
-  return std::ranges::any_of(a.local.patches, [&](const LocalPatch& of_a) {
-    return std::ranges::any_of(b.local.patches,
-                               [&](const LocalPatch& of_b) { return of_a.patch->id == of_b.patch->id; });
-  });
-}
-
-}  // namespace
-
 void PlaceSearcher::add(std::vector<PlaceCandidate> places) {
   std::ranges::move(places, std::back_inserter(places_));
 }
@@ -60,9 +49,10 @@ PlaceDecision PlaceSearcher::decide(const Map& map, const SearchTerms& terms, co
   decision.ambiguous = exhausted_ || !is_unique(map, answers_, options);
   if (decision.ambiguous) return decision;
   const PlaceAnswer& best = answers_.front();
-  const RigidPiece place = place_around(map, best.anchor, options);
-  // While the piece waited, the map may have come to know how the two lie.
-  if (terms.on_the_map && share_a_patch(place, piece_)) return decision;
+  const RigidPiece place = place_around(
+      map, best.anchor, terms.on_the_map ? own_part(map, piece_) : std::vector<PatchId>{}, options);
+  // While the piece waited, all that is there may have been matched with it.
+  if (place.local.patches.empty()) return decision;
   decision.find = refine(place, piece_, best, options);
   decision.price_us =
       static_cast<std::int64_t>(terms.decision_steps * static_cast<double>(terms.step_price_us));

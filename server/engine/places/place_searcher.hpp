@@ -19,7 +19,8 @@ struct SearchTerms {
   double min_score_anywhere = 0;  ///< and at one of which it says nothing
   /// A window that is too much for one step is searched in halves of its yaw, down to this; π: it is not.
   double min_half_window_rad = std::numbers::pi;
-  bool on_the_map = false;  ///< the piece is of the map itself: where the two share a patch, nothing is found
+  bool on_the_map =
+      false;  ///< the piece is of the map itself: it is looked for among what it was not matched with
   // Nominal microseconds.
   std::int64_t step_price_us = 0;
   double evaluation_price_us = 0;

@@ -13,16 +13,16 @@ struct PlaceCandidateOptions {
   double half_window_m = 4;
   double window_margin_m = 1;
   double reach_m = 5;
-  double min_way_m = 20;
-  double drift_per_way = 0.06;
+  double min_way_m = 10;
+  double drift_per_way = 0.3;
   double min_drift_m = 1;
+  double drift_rad_per_m = 0.006;
+  double min_drift_rad = 0.2;
   double window_sigmas = 3;
   double systematic_share = 0.012;
   double systematic_m = 0.2;
   double systematic_rad_per_m = 0.0004;
   double systematic_rad = 0.03;
-  double known_half_width_m = 0.6;
-  double slack_rad = 0.1;
   std::size_t max_places = 40;
   std::size_t min_island = 6;
   std::int64_t us_per_patch = 3'000;
@@ -34,18 +34,19 @@ struct PlaceCandidateOptions {
     option(window_margin_m, "window_margin_m", "m", "beyond that, on the robot's own island");
     option(reach_m, "reach_m", "m", "so near, two views overlap");
     option(min_way_m, "min_way_m", "m", "over the map: nearer, it is the same stretch of way");
-    option(drift_per_way, "drift_per_way", "share", "of the way: more than any map errs before loops close");
+    option(drift_per_way, "drift_per_way", "share",
+           "of the way: more than any map errs before loops close, whatever it believes of itself");
     option(min_drift_m, "min_drift_m", "m", "of that, however short the way");
-    option(window_sigmas, "window_sigmas", "sigmas", "half width of a window");
+    option(drift_rad_per_m, "drift_rad_per_m", "rad/m", "the same of the yaw");
+    option(min_drift_rad, "min_drift_rad", "rad", "of that, however short the way");
+    option(window_sigmas, "window_sigmas", "sigmas",
+           "of the covariance by which a window is wider than that drift, and that the drift stands for");
     option(systematic_share, "systematic_share", "share",
            "of the way that maps err by beyond their covariance: no sensor errs at random only (standard "
            "deviation)");
     option(systematic_m, "systematic_m", "m", "and however short the way");
     option(systematic_rad_per_m, "systematic_rad_per_m", "rad/m", "the same of the yaw");
     option(systematic_rad, "systematic_rad", "rad", "and however short the way");
-    option(known_half_width_m, "known_half_width_m", "m",
-           "of a window: what is known so well is for local loops");
-    option(slack_rad, "slack_rad", "rad", "added to a window's half width in yaw");
     option(max_places, "max_places", "count", "of one island that are searched");
     option(min_island, "min_island", "count", "of patches: less is no place");
     option(us_per_patch, "us_per_patch", "µs",

@@ -39,8 +39,8 @@ TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
   for (const PlaceCandidate& place : places) {
     const Pose r = map.relative_pose(place.anchor, newest);
     EXPECT_EQ(place.way_m, newest.value - place.anchor.value) << "a metre a patch";
-    EXPECT_GE(place.way_m, 20);
-    EXPECT_LT(std::hypot(r.x, r.y), 5 + 1 + 0.06 * place.way_m);
+    EXPECT_GE(place.way_m, 10);
+    EXPECT_LT(std::hypot(r.x, r.y), 5 + 1 + 0.3 * place.way_m);
   }
   EXPECT_EQ(places.front().anchor, PatchId{0}) << "the likeliest first";
 }
@@ -52,19 +52,23 @@ TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
   const Pose truth = map.relative_pose(place.anchor, newest);
   EXPECT_LE(std::abs(place.window.centre.x - truth.x), place.window.half_x_m);
   EXPECT_LE(std::abs(place.window.centre.y - truth.y), place.window.half_y_m);
-  const double yaw_sigma = std::sqrt(39 * 0.016 * 0.016 + systematic_variance(39, {}).z());
-  EXPECT_NEAR(place.window.half_yaw_rad, 3 * yaw_sigma + 0.1, 0.01);
-  EXPECT_LT(place.window.half_x_m,
-            places_on_own_island(round_a_block(0.2), newest, {}).front().window.half_x_m)
-      << "worse odometry, wider windows";
+  const double yaw_sigma = std::sqrt(39 * 0.016 * 0.016 + drift_variance(39, {}).z());
+  EXPECT_NEAR(place.window.half_yaw_rad, 3 * yaw_sigma, 0.01);
+  EXPECT_NEAR(place.window.half_x_m, 5, 1e-9) << "4 m and a margin: the next anchor has the rest";
+  EXPECT_LT(place.sigma_m, places_on_own_island(round_a_block(0.2), newest, {}).front().sigma_m)
+      << "worse odometry says less";
   for (const PlaceCandidate& wide : places_on_own_island(round_a_block(1, 0.2), newest, {})) {
-    EXPECT_LE(wide.window.half_x_m, 5) << "the next anchor has the rest";
+    EXPECT_LE(wide.window.half_x_m, 5);
     EXPECT_LE(wide.window.half_yaw_rad, std::numbers::pi);
   }
 }
 
-TEST(PlacesOnOwnIsland, LeaveOutWhatTheMapKnowsWell) {
-  EXPECT_TRUE(places_on_own_island(round_a_block(0.001, 0.0001), newest, {}).empty());
+// A slip leaves a relation as narrow as any other.
+TEST(PlacesOnOwnIsland, AreSearchedHoweverSureTheMapIs) {
+  const std::vector<PlaceCandidate> places = places_on_own_island(round_a_block(0.001, 0.0001), newest, {});
+  ASSERT_FALSE(places.empty());
+  EXPECT_GT(places.front().window.half_x_m, 2);
+  EXPECT_GT(places.front().window.half_yaw_rad, 0.3);
 }
 
 TEST(PlacesOnOwnIsland, LeaveOutWhatSawNoWalls) {
@@ -119,6 +123,13 @@ TEST(SystematicVariance, GrowsWithTheSquareOfTheWay) {
   EXPECT_TRUE((sigma(200) - sigma(100)).isApprox(sigma(100) - sigma(0), 1e-9));
   EXPECT_GT(sigma(100).x(), sigma(0).x() + 1) << "more than a per cent";
   EXPECT_EQ(sigma(100).x(), sigma(100).y());
+}
+
+// The bounds of drift are three standard deviations: 1 m and three tenths of the way.
+TEST(DriftVariance, IsOfTheBoundsOfDrift) {
+  EXPECT_NEAR(3 * std::sqrt(drift_variance(20, {}).x()), 7, 1e-9);
+  EXPECT_NEAR(3 * std::sqrt(drift_variance(20, {}).y()), 7, 1e-9);
+  EXPECT_NEAR(3 * std::sqrt(drift_variance(20, {}).z()), 0.2 + 0.12, 1e-9);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "server/engine/propagation/shared_part.hpp"
@@ -44,7 +45,7 @@ const std::vector<Pose> back = {{2, 0.2, 3}, {0.8, 0.1, 3.1}, {-0.5, 0, -3.1}, {
 
 TEST(SearchPlace, FindsWhereAWayLiesWhateverItsYaw) {
   const TwoWays ways = two_ways(crooked_room(), there, back);
-  const RigidPiece place = place_around(ways.map, PatchId{1}, {});
+  const RigidPiece place = place_around(ways.map, PatchId{1}, {}, {});
   const RigidPiece piece = piece_of_way(ways.map, ways.second_newest_first, {});
   const PlaceSearch search = search_place(place, piece, {Pose{}, 4, 4, std::numbers::pi}, 0.5, {});
   ASSERT_FALSE(search.answers.empty());
@@ -73,15 +74,39 @@ TEST(SearchPlace, FindsNothingElsewhere) {
   std::vector<PatchId> newest_first;
   for (std::int32_t i = first_other + 4; i-- > first_other;) newest_first.push_back(PatchId{i});
   const PlaceSearch search =
-      search_place(place_around(ways.map, PatchId{1}, {}), piece_of_way(ways.map, newest_first, {}),
+      search_place(place_around(ways.map, PatchId{1}, {}, {}), piece_of_way(ways.map, newest_first, {}),
                    {Pose{}, 4, 4, std::numbers::pi}, 0.7, {});
   EXPECT_TRUE(search.answers.empty());
+}
+
+// 0 to 4 there and 5 to 8 back; 8, the newest, was matched with 1.
+TEST(OwnPart, IsThePieceAndWhatWasMatchedWithIt) {
+  TwoWays ways = two_ways(crooked_room(), there, back);
+  ways.map.relate(odometry_relation(PatchId{1}, PatchId{8}, ominus(back.back(), there[1]), {100, 100, 100}));
+  const std::vector<PatchId> newest = {PatchId{8}, PatchId{7}};
+  EXPECT_EQ(own_part(ways.map, piece_of_way(ways.map, newest, {})),
+            (std::vector<PatchId>{PatchId{1}, PatchId{6}, PatchId{7}, PatchId{8}}))
+      << "6 is beside 7";
+}
+
+TEST(PlaceAround, LeavesOutWhatItIsTold) {
+  const TwoWays ways = two_ways(crooked_room(), there, {});
+  const auto patches = [&](const std::vector<PatchId>& without) {
+    std::vector<PatchId> ids;
+    for (const LocalPatch& local : place_around(ways.map, PatchId{1}, without, {}).local.patches)
+      ids.push_back(local.patch->id);
+    std::ranges::sort(ids);
+    return ids;
+  };
+  EXPECT_EQ(patches({}).size(), there.size());
+  EXPECT_EQ(patches({PatchId{1}, PatchId{3}}), (std::vector<PatchId>{PatchId{0}, PatchId{2}, PatchId{4}}));
+  EXPECT_TRUE(patches({PatchId{0}, PatchId{1}, PatchId{2}, PatchId{3}, PatchId{4}}).empty());
 }
 
 TEST(Refine, ACorridorTellsNotHowFarAlong) {
   const TwoWays ways = two_ways(corridor(), {{0, 0, 0}, {2, 0, 0}, {4, 0, 0}}, {{1, 0.1, 0}, {3, 0, 0}});
   const PlaceAnswer answer{PatchId{1}, Pose{1, 0, 0}, 1, 0, 0};
-  EXPECT_FALSE(refine(place_around(ways.map, PatchId{1}, {}),
+  EXPECT_FALSE(refine(place_around(ways.map, PatchId{1}, {}, {}),
                       piece_of_way(ways.map, ways.second_newest_first, {}), answer, {}));
 }
 

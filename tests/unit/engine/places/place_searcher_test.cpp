@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/ways.hpp"
 
 namespace isthmus {
@@ -38,7 +40,10 @@ struct Searched {
   }
   PlaceDecision decide() {
     while (const PlaceCandidate* next = searcher.next())
-      searcher.search_next(place_around(map, next->anchor, options), its, options);
+      searcher.search_next(
+          place_around(map, next->anchor,
+                       its.on_the_map ? own_part(map, searcher.piece()) : std::vector<PatchId>{}, options),
+          its, options);
     return searcher.decide(map, its, options);
   }
 
@@ -97,23 +102,41 @@ TEST(PlaceSearcher, AsksForMoreWhereTheMapSaysNothing) {
   EXPECT_EQ(decision.find->sigma_m, 2);
 }
 
-// While the piece waited, the map has come to know how the two lie.
-TEST(PlaceSearcher, FindsNothingInThePlaceThatThePieceIsPartOf) {
+// Where its own patches lie is what is asked.
+TEST(PlaceSearcher, FindsNoPieceInItself) {
   for (const bool on_the_map : {false, true}) {
-    Searched searched(1);
+    Searched searched(0);
+    std::vector<PatchId> way = add_way(searched.map, niched_hall(), along_the_hall(4, 6));
+    std::ranges::reverse(way);
     searched.its.on_the_map = on_the_map;
-    searched.searcher.look_for(
-        piece_of_way(searched.map, std::vector<PatchId>{PatchId{9}, PatchId{8}, PatchId{7}, PatchId{6}}, {}));
-    searched.searcher.add({anywhere_around(PatchId{9})});
+    searched.searcher.look_for(piece_of_way(searched.map, way, {}));
+    searched.searcher.add({anywhere_around(way.front())});
     EXPECT_EQ(searched.decide().find.has_value(), !on_the_map);
   }
+}
+
+// Two layers of one hall, 1.5 m apart: the map is sure of both, and the piece is of the second.
+TEST(PlaceSearcher, FindsAPieceInAnotherLayerOfItsPlace) {
+  Searched searched(1);
+  std::vector<PatchId> way = add_way(searched.map, niched_hall(), along_the_hall(4, 6), Pose{0, 1.5, 0});
+  searched.map.relate(odometry_relation(
+      PatchId{0}, way.front(), searched.map.relative_pose(PatchId{0}, way.front()), {1e4, 1e4, 1e5}));
+  std::ranges::reverse(way);
+  searched.its.on_the_map = true;
+  searched.searcher.look_for(piece_of_way(searched.map, way, {}));
+  searched.searcher.add({anywhere_around(PatchId{9})});
+  const PlaceDecision decision = searched.decide();
+  ASSERT_TRUE(decision.find);
+  const Pose query_at = along_the_hall(4, 6)[static_cast<std::size_t>(decision.find->query.value - 16)];
+  EXPECT_NEAR(decision.find->anchor_from_query.x, query_at.x - 9, 0.05);
+  EXPECT_NEAR(decision.find->anchor_from_query.y, 0, 0.05) << "not where the map has it";
 }
 
 // What was not searched to its end might have fitted better.
 TEST(PlaceSearcher, FindsNothingWhereTheSearchGaveUpAtAnotherPlace) {
   Searched searched(1);
   searched.searcher.add({anywhere_around(PatchId{9}), anywhere_around(PatchId{1})});
-  searched.searcher.search_next(place_around(searched.map, PatchId{9}, searched.options), searched.its,
+  searched.searcher.search_next(place_around(searched.map, PatchId{9}, {}, searched.options), searched.its,
                                 searched.options);
   searched.options.place_search.coarse_evaluations = 1;
   const PlaceDecision decision = searched.decide();
@@ -130,8 +153,8 @@ TEST(PlaceSearcher, SearchesInHalvesWhatIsTooMuchForOneStep) {
     searched.searcher.add({anywhere_around(PatchId{9}, 0.8)});
     int steps = 0;
     for (; const PlaceCandidate* next = searched.searcher.next(); ++steps)
-      searched.searcher.search_next(place_around(searched.map, next->anchor, searched.options), searched.its,
-                                    searched.options);
+      searched.searcher.search_next(place_around(searched.map, next->anchor, {}, searched.options),
+                                    searched.its, searched.options);
     EXPECT_EQ(steps, halves ? 7 : 1) << "0.8, twice 0.4, and four times 0.2";
   }
 }
