@@ -45,4 +45,13 @@ void MeanContradiction::add(const Manifold& manifold, PatchId a, PatchId b) {
   add(manifold.patch(a), manifold.patch(b), manifold.relative_pose(a, b));
 }
 
+void ContradictionByPatch::add(PatchId patch, std::span<const PatchId> others) {
+  MeanContradiction of_patch(options_);
+  for (const PatchId other : others) of_patch.add(manifold_, patch, other);
+  if (of_patch.pairs() == 0) return;
+  pairs_ += of_patch.pairs();
+  sum_ += of_patch.mean();
+  ++patches_;
+}
+
 }  // namespace isthmus

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "patches/manifold.hpp"
 #include "server/engine/input/options/map_options.hpp"
@@ -27,6 +28,28 @@ class MeanContradiction {
  private:
   ContradictionOptions options_;
   double sum_ = 0;
+  int pairs_ = 0;
+};
+
+/// Its mean over patches, of what each is told by others: every patch counts once, however many it is compared with.
+/// So a few far from where two maps meet, where a loop is still open, do not outvote the rest.
+class ContradictionByPatch {
+ public:
+  /// Keeps a reference to the manifold.
+  ContradictionByPatch(const Manifold& manifold, const ContradictionOptions& options)
+      : manifold_(manifold), options_(options) {}
+
+  /// Compares a patch with others of its island, where the manifold has them.
+  void add(PatchId patch, std::span<const PatchId> others);
+
+  int pairs() const { return pairs_; }
+  double mean() const { return patches_ > 0 ? sum_ / patches_ : 0; }
+
+ private:
+  const Manifold& manifold_;
+  ContradictionOptions options_;
+  double sum_ = 0;
+  int patches_ = 0;
   int pairs_ = 0;
 };
 

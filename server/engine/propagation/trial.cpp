@@ -135,14 +135,13 @@ void Trial::finish(std::int64_t now_utime) {
 double Trial::mean_contradiction() const {
   const TrialOptions& its = options_.trial;
   const ConfidenceThreshold bound{its.contradiction_bound_m, its.contradiction_bound_rad};
-  MeanContradiction found(options_.contradiction);
+  ContradictionByPatch found(map_.manifold(), options_.contradiction);
   for (const PatchId a : propagation_.matched()) {
     if (found.pairs() >= its.max_pairs) break;
     const std::vector<PatchId> own = propagation_.same_side(map_, a, options_.propagation);
-    for (const PatchId b : map_.graph().neighbours(a)) {
-      if (std::ranges::binary_search(own, b)) continue;
-      found.add(map_.manifold(), a, b);
-    }
+    std::vector<PatchId> others = map_.graph().neighbours(a);
+    std::erase_if(others, [&](PatchId b) { return std::ranges::binary_search(own, b); });
+    found.add(a, others);
   }
   // Where nothing matched, only patches whose relative pose is very well determined can contradict one
   // another.
@@ -152,23 +151,26 @@ double Trial::mean_contradiction() const {
     const std::vector<PatchId> own = propagation_.same_side(map_, a, options_.propagation);
     const auto covariances = local_relative_covariances(map_.graph(), map_.manifold().poses(), a,
                                                         options_.surroundings.confidence_patches);
-    for (const auto& [b, covariance] : covariances) {
-      if (b == a || !well_determined(covariance, bound) || std::ranges::binary_search(own, b)) continue;
-      found.add(map_.manifold(), a, b);
-    }
+    std::vector<PatchId> others;
+    for (const auto& [b, covariance] : covariances)
+      if (b != a && well_determined(covariance, bound) && !std::ranges::binary_search(own, b))
+        others.push_back(b);
+    found.add(a, others);
   }
   return found.mean();
 }
 
 double Trial::own_contradiction() const {
-  MeanContradiction found(options_.contradiction);
+  ContradictionByPatch found(map_.manifold(), options_.contradiction);
   for (const PatchId a : propagation_.matched()) {
-    for (const PatchId b : propagation_.before().neighbours(a)) {
-      if (found.pairs() >= options_.trial.max_pairs) break;
-      found.add(map_.manifold(), a, b);
-    }
+    if (found.pairs() >= options_.trial.max_pairs) break;
+    found.add(a, propagation_.before().neighbours(a));
   }
   return found.mean();
+}
+
+bool Trial::puts_walls_in_free_space() const {
+  return mean_contradiction() > options_.trial.max_contradiction + own_contradiction();
 }
 
 double Trial::sighting_cost() const {
@@ -202,7 +204,7 @@ void Trial::judge() {
   const int enough = proposal_.two_way ? its.min_support_two_way : its.min_support_one_way;
   if (sighting_cost() > its.max_sighting_cost) {
     refusal_ = Reason::sightings_disagree;
-  } else if (mean_contradiction() > its.max_contradiction) {
+  } else if (puts_walls_in_free_space()) {
     refusal_ = Reason::walls_in_free_space;
   } else if (compared >= its.few_compared && matched < its.min_matched_share * compared) {
     refusal_ = Reason::scans_disagree;
@@ -223,7 +225,7 @@ void Trial::judge_scans() {
   const TrialOptions& its = options_.trial;
   if (find_cost() > its.max_find_cost) {
     refusal_ = Reason::finds_disagree;
-  } else if (mean_contradiction() > its.max_contradiction + own_contradiction()) {
+  } else if (puts_walls_in_free_space()) {
     refusal_ = Reason::walls_in_free_space;
   } else if (compared >= its.few_compared && count < its.min_matched_share * compared) {
     refusal_ = Reason::scans_disagree;

@@ -92,6 +92,8 @@ class Trial {
   double find_cost() const;
   /// What patches of one side contradict each other: people, glass, and maps that bend.
   double own_contradiction() const;
+  /// Whether the two sides contradict one another more than each does itself.
+  bool puts_walls_in_free_space() const;
 
   EngineOptions options_;
   Proposal proposal_;

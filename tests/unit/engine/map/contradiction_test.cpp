@@ -75,5 +75,20 @@ TEST(MeanContradiction, TakesPatchesWhereTheManifoldHasThem) {
   EXPECT_EQ(mean.mean(), 1);
 }
 
+// The first patch is contradicted by three others, the second by nobody.
+TEST(ContradictionByPatch, CountsEachPatchOnceHoweverManyItIsComparedWith) {
+  Manifold manifold;
+  for (int i = 0; i < 4; ++i) manifold.add(patch_from(box(4), PatchId{i}, {}), {10, 0, 1});
+  manifold.add(patch_from(box(2), PatchId{4}, {}), {10, 0, 1});
+  manifold.add(patch_from(box(4), PatchId{5}, {}), {60, 0, 1});
+  ContradictionByPatch found(manifold, ContradictionOptions{});
+  EXPECT_EQ(found.mean(), 0);
+  found.add(PatchId{4}, std::vector<PatchId>{PatchId{0}, PatchId{1}, PatchId{2}});
+  found.add(PatchId{3}, std::vector<PatchId>{PatchId{0}});
+  found.add(PatchId{5}, std::vector<PatchId>{PatchId{0}});
+  EXPECT_EQ(found.pairs(), 4) << "the last looks at another place";
+  EXPECT_EQ(found.mean(), 0.5);
+}
+
 }  // namespace
 }  // namespace isthmus

@@ -137,6 +137,17 @@ TEST(TrialBySightings, ThatPutsWallsInFreeSpaceIsRefused) {
   }
 }
 
+// Somebody who came and went while the first robot was there: its own map contradicts itself as much.
+TEST(TrialBySightings, MayContradictAsMuchAsTheMapsContradictThemselves) {
+  const Walls without = crooked_room(), with = with_a_screen(without);
+  Case its = merge_of(
+      std::vector{with, without, with}, {{-1.5, -0.4, 0.2}, {-1.6, -0.3, 0.1}, {-1.7, -0.5, 0}},
+      std::vector{without, with, without}, {{-1.4, -0.3, 0.2}, {-1.5, -0.5, 0.1}, {-1.6, -0.4, 0.3}});
+  its.say(PatchId{1}, PatchId{4});
+  const Trial trial = its.tried();
+  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
+}
+
 /// A room whose walls are of teeth, so steep that no beam finds its line on a plain wall.
 Walls toothed_room() {
   Walls walls;
