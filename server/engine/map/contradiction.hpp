@@ -31,8 +31,8 @@ class MeanContradiction {
   int pairs_ = 0;
 };
 
-/// Its mean over patches, of what each is told by others: every patch counts once, however many it is compared with.
-/// So a few far from where two maps meet, where a loop is still open, do not outvote the rest.
+/// Its mean over patches, of what each is told by others: every patch counts once, however many it is
+/// compared with. So a few far from where two maps meet, where a loop is still open, do not outvote the rest.
 class ContradictionByPatch {
  public:
   /// Keeps a reference to the manifold.

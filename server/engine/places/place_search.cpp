@@ -97,8 +97,7 @@ std::vector<PatchId> own_part(const Map& map, const RigidPiece& piece) {
     std::ranges::copy(map.graph().neighbours(local.patch->id), std::back_inserter(own));
   }
   std::ranges::sort(own);
-  const auto doubles = std::ranges::unique(own);
-  own.erase(doubles.begin(), doubles.end());
+  own.erase(std::unique(own.begin(), own.end()), own.end());
   return own;
 }
 
