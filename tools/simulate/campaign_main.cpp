@@ -10,6 +10,7 @@
 #include "tools/simulate/hostile_campaign.hpp"
 #include "tools/simulate/scenario_file.hpp"
 #include "tools/simulate/sightings_campaign.hpp"
+#include "tools/simulate/wild/campaign.hpp"
 #include "tools/text/finite_number.hpp"
 
 namespace {
@@ -23,6 +24,8 @@ struct Arguments {
   std::int64_t messages = 1'000'000;
   bool everyone = false;
   std::string output;
+  unsigned jobs = 1;
+  bool keep_failed = false;
 };
 
 constexpr const char* seed_mark = "{seed}";
@@ -192,6 +195,47 @@ void hostile_campaign(const Arguments& arguments) {
   }
 }
 
+void print(const isthmus::WildTrial& t) {
+  const isthmus::WildScore& s = t.score;
+  std::printf("%-6llu %7zu %9.4f %8.3f %4s %6zu %7zu %7.1f  %s\n", static_cast<unsigned long long>(t.seed),
+              s.islands, s.mean_m, s.max_m, s.is_off() ? "OFF" : "", s.wrong_merges, s.missed_merges,
+              t.cpu_s + t.simulation_cpu_s, describe(isthmus::draw_wild(t.seed)).c_str());
+  std::fflush(stdout);
+}
+
+void summarise(const std::vector<isthmus::WildTrial>& trials) {
+  std::size_t off = 0, wrong = 0, missed = 0;
+  double cpu_s = 0;
+  for (const isthmus::WildTrial& t : trials) {
+    off += t.score.is_off() ? 1U : 0U;
+    wrong += t.score.wrong_merges > 0 ? 1U : 0U;
+    missed += t.score.missed_merges > 0 ? 1U : 0U;
+    cpu_s += t.cpu_s + t.simulation_cpu_s;
+  }
+  const auto runs = static_cast<double>(trials.size());
+  std::printf(
+      "%zu runs: %zu (%.1f %%) with a relation over 1 m off, %zu with wrong merges, %zu with missed ones; "
+      "%.1f CPU s a run\n",
+      trials.size(), off, 100 * static_cast<double>(off) / runs, wrong, missed, cpu_s / runs);
+  std::printf("%-18s %8s %8s\n", "drawn", "failed %", "others %");
+  for (const isthmus::WildTraitShare& trait : isthmus::compare_traits(trials))
+    std::printf("%-18s %8.0f %8.0f\n", trait.name.c_str(), 100 * trait.of_failed, 100 * trait.of_others);
+}
+
+void wild_campaign(const Arguments& arguments) {
+  std::printf("%-6s %7s %9s %8s %4s %6s %7s %7s  %s\n", "seed", "islands", "mean m", "max m", "", "wrong",
+              "missed", "CPU s", "drawn");
+  std::vector<isthmus::WildTrial> trials;
+  isthmus::try_wild_seeds(arguments.first_seed, arguments.seeds, arguments.jobs,
+                          arguments.keep_failed ? arguments.output : std::string(),
+                          [&](const isthmus::WildTrial& trial) {
+                            print(trial);
+                            trials.push_back(trial);
+                          });
+  summarise(trials);
+  if (!arguments.output.empty()) isthmus::write_wild_trials(trials, arguments.output + "/wild.csv");
+}
+
 std::vector<std::string> campaign_scenarios() {
   std::vector<std::string> names;
   for (const auto& scenario : isthmus::list_scenarios()) {
@@ -252,6 +296,27 @@ void add_hostile(CLI::App& app, Arguments& arguments) {
                     "is not to be compared, the server is to live");
 }
 
+void add_wild(CLI::App& app, Arguments& arguments) {
+  CLI::App* wild = app.add_subcommand(
+      "wild",
+      "Maps runs in buildings that nobody has seen: building, furniture, people, lasers, wheels, tours and "
+      "team\n"
+      "are drawn from the seed. Tells which maps have a relation over 1 m off, a wrong merge, a true merge\n"
+      "missed, and what the runs that failed have in common.");
+  wild->add_option("--seeds", arguments.seeds, "Runs")->check(CLI::PositiveNumber)->capture_default_str();
+  wild->add_option("--first-seed", arguments.first_seed, "Seed of the first run")->capture_default_str();
+  wild->add_option("--jobs", arguments.jobs, "Runs at a time")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  CLI::Option* output =
+      wild->add_option("--output", arguments.output, "Where to write wild.csv, a row for each seed")
+          ->type_name("DIR")
+          ->check(CLI::ExistingDirectory);
+  wild->add_flag("--keep-failed", arguments.keep_failed,
+                 "Keep log and truth of each run that failed there too")
+      ->needs(output);
+}
+
 void add_confidence(CLI::App& app, Arguments& arguments) {
   app.add_option("--scenario", arguments.scenarios, "Scenarios to run (default: all named campaign_...)")
       ->allow_extra_args(false);
@@ -276,6 +341,7 @@ int main(int argc, char** argv) {
   add_sightings(app, arguments);
   add_closures(app, arguments);
   add_hostile(app, arguments);
+  add_wild(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
     if (app.got_subcommand("sightings")) {
@@ -284,6 +350,8 @@ int main(int argc, char** argv) {
       closures_campaign(arguments);
     } else if (app.got_subcommand("hostile")) {
       hostile_campaign(arguments);
+    } else if (app.got_subcommand("wild")) {
+      wild_campaign(arguments);
     } else {
       if (arguments.scenarios.empty()) arguments.scenarios = campaign_scenarios();
       campaign(arguments);

@@ -207,11 +207,15 @@ class Joiner {
 
 }  // namespace
 
-FloorLayout lay_out_floor(const FloorStyle& style) {
-  FloorLayout layout = Planner(style).plan();
+void find_borders(FloorLayout& layout) {
   for (std::size_t a = 0; a < layout.cells.size(); ++a) {
     for (std::size_t b = a + 1; b < layout.cells.size(); ++b) add_border(layout, a, b, layout.borders);
   }
+}
+
+FloorLayout lay_out_floor(const FloorStyle& style) {
+  FloorLayout layout = Planner(style).plan();
+  find_borders(layout);
   Joiner(layout, style).join();
   return layout;
 }

@@ -72,6 +72,9 @@ struct FloorLayout {
 /// Corridors that hang together, rooms between them, and a door to every room that a door can reach.
 FloorLayout lay_out_floor(const FloorStyle& style);
 
+/// Adds the borders of all its cells, between each two that touch.
+void find_borders(FloorLayout& layout);
+
 std::vector<Wall> walls_of(const FloorLayout& layout);
 
 }  // namespace isthmus

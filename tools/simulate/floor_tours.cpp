@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "tools/simulate/floor_legs.hpp"
 #include "tools/simulate/floor_routes.hpp"
 #include "tools/simulate/random.hpp"
 
@@ -20,34 +21,6 @@ constexpr double row_m = 0.9;    // between two pairs that gather in a room
 constexpr double aside_m = 0.7;  // of each of a pair, from the door's axis
 constexpr int candidates = 5;
 constexpr double visit_costs_m = 40;  // a room seen before counts as so much farther
-
-struct Leg {
-  Vector2d from, to;
-  double lane_m = 0;  // how far to the right of the leg the robot drives
-
-  Vector2d direction() const { return (to - from).normalized(); }
-  Vector2d offset() const { return lane_m * Vector2d(direction().y(), -direction().x()); }
-};
-
-// Where a robot goes from leg to leg. Legs are parallel to an axis.
-std::vector<Vector2d> waypoints_of(const std::vector<Leg>& legs) {
-  std::vector<Vector2d> points;
-  const auto add = [&](const Vector2d& point) {
-    if (points.empty() || (point - points.back()).norm() > 0.05) points.push_back(point);
-  };
-  for (std::size_t i = 0; i + 1 < legs.size(); ++i) {
-    const Leg &leg = legs[i], &next = legs[i + 1];
-    const double turn = leg.direction().dot(next.direction());
-    if (std::abs(turn) < 0.5) {
-      add(leg.to + leg.offset() + next.offset());
-    } else if (turn < 0) {
-      add(leg.to + leg.offset());
-      add(leg.to + next.offset());
-    }
-  }
-  add(legs.back().to + legs.back().offset());
-  return points;
-}
 
 // Makes one robot's legs.
 class Traveller {
@@ -123,7 +96,7 @@ class Traveller {
   std::size_t at_;
   Vector2d start_;
   FloorTour tour_;
-  std::vector<Leg> legs_;
+  std::vector<FloorLeg> legs_;
   double length_m_ = 0;
 };
 

@@ -1,11 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
+#include <stdexcept>
 
 #include "server/wire/journal/event_log.hpp"
 #include "tools/simulate/scenario_file.hpp"
 #include "tools/simulate/simulation.hpp"
 #include "tools/simulate/truth_files.hpp"
+#include "tools/simulate/wild/campaign.hpp"
 
 namespace {
 
@@ -18,17 +20,27 @@ struct Arguments {
   bool list = false;
 };
 
+constexpr const char* wild = "wild";
+
 void list() {
   for (const auto& scenario : isthmus::list_scenarios()) {
     std::cout << scenario.name << std::string(scenario.name.size() < 20 ? 20 - scenario.name.size() : 1, ' ')
               << scenario.summary << '\n';
   }
+  std::cout << "wild                an unseen building, its robots and their faults, all drawn from --seed\n";
 }
 
 void run(const Arguments& arguments) {
+  if (arguments.scenario == wild) {
+    if (!arguments.overrides.empty())
+      throw std::runtime_error("--set: a wild building is drawn from its seed");
+    return isthmus::write_wild(isthmus::draw_wild(arguments.seed), arguments.log, arguments.truth);
+  }
   const isthmus::Scenario scenario = isthmus::load_scenario(arguments.scenario, arguments.overrides);
   const isthmus::SimulatedRun run = isthmus::simulate(scenario, arguments.seed);
-  if (!arguments.truth.empty()) isthmus::write_truth(scenario, run, arguments.seed, arguments.truth);
+  if (!arguments.truth.empty())
+    isthmus::write_truth(scenario, run, isthmus::sample_relations(run.truth, arguments.seed),
+                         arguments.truth);
   isthmus::EventLogWriter log(arguments.log);
   for (const isthmus::Event& event : run.events) log.write(isthmus::encode(event));
   log.finish();

@@ -70,6 +70,10 @@ struct Waypoint {
 struct Wait {
   double seconds = 0;
 };
+/// It turns on the spot.
+struct Turn {
+  double angle_rad = 0;  ///< counter-clockwise; may be several times round
+};
 /// Somebody carries the robot away: it is silent on the way, and its odometry goes on from where it was or
 /// restarts at zero.
 struct Carry {
@@ -78,7 +82,7 @@ struct Carry {
   bool odometry_restarts = true;
   bool announced = false;  ///< the robot says that it restarted
 };
-using TourStep = std::variant<Waypoint, Wait, Carry>;
+using TourStep = std::variant<Waypoint, Wait, Turn, Carry>;
 
 /// Odometry repeats itself from one time of the run to another, then jumps to where it should be.
 struct Freeze {
@@ -107,6 +111,12 @@ struct TagPlan {
   Eigen::Vector2d position;
 };
 
+/// What the building is like from some time of the run on.
+struct BuildingChange {
+  double from_s = 0;
+  FloorPlan plan;
+};
+
 /// What is simulated: data, read from a TOML file.
 struct Scenario {
   std::string name;
@@ -117,6 +127,7 @@ struct Scenario {
   bool robots_give_way = false;  ///< they wait for one another; else they drive as if alone
   double false_sightings = 0;    ///< share of all sightings
   FloorPlan plan;
+  std::vector<BuildingChange> changes;  ///< in order of time; robots keep clear of every plan at all times
   std::vector<RobotPlan> robots;
   std::vector<TagPlan> tags;
 };

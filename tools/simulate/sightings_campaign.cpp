@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "server/output/csv.hpp"
-#include "server/output/trajectories.hpp"
 #include "tools/simulate/confidence_campaign.hpp"
+#include "tools/simulate/trajectory_errors.hpp"
 
 namespace isthmus {
 namespace {
@@ -17,7 +17,6 @@ namespace {
 constexpr double false_from_m = 1;
 constexpr double false_from_rad = 20 * std::numbers::pi / 180;
 constexpr std::int64_t longest_gap_us = 500'000;  // between true poses
-constexpr std::int64_t nearest_us = 100'000;      // from a relation's stamp to a pose
 
 // Where robots truly were, by name and by barcode.
 class Truth {
@@ -62,45 +61,6 @@ class Truth {
   std::map<int, const std::vector<TruePose>*> by_barcode_;
 };
 
-// A map's final trajectories, poses by nearest stamp.
-class Trajectories {
- public:
-  explicit Trajectories(const MapCopy& map) {
-    for_each_row(map, [&](const ProjectedRow& row) {
-      rows_[row.session.robot].push_back({row.utime, map.graph.island(row.patch), row.map_from_robot});
-    });
-    for (auto& [robot, rows] : rows_) std::ranges::stable_sort(rows, {}, &Row::utime);
-  }
-
-  // The error of a relation; nothing where the map has no opinion.
-  std::optional<double> error_m(const TrueRelation& relation) const {
-    const Row *a = nearest(relation.robot1, relation.utime1), *b = nearest(relation.robot2, relation.utime2);
-    if (a == nullptr || b == nullptr || a->island != b->island) return std::nullopt;
-    const Pose estimate = ominus(b->map_from_robot, a->map_from_robot);
-    return std::hypot(estimate.x - relation.pose.x, estimate.y - relation.pose.y);
-  }
-
- private:
-  struct Row {
-    std::int64_t utime = 0;
-    IslandId island;
-    Pose map_from_robot;
-  };
-
-  const Row* nearest(const std::string& robot, std::int64_t utime) const {
-    const auto rows = rows_.find(robot);
-    if (rows == rows_.end()) return nullptr;
-    auto at = std::ranges::lower_bound(rows->second, utime, {}, &Row::utime);
-    if (at == rows->second.end() ||
-        (at != rows->second.begin() && utime - std::prev(at)->utime <= at->utime - utime)) {
-      --at;
-    }
-    return std::abs(at->utime - utime) <= nearest_us ? &*at : nullptr;
-  }
-
-  std::map<std::string, std::vector<Row>> rows_;
-};
-
 double ratio_of(double value, double clean) { return clean > 0 ? value / clean : 1; }
 
 }  // namespace
@@ -141,7 +101,7 @@ void RelationComparison::add(const RelationComparison& other) {
 
 RelationComparison compare(const std::vector<TrueRelation>& relations, const MapCopy& map,
                            const MapCopy& clean) {
-  const Trajectories trajectories(map), clean_trajectories(clean);
+  const TrajectoryErrors trajectories(map), clean_trajectories(clean);
   RelationComparison sum;
   for (const TrueRelation& relation : relations) {
     const auto error = trajectories.error_m(relation), clean_error = clean_trajectories.error_m(relation);

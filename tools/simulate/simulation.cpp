@@ -36,10 +36,15 @@ struct Draft {
 struct World {
   const Scenario& scenario;
   std::uint64_t seed;
-  RayCaster caster;
+  std::vector<RayCaster> casters;  // of the scenario's plan, then of its changes
   std::vector<TruePath> paths;
   double end_s = 0;
 
+  const RayCaster& caster_at(double time_s) const {
+    const auto& changes = scenario.changes;
+    const auto next = std::ranges::upper_bound(changes, time_s, {}, &BuildingChange::from_s);
+    return casters[static_cast<std::size_t>(next - changes.begin())];
+  }
   std::int64_t utime(double time_s) const { return scenario.start_utime + std::llround(time_s * 1e6); }
 };
 
@@ -56,11 +61,13 @@ void check_path(const RobotPlan& robot, const TruePath& path, const RayCaster& c
 }
 
 World make_world(const Scenario& scenario, std::uint64_t seed) {
-  World world{scenario, seed, RayCaster(scenario.plan), {}, 0};
+  World world{scenario, seed, {}, {}, 0};
+  world.casters.emplace_back(scenario.plan);
+  for (const BuildingChange& change : scenario.changes) world.casters.emplace_back(change.plan);
   std::vector<double> radii_m;
   for (const RobotPlan& robot : scenario.robots) {
     world.paths.push_back(drive(robot, seed));
-    check_path(robot, world.paths.back(), world.caster);
+    for (const RayCaster& caster : world.casters) check_path(robot, world.paths.back(), caster);
     radii_m.push_back(robot.radius_m);
   }
   if (scenario.robots_give_way) give_way(world.paths, radii_m);
@@ -167,7 +174,8 @@ class RobotRun {
     const LaserPlan& laser = plan_.laser;
     const bool aside = laser.interlaced && truth_.poses.size() % 2 == 1;
     const double shift_rad = aside ? 0.5 * laser.field_of_view_rad / std::max(1, laser.beams - 1) : 0;
-    ScanEvent event{plan_.name, take_scan(laser, world_.caster, pose, bodies, laser_random_, shift_rad)};
+    ScanEvent event{plan_.name,
+                    take_scan(laser, world_.caster_at(taken_s), pose, bodies, laser_random_, shift_rad)};
     event.scan.utime = world_.utime(time_s);
     truth_.poses.push_back({event.scan.utime, stretch, pose});
     add(time_s, Rank::scan, std::move(event));
@@ -195,7 +203,7 @@ class RobotRun {
   }
 
   void read_code(double time_s, const Pose& pose, const Eigen::Vector2d& target, int barcode) {
-    if (barcode < 0 || !in_sight(plan_.camera, world_.caster, pose, target)) return;
+    if (barcode < 0 || !in_sight(plan_.camera, world_.caster_at(time_s), pose, target)) return;
     if (!camera_random_.chance(plan_.camera.detection_share)) return;
     const TrueSighting truth = true_sighting(pose, target, barcode);
     SightingEvent event = measure(plan_.camera, truth, camera_random_);
@@ -233,7 +241,7 @@ std::optional<Draft> phantom(const World& world, Random& random) {
     if (observer == target || !pose || worn_by(robots[target]) < 0 || robots[observer].camera.rate_hz <= 0)
       continue;
     const CameraPlan& camera = robots[observer].camera;
-    if (other && in_sight(camera, world.caster, *pose, {other->x, other->y})) continue;
+    if (other && in_sight(camera, world.caster_at(time_s), *pose, {other->x, other->y})) continue;
     const TrueSighting imagined{robots[target].barcode, random.uniform(0.5, camera.range_max_m),
                                 random.uniform(-0.5, 0.5) * camera.field_of_view_rad};
     SightingEvent event = measure(camera, imagined, random);

@@ -81,11 +81,11 @@ std::string floor_plan_svg(const FloorPlan& plan, const std::vector<RobotTruth>&
 
 }  // namespace
 
-void write_truth(const Scenario& scenario, const SimulatedRun& run, std::uint64_t seed,
-                 const std::string& directory) {
+void write_truth(const Scenario& scenario, const SimulatedRun& run,
+                 const std::vector<TrueRelation>& relations, const std::string& directory) {
   make_directory(directory);
   for (const RobotTruth& robot : run.truth) write_file(directory + '/' + robot.robot + ".tum", tum(robot));
-  write_file(directory + "/relations.csv", relations_csv(sample_relations(run.truth, seed)));
+  write_file(directory + "/relations.csv", relations_csv(relations));
   write_file(directory + "/outliers.csv", outliers_csv(run.false_sightings));
   write_file(directory + "/floor_plan.svg", floor_plan_svg(scenario.plan, run.truth));
 }

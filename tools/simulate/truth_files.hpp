@@ -22,7 +22,7 @@ std::vector<TrueRelation> sample_relations(const std::vector<RobotTruth>& truth,
 
 /// Writes ROBOT.tum, relations.csv, outliers.csv and floor_plan.svg into a directory, made where missing;
 /// each file is complete or absent. Throws std::runtime_error naming the file and the reason.
-void write_truth(const Scenario& scenario, const SimulatedRun& run, std::uint64_t seed,
-                 const std::string& directory);
+void write_truth(const Scenario& scenario, const SimulatedRun& run,
+                 const std::vector<TrueRelation>& relations, const std::string& directory);
 
 }  // namespace isthmus

@@ -16,6 +16,7 @@ constexpr double arrival_m = 0.05;
 constexpr double sharp_rad = 1.8;         // corners beyond it are turned on the spot
 constexpr double turn_on_spot_rad = 0.7;  // off course by more than that, the robot stands and turns
 constexpr double turn_gain_per_s = 2.5;
+constexpr double turned_rad = 0.02;  // so near to what it was to turn by, a robot is done
 constexpr double turn_acceleration_rps2 = 3;
 
 // One straight way of a polyline.
@@ -31,6 +32,16 @@ class Driver {
 
   void stand(double seconds) {
     for (double t = 0; t < seconds; t += step_s) move(0, 0);
+  }
+
+  void turn(double angle_rad) {
+    double left_rad = angle_rad;
+    while (std::abs(left_rad) > turned_rad) {
+      const double before = pose_.yaw, most = robot_.drive.turn_rate_rps;
+      move(0, std::clamp(turn_gain_per_s * left_rad, -most, most));
+      left_rad -= wrap_angle(pose_.yaw - before);
+    }
+    stop();
   }
 
   void follow(const std::vector<Vector2d>& waypoints) {
@@ -143,9 +154,10 @@ TruePath drive(const RobotPlan& robot, std::uint64_t seed) {
   Random random(seed, robot.name + " waypoints");
   std::vector<Stretch> stretches{{robot.start_s, {robot.start}, true, true}};
   std::vector<Vector2d> ahead;
-  const auto go = [&](double stand_s) {
+  const auto go = [&](double stand_s, double turn_rad = 0) {
     Driver driver(robot, stretches.back().world_from_robot);
     driver.follow(ahead);
+    driver.turn(turn_rad);
     driver.stand(stand_s);
     ahead.clear();
   };
@@ -155,6 +167,8 @@ TruePath drive(const RobotPlan& robot, std::uint64_t seed) {
         ahead.push_back(jittered(*waypoint, robot, random));
       } else if (const auto* wait = std::get_if<Wait>(&step)) {
         go(wait->seconds);
+      } else if (const auto* turn = std::get_if<Turn>(&step)) {
+        go(0, turn->angle_rad);
       } else {
         const auto& carry = std::get<Carry>(step);
         go(1);

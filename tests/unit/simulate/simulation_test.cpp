@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -45,6 +46,21 @@ TEST(Simulation, EachScanHasOdometryOfItsOwnStampBeforeIt) {
     }
   }
   EXPECT_NEAR(scans, 2 * 100 + 2 * 60, 4);
+}
+
+TEST(Simulation, LasersMeetTheBuildingAsItIsByThen) {
+  Scenario scenario = load_scenario("meeting", {"duration_s=10"});
+  scenario.changes.push_back({5, scenario.plan});
+  for (Segment& segment : scenario.changes[0].plan.segments) segment.return_limit_rad = 0;
+  const auto scans = all<ScanEvent>(simulate(scenario, 1), "R1");
+  ASSERT_GT(scans.size(), 20U);
+  for (const ScanEvent& scan : scans) {
+    const bool later = scan.scan.utime > scenario.start_utime + 5'000'000;
+    const auto returns = std::ranges::count_if(
+        scan.scan.ranges_m, [](float range) { return range > 0 && std::isfinite(range); });
+    EXPECT_EQ(returns < 20, later);
+    EXPECT_EQ(returns > 100, !later);
+  }
 }
 
 TEST(Simulation, RobotsTellOfThemselvesFirst) {

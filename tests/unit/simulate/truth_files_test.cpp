@@ -54,7 +54,7 @@ TEST(TruthFiles, AreWrittenInTheirFormats) {
   const TemporaryDirectory directory;
   const Scenario scenario = load_scenario("office", {"duration_s=60", "false_sightings=0.3"});
   const SimulatedRun run = simulate(scenario, 1);
-  write_truth(scenario, run, 1, directory / "truth");
+  write_truth(scenario, run, sample_relations(run.truth, 1), directory / "truth");
 
   const auto poses = lines_of(directory / "truth/R1.tum");
   ASSERT_EQ(poses.size(), run.truth[0].poses.size());
@@ -79,7 +79,7 @@ TEST(TruthFiles, UnwritablePlaceIsNamed) {
   directory.write("file", "");
   const Scenario scenario = load_scenario("hall", {"duration_s=1"});
   const std::string error =
-      error_of([&] { write_truth(scenario, simulate(scenario, 1), 1, directory / "file/truth"); });
+      error_of([&] { write_truth(scenario, simulate(scenario, 1), {}, directory / "file/truth"); });
   EXPECT_NE(error.find("file/truth"), std::string::npos) << error;
 }
 

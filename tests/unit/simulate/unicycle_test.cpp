@@ -37,6 +37,17 @@ TEST(Unicycle, TurnsBackOnTheSpot) {
   EXPECT_NEAR(path.at(path.end_s())->x, 0, 0.1);
 }
 
+TEST(Unicycle, TurnsOnTheSpotByTheAngleAskedFor) {
+  const TruePath path = drive(robot_with({Waypoint{{5, 0}}, Turn{-7}}), 1);
+  double turned = 0;
+  const auto& poses = path.stretches()[0].world_from_robot;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    turned += wrap_angle(poses[i].yaw - poses[i - 1].yaw);
+    EXPECT_TRUE(std::abs(poses[i].yaw) < 0.1 || std::abs(poses[i].x - 5) < 0.1);
+  }
+  EXPECT_NEAR(turned, -7, 0.1);
+}
+
 TEST(Unicycle, KeepsItsBoundsOnSpeedTurnRateAndSlip) {
   const RobotPlan robot =
       robot_with({Waypoint{{3, 0}}, Waypoint{{3, 2}}, Waypoint{{0, 0}}, Waypoint{{2, -2}}});

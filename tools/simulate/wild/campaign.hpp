@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/simulate/wild/draw.hpp"
+#include "tools/simulate/wild/judge.hpp"
+
+namespace isthmus {
+
+/// One seed.
+struct WildTrial {
+  std::uint64_t seed = 0;
+  WildScore score;
+  std::size_t scans = 0;
+  double simulation_cpu_s = 0;
+  double cpu_s = 0;  ///< of mapping
+};
+
+/// Draws a run, maps it and judges the map. `directory`: where the log of a run that fails is kept, with its
+/// truth, in a folder of its own; empty: nowhere.
+WildTrial try_wild(std::uint64_t seed, const std::string& directory = {});
+
+/// Writes a drawn run as a log, with the truth beside it; either may be empty. Throws std::runtime_error
+/// naming the file and the reason.
+void write_wild(const WildDraw& draw, const std::string& log, const std::string& truth);
+
+/// Tries seeds, each in a process of its own, `jobs` at a time, and passes them to `done` in order. Throws
+/// std::runtime_error naming the seed of a process that failed.
+void try_wild_seeds(std::uint64_t first, std::uint64_t count, unsigned jobs, const std::string& directory,
+                    const std::function<void(const WildTrial&)>& done);
+
+/// How often a trait is drawn among the runs that failed, and among the others.
+struct WildTraitShare {
+  std::string name;
+  double of_failed = 0;
+  double of_others = 0;
+};
+/// Those that failed runs have most above the others first.
+std::vector<WildTraitShare> compare_traits(const std::vector<WildTrial>& trials);
+
+/// A row for each trial: its score and what was drawn. Throws std::runtime_error naming the file and the
+/// reason.
+void write_wild_trials(const std::vector<WildTrial>& trials, const std::string& file);
+
+}  // namespace isthmus
