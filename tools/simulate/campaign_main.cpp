@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <stdexcept>
 #include <utility>
 
 #include "tools/simulate/closures_campaign.hpp"
@@ -198,15 +199,20 @@ void hostile_campaign(const Arguments& arguments) {
 void print(const isthmus::WildTrial& t) {
   const isthmus::WildScore& s = t.score;
   std::printf("%-6llu %7zu %9.4f %8.3f %4s %6zu %7zu %7.1f  %s\n", static_cast<unsigned long long>(t.seed),
-              s.islands, s.mean_m, s.max_m, s.is_off() ? "OFF" : "", s.wrong_merges, s.missed_merges,
-              t.cpu_s + t.simulation_cpu_s, describe(isthmus::draw_wild(t.seed)).c_str());
+              s.islands, s.mean_m, s.max_m,
+              !t.finished  ? "none"
+              : s.is_off() ? "OFF"
+                           : "",
+              s.wrong_merges, s.missed_merges, t.cpu_s + t.simulation_cpu_s,
+              describe(isthmus::draw_wild(t.seed)).c_str());
   std::fflush(stdout);
 }
 
 void summarise(const std::vector<isthmus::WildTrial>& trials) {
-  std::size_t off = 0, wrong = 0, missed = 0;
+  std::size_t off = 0, wrong = 0, missed = 0, none = 0;
   double cpu_s = 0;
   for (const isthmus::WildTrial& t : trials) {
+    none += t.finished ? 0U : 1U;
     off += t.score.is_off() ? 1U : 0U;
     wrong += t.score.wrong_merges > 0 ? 1U : 0U;
     missed += t.score.missed_merges > 0 ? 1U : 0U;
@@ -214,9 +220,9 @@ void summarise(const std::vector<isthmus::WildTrial>& trials) {
   }
   const auto runs = static_cast<double>(trials.size());
   std::printf(
-      "%zu runs: %zu (%.1f %%) with a relation over 1 m off, %zu with wrong merges, %zu with missed ones; "
-      "%.1f CPU s a run\n",
-      trials.size(), off, 100 * static_cast<double>(off) / runs, wrong, missed, cpu_s / runs);
+      "%zu runs: %zu (%.1f %%) with a relation over 1 m off, %zu with wrong merges, %zu with missed ones, "
+      "%zu without a map; %.1f CPU s a run\n",
+      trials.size(), off, 100 * static_cast<double>(off) / runs, wrong, missed, none, cpu_s / runs);
   std::printf("%-18s %8s %8s\n", "drawn", "failed %", "others %");
   for (const isthmus::WildTraitShare& trait : isthmus::compare_traits(trials))
     std::printf("%-18s %8.0f %8.0f\n", trait.name.c_str(), 100 * trait.of_failed, 100 * trait.of_others);
@@ -226,14 +232,18 @@ void wild_campaign(const Arguments& arguments) {
   std::printf("%-6s %7s %9s %8s %4s %6s %7s %7s  %s\n", "seed", "islands", "mean m", "max m", "", "wrong",
               "missed", "CPU s", "drawn");
   std::vector<isthmus::WildTrial> trials;
-  isthmus::try_wild_seeds(arguments.first_seed, arguments.seeds, arguments.jobs,
-                          arguments.keep_failed ? arguments.output : std::string(),
-                          [&](const isthmus::WildTrial& trial) {
-                            print(trial);
-                            trials.push_back(trial);
-                          });
+  const std::string kept = arguments.keep_failed ? arguments.output : std::string();
+  isthmus::try_seeds(
+      arguments.first_seed, arguments.seeds, arguments.jobs,
+      [&](std::uint64_t seed) { return isthmus::try_wild(seed, kept); },
+      [&](const isthmus::WildTrial& trial) {
+        print(trial);
+        trials.push_back(trial);
+      });
   summarise(trials);
   if (!arguments.output.empty()) isthmus::write_wild_trials(trials, arguments.output + "/wild.csv");
+  if (!std::ranges::all_of(trials, &isthmus::WildTrial::finished))
+    throw std::runtime_error("not every seed could be mapped");
 }
 
 std::vector<std::string> campaign_scenarios() {

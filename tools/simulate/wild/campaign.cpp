@@ -42,10 +42,12 @@ struct Child {
   int pipe = -1;
 };
 
-[[noreturn]] void work(std::uint64_t seed, const std::string& directory, int pipe) {
+using Attempt = std::function<WildTrial(std::uint64_t)>;
+
+[[noreturn]] void work(std::uint64_t seed, const Attempt& attempt, int pipe) {
   int code = 1;
   try {
-    const WildTrial trial = try_wild(seed, directory);
+    const WildTrial trial = attempt(seed);
     if (write(pipe, &trial, sizeof trial) == static_cast<ssize_t>(sizeof trial)) code = 0;
   } catch (const std::exception& error) {
     std::cerr << "seed " << seed << ": " << error.what() << '\n';
@@ -53,14 +55,14 @@ struct Child {
   _exit(code);
 }
 
-Child begin(std::uint64_t seed, const std::string& directory) {
+Child begin(std::uint64_t seed, const Attempt& attempt) {
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0) throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
   const pid_t process = fork();
   if (process < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
   if (process == 0) {
     close(ends[0]);
-    work(seed, directory, ends[1]);
+    work(seed, attempt, ends[1]);
   }
   close(ends[1]);
   return {seed, process, ends[0]};
@@ -70,9 +72,9 @@ WildTrial end(const Child& child) {
   WildTrial trial;
   const bool told = read(child.pipe, &trial, sizeof trial) == static_cast<ssize_t>(sizeof trial);
   close(child.pipe);
-  int status = 0;
-  waitpid(child.process, &status, 0);
-  if (!told) throw std::runtime_error("seed " + std::to_string(child.seed) + " could not be tried");
+  waitpid(child.process, nullptr, 0);
+  if (!told) trial = WildTrial{};
+  trial.seed = child.seed;
   return trial;
 }
 
@@ -90,8 +92,8 @@ WildTrial try_wild(std::uint64_t seed, const std::string& directory) {
   const MapCopy map = map_events(run.events);
   trial.cpu_s = process_cpu_s() - begin_s - trial.simulation_cpu_s;
   trial.score = judge_wild(scenario, run, map);
-  if (trial.score.failed() && !directory.empty())
-    keep(scenario, run, directory + "/seed-" + std::to_string(seed));
+  trial.finished = true;
+  if (trial.failed() && !directory.empty()) keep(scenario, run, directory + "/seed-" + std::to_string(seed));
   return trial;
 }
 
@@ -102,12 +104,12 @@ void write_wild(const WildDraw& draw, const std::string& log, const std::string&
   if (!log.empty()) write_log(run, log);
 }
 
-void try_wild_seeds(std::uint64_t first, std::uint64_t count, unsigned jobs, const std::string& directory,
-                    const std::function<void(const WildTrial&)>& done) {
+void try_seeds(std::uint64_t first, std::uint64_t count, unsigned jobs, const Attempt& attempt,
+               const std::function<void(const WildTrial&)>& done) {
   std::deque<Child> running;
   for (std::uint64_t next = first; next < first + count || !running.empty();) {
     if (next < first + count && running.size() < std::max(1U, jobs)) {
-      running.push_back(begin(next++, directory));
+      running.push_back(begin(next++, attempt));
       continue;
     }
     const WildTrial trial = end(running.front());
@@ -119,7 +121,7 @@ void try_wild_seeds(std::uint64_t first, std::uint64_t count, unsigned jobs, con
 std::vector<WildTraitShare> compare_traits(const std::vector<WildTrial>& trials) {
   std::vector<WildTraitShare> shares;
   const auto failed = static_cast<double>(
-      std::ranges::count_if(trials, [](const WildTrial& trial) { return trial.score.failed(); }));
+      std::ranges::count_if(trials, [](const WildTrial& trial) { return trial.failed(); }));
   const double others = static_cast<double>(trials.size()) - failed;
   for (const WildTrial& trial : trials) {
     const std::vector<WildTrait> traits = traits_of(draw_wild(trial.seed));
@@ -127,7 +129,7 @@ std::vector<WildTraitShare> compare_traits(const std::vector<WildTrial>& trials)
     for (std::size_t i = 0; i < traits.size(); ++i) {
       shares[i].name = traits[i].name;
       if (!traits[i].holds) continue;
-      if (trial.score.failed()) {
+      if (trial.failed()) {
         shares[i].of_failed += 1 / failed;
       } else {
         shares[i].of_others += 1 / others;
@@ -140,17 +142,18 @@ std::vector<WildTraitShare> compare_traits(const std::vector<WildTrial>& trials)
 }
 
 void write_wild_trials(const std::vector<WildTrial>& trials, const std::string& file) {
-  CsvFile csv(file,
-              "seed,islands,relations,missing,mean_m,max_m,wrong_merges,missed_merges,true_sightings,"
-              "true_accepted,false_sightings,false_accepted,scans,simulation_cpu_s,cpu_s,drawn,traits");
+  CsvFile csv(
+      file,
+      "seed,finished,islands,relations,missing,mean_m,max_m,wrong_merges,missed_merges,true_sightings,"
+      "true_accepted,false_sightings,false_accepted,scans,simulation_cpu_s,cpu_s,drawn,traits");
   for (const WildTrial& t : trials) {
     const WildDraw draw = draw_wild(t.seed);
     std::string traits;
     for (const WildTrait& trait : traits_of(draw))
       if (trait.holds) traits += (traits.empty() ? "" : ";") + trait.name;
     const WildScore& s = t.score;
-    csv.row(t.seed, s.islands, s.relations, s.missing, s.mean_m, s.max_m, s.wrong_merges, s.missed_merges,
-            s.true_sightings, s.true_accepted, s.false_sightings, s.false_accepted, t.scans,
+    csv.row(t.seed, t.finished ? 1 : 0, s.islands, s.relations, s.missing, s.mean_m, s.max_m, s.wrong_merges,
+            s.missed_merges, s.true_sightings, s.true_accepted, s.false_sightings, s.false_accepted, t.scans,
             t.simulation_cpu_s, t.cpu_s, describe(draw), traits);
   }
   csv.commit();

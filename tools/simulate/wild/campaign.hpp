@@ -12,10 +12,13 @@ namespace isthmus {
 /// One seed.
 struct WildTrial {
   std::uint64_t seed = 0;
+  bool finished = false;  ///< else the process ended before it had a map; what it said is on stderr
   WildScore score;
   std::size_t scans = 0;
   double simulation_cpu_s = 0;
   double cpu_s = 0;  ///< of mapping
+
+  bool failed() const { return !finished || score.failed(); }
 };
 
 /// Draws a run, maps it and judges the map. `directory`: where the log of a run that fails is kept, with its
@@ -26,10 +29,11 @@ WildTrial try_wild(std::uint64_t seed, const std::string& directory = {});
 /// naming the file and the reason.
 void write_wild(const WildDraw& draw, const std::string& log, const std::string& truth);
 
-/// Tries seeds, each in a process of its own, `jobs` at a time, and passes them to `done` in order. Throws
-/// std::runtime_error naming the seed of a process that failed.
-void try_wild_seeds(std::uint64_t first, std::uint64_t count, unsigned jobs, const std::string& directory,
-                    const std::function<void(const WildTrial&)>& done);
+/// Tries seeds by `attempt`, each in a process of its own, `jobs` at a time, and passes the trials to `done`
+/// in order of the seeds. Throws std::runtime_error where no process can be had.
+void try_seeds(std::uint64_t first, std::uint64_t count, unsigned jobs,
+               const std::function<WildTrial(std::uint64_t)>& attempt,
+               const std::function<void(const WildTrial&)>& done);
 
 /// How often a trait is drawn among the runs that failed, and among the others.
 struct WildTraitShare {

@@ -12,7 +12,8 @@ namespace {
 constexpr double degree = std::numbers::pi / 180;
 constexpr double longest_corridor_m = 200;
 constexpr double longest_drive_m = 900;  // all laps
-constexpr double most_scans = 10000;     // of all robots
+constexpr double most_scans = 8000;
+constexpr double most_scans_of_team = 5000;  // of all its robots
 
 double log_uniform(Random& random, double low, double high) {
   return std::exp(random.uniform(std::log(low), std::log(high)));
@@ -99,7 +100,8 @@ LaserPlan draw_laser(const WildBuilding& building, Random random) {
   if (laser.field_of_view_rad > 350 * degree) laser.field_of_view_rad *= 1 - 1.0 / laser.beams;
   laser.rate_hz = random.uniform(3, 5);
   laser.laser.range_min_m = random.uniform(0.02, 0.1);
-  laser.laser.range_max_m = std::max(log_uniform(random, 4, 30), 2 * building.corridor_m);
+  laser.laser.range_max_m =
+      0.5 * std::round(2 * std::max(log_uniform(random, 4, 30), 2 * building.corridor_m));
   laser.laser.robot_from_laser = {random.uniform(-0.1, 0.2), random.uniform(-0.03, 0.03), 0};
   laser.declared_mount_error = {random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02),
                                 random.uniform(-1, 1) * degree};
@@ -203,17 +205,17 @@ WildTour draw_tour(Random random) {
   return tour;
 }
 
-// Large teams on long tours drive fewer laps, and scan more slowly.
+// Long tours are driven fewer times, by smaller teams, and scanned more slowly.
 void bound_cost(WildDraw& draw) {
-  const auto scans = [&] {
-    double sum = 0;
+  const auto excess = [&] {
+    double scans = 0;
     for (const WildRobot& robot : draw.robots)
-      sum += 1.3 * draw.tour.loop_m * draw.tour.laps / robot.drive.speed_mps * robot.laser.rate_hz;
-    return sum;
+      scans += 1.3 * draw.tour.loop_m * draw.tour.laps / robot.drive.speed_mps * robot.laser.rate_hz;
+    return scans / (draw.robots.size() > 1 ? most_scans_of_team : most_scans);
   };
-  while (scans() > most_scans && draw.tour.laps > 1) --draw.tour.laps;
-  while (scans() > most_scans && draw.robots.size() > 1) draw.robots.pop_back();
-  const double share = std::min(1.0, most_scans / scans());
+  while (excess() > 1 && draw.tour.laps > 1) --draw.tour.laps;
+  while (excess() > 1 && draw.robots.size() > 1) draw.robots.pop_back();
+  const double share = std::min(1.0, 1 / excess());
   for (WildRobot& robot : draw.robots) robot.laser.rate_hz = std::max(3.0, share * robot.laser.rate_hz);
   if (draw.robots.size() == 1) draw.camera.rate_hz = draw.false_sightings = 0;
 }

@@ -49,6 +49,7 @@ struct WildBuilding {
   double glass_share = 0;  ///< of walls; nothing comes back unless the beam is square to them
   double dark_share = 0;   ///< of walls that give no return at a slant
   double roughness_m = 0.004;
+  double fixture_m = 2;     ///< between frames and pillars along a corridor's walls
   double furniture = 1;     ///< times the usual number of pieces
   int changes = 0;          ///< times at which doors and furniture are found otherwise
   double moved_share = 0;   ///< of the furniture, each time

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "tools/simulate/clutter.hpp"
 #include "tools/simulate/floor_furniture.hpp"
 #include "tools/simulate/random.hpp"
 
@@ -56,6 +57,20 @@ class Builder {
     return plan;
   }
 
+  // Frames, pillars and radiators along the walls of corridors: no corridor of a real building is bare.
+  FloorPlan fixtures(const WildUse& use) {
+    Random random(draw_.seed, "wild fixtures");
+    std::vector<Polygon> pieces;
+    for (std::size_t i = 0; i < layout_.floor.borders.size(); ++i) {
+      const FloorBorder& border = layout_.floor.borders[i];
+      if (layout_.floor.cells[border.a].corridor == layout_.floor.cells[border.b].corridor) continue;
+      for (const auto& [from, to] : solid(i)) add_fixtures(border, from, to, random, pieces);
+    }
+    for (const FloorBorder& side : outer_corridor_walls())
+      add_fixtures(side, side.from, side.to, random, pieces);
+    return furniture(bent(std::move(pieces), use));
+  }
+
   // Of the doors that may be, those that chance closes.
   FloorPlan closed_doors(const std::set<std::size_t>& entered, Random& random) {
     std::vector<Wall> closed;
@@ -73,14 +88,24 @@ class Builder {
     return built({}, pieces, std::numbers::pi);
   }
 
-  // No yard is furnished. Bent as the building; what stands in somebody's way is left out.
+  // No yard is furnished.
   std::vector<Polygon> pieces(const WildUse& use, std::uint64_t variant) const {
     FloorLayout inside = layout_.floor;
     inside.cells.resize(layout_.first_yard);
     FloorStyle style;
     style.seed = draw_.seed + 1'000'000'007 * variant;
     style.furniture = draw_.building.furniture;
-    std::vector<Polygon> pieces = furnish(inside, style, use.ways);
+    return bent(furnish(inside, style, use.ways), use);
+  }
+
+ private:
+  static std::size_t index(Surface surface) { return static_cast<std::size_t>(surface); }
+  static double limit(std::size_t surface) {
+    return std::array{std::numbers::pi, glass_limit_rad, dark_limit_rad}[surface];
+  }
+
+  // Bent as the building; what stands in somebody's way is left out.
+  std::vector<Polygon> bent(std::vector<Polygon> pieces, const WildUse& use) const {
     for (Polygon& piece : pieces)
       std::ranges::transform(piece, piece.begin(), [&](const Vector2d& corner) { return bend_(corner); });
     std::erase_if(pieces, [&](const Polygon& piece) {
@@ -89,10 +114,33 @@ class Builder {
     return pieces;
   }
 
- private:
-  static std::size_t index(Surface surface) { return static_cast<std::size_t>(surface); }
-  static double limit(std::size_t surface) {
-    return std::array{std::numbers::pi, glass_limit_rad, dark_limit_rad}[surface];
+  // Of corridors that run along the building's outer wall.
+  std::vector<FloorBorder> outer_corridor_walls() const {
+    std::vector<FloorBorder> walls;
+    for (std::size_t i = 0; i < layout_.first_yard; ++i) {
+      const FloorCell& cell = layout_.floor.cells[i];
+      if (!cell.corridor) continue;
+      for (const int across : {0, 1}) {
+        const double from = cell.low[1 - across], to = cell.high[1 - across];
+        if (cell.low[across] < 1e-6) walls.push_back({i, i, across == 0, 0, from, to});
+        const double end = layout_.floor.size[across];
+        if (cell.high[across] > end - 1e-6) walls.push_back({i, i, across == 0, end, from, to});
+      }
+    }
+    return walls;
+  }
+
+  void add_fixtures(const FloorBorder& wall, double from, double to, Random& random,
+                    std::vector<Polygon>& pieces) const {
+    const auto spacing_m = [&] { return draw_.building.fixture_m * random.uniform(0.5, 1.5); };
+    for (double at = from + 0.5 * spacing_m(); at < to - 0.2; at += spacing_m())
+      pieces.push_back(fixture(wall, at, random));
+  }
+
+  // Half in the wall.
+  static Polygon fixture(const FloorBorder& border, double at, Random& random) {
+    const double along = random.uniform(0.1, 1), across = 2 * random.uniform(0.08, 0.25);
+    return border.upright ? box(border.point(at), across, along, 0) : box(border.point(at), along, across, 0);
   }
 
   static bool blocks(const Polygon& piece, const Vector2d& at) {
@@ -155,7 +203,8 @@ class Builder {
 std::vector<FloorPlan> build_wild(const WildDraw& draw, const WildLayout& layout, const Bend& bend,
                                   const WildUse& use) {
   Builder builder(draw, layout, bend);
-  const FloorPlan walls = builder.walls();
+  FloorPlan walls = builder.walls();
+  append(walls, builder.fixtures(use));
   std::vector<Polygon> pieces = builder.pieces(use, 0);
   std::vector<FloorPlan> plans;
   for (int change = 0; change <= draw.building.changes; ++change) {

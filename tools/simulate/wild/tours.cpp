@@ -38,7 +38,7 @@ class Traveller {
     std::vector<std::size_t> corners;
     for (std::size_t i = 0; i < order.loop.size(); ++i)
       corners.push_back(nearest(order.loop[(order.first + i) % order.loop.size()]));
-    at_ = corners.front();
+    at_ = nearest(order.loop[order.first]);
     last_ = routes_.position(at_);
     for (int lap = 0; lap < order.laps; ++lap) {
       for (std::size_t i = 1; i <= corners.size(); ++i) go_to(corners[i % corners.size()], order);
@@ -52,11 +52,15 @@ class Traveller {
   }
 
  private:
+  // Corridors meet, or end in a lobby, at one node at least.
   std::size_t nearest(const Vector2d& point) const {
-    std::vector<std::size_t> nodes = routes_.crossings();
-    for (const FloorStop& stop : routes_.stops()) nodes.push_back(stop.node);
-    return *std::ranges::min_element(
-        nodes, {}, [&](std::size_t node) { return (routes_.position(node) - point).norm(); });
+    std::size_t best = routes_.crossings().front();
+    const auto consider = [&](std::size_t node) {
+      if ((routes_.position(node) - point).norm() < (routes_.position(best) - point).norm()) best = node;
+    };
+    for (const std::size_t node : routes_.crossings()) consider(node);
+    for (const FloorStop& stop : routes_.stops()) consider(stop.node);
+    return best;
   }
 
   // The way driven, at most about `most_m`.

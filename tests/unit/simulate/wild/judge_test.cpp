@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "tests/support/walls.hpp"
-#include "tools/simulate/wild/campaign.hpp"
 
 namespace isthmus {
 namespace {
@@ -131,23 +130,6 @@ TEST(WildJudge, TwoIslandsThatShareALongWayAreAMergeThatWasMissed) {
 TEST(WildJudge, TwoIslandsThatShareLittleMayStayApart) {
   EXPECT_EQ(judged(0, true).islands, 2U);
   EXPECT_FALSE(judged(0, true).failed());
-}
-
-TEST(WildTraits, AreComparedBetweenTheRunsThatFailedAndTheOthers) {
-  std::vector<WildTrial> trials(40);
-  std::size_t jumps = 0;
-  for (std::uint64_t seed = 0; seed < trials.size(); ++seed) {
-    trials[seed].seed = seed;
-    const auto traits = traits_of(draw_wild(seed));
-    const bool holds = std::ranges::find(traits, "freezes", &WildTrait::name)->holds;
-    trials[seed].score.max_m = holds ? 2 : 0;
-    jumps += holds ? 1U : 0U;
-  }
-  ASSERT_GT(jumps, 0U);
-  const auto shares = compare_traits(trials);
-  EXPECT_EQ(shares.front().name, "freezes");
-  EXPECT_NEAR(shares.front().of_failed, 1, 1e-9);
-  EXPECT_NEAR(shares.front().of_others, 0, 1e-9);
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 namespace isthmus {
 namespace {
 
+using Eigen::Vector2d;
+
 // The smallest run there is among the first seeds, so that it is quick to simulate.
 WildDraw a_small_draw(std::size_t robots) {
   for (std::uint64_t seed = 1;; ++seed) {
@@ -75,6 +77,25 @@ TEST(WildSite, GlassGivesNoReturnAtASlant) {
       scenario.plan.segments, [](const Segment& segment) { return segment.return_limit_rad < 0.1; });
   EXPECT_GT(glass, 10);
   EXPECT_LT(static_cast<std::size_t>(glass), scenario.plan.segments.size() / 2);
+}
+
+// Frames and pillars reach into corridors that have no furniture.
+TEST(WildSite, NoCorridorIsBare) {
+  WildDraw draw = a_small_draw(1);
+  draw.building.furniture = draw.building.bend_rad = draw.building.roughness_m = 0;
+  draw.building.bend = WildBend::straight;
+  const WildLayout layout = lay_out_wild(draw.building, draw.seed);
+  const Scenario scenario = make_wild_scenario(draw);
+  const double half_m = 0.5 * layout.floor.size.y();  // the middle of a bent building lies at y = 0
+  for (std::size_t i = 0; i < layout.first_yard; ++i) {
+    const FloorCell& cell = layout.floor.cells[i];
+    if (!cell.corridor || cell.size().maxCoeff() < 8) continue;
+    const auto inside = [&](const Segment& segment) {
+      const Vector2d middle = 0.5 * (segment.a + segment.b) + Vector2d(0, half_m);
+      return ((middle - cell.low).array() > 0.07).all() && ((cell.high - middle).array() > 0.07).all();
+    };
+    EXPECT_GE(std::ranges::count_if(scenario.plan.segments, inside), cell.size().maxCoeff() / 4) << i;
+  }
 }
 
 TEST(WildLayout, RoomsOfARepeatedBuildingAreAlike) {
