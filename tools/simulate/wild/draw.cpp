@@ -79,6 +79,7 @@ void draw_inside(WildBuilding& building, Random& random) {
   building.changes = random.chance(0.5) ? 1 + static_cast<int>(random.index(3)) : 0;
   building.moved_share = random.uniform(0.05, 0.4);
   building.closed_share = random.uniform(0.1, 0.7);
+  building.fixture_m = log_uniform(random, 1.2, 5);
 }
 
 WildBuilding draw_building(double loop_m, Random random) {

@@ -45,6 +45,13 @@ TEST(WildDraw, BuildingsAreWithinTheirBounds) {
   }
 }
 
+TEST(WildDraw, CorridorsAreOfAllKindsFromCrowdedToNearlyBare) {
+  std::vector<double> fixtures_m;
+  for (const WildDraw& draw : draws()) fixtures_m.push_back(draw.building.fixture_m);
+  EXPECT_LT(std::ranges::min(fixtures_m), 1.3);
+  EXPECT_GT(std::ranges::max(fixtures_m), 4.8);
+}
+
 TEST(WildDraw, LasersAndWheelsAreWithinTheirBounds) {
   for (const WildDraw& draw : draws()) {
     EXPECT_GE(draw.robots.size(), 1U);

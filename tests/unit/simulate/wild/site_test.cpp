@@ -84,6 +84,7 @@ TEST(WildSite, NoCorridorIsBare) {
   WildDraw draw = a_small_draw(1);
   draw.building.furniture = draw.building.bend_rad = draw.building.roughness_m = 0;
   draw.building.bend = WildBend::straight;
+  draw.building.fixture_m = 2;
   const WildLayout layout = lay_out_wild(draw.building, draw.seed);
   const Scenario scenario = make_wild_scenario(draw);
   const double half_m = 0.5 * layout.floor.size.y();  // the middle of a bent building lies at y = 0
