@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <numbers>
 
@@ -11,68 +12,71 @@ namespace {
 constexpr int max_levels = 5;  // of the pyramid, above the cells: says how fast it is, not what it finds
 
 // How well a beam's end fits each cell, 0 to 255, and for each level the maximum over the 2^level x 2^level
-// cells to the upper right: a bound for every shift within that block.
+// cells to the upper right: a bound for every shift within that block. A margin of the widest block's width
+// is all 0, so that no shift of a beam within `half_extent_m` leads out of the grid.
 class FitPyramid {
  public:
   FitPyramid(std::span<const Eigen::Vector2d> map, const Pose& centre, double half_extent_m,
              const CorrelativeOptions& options, int levels)
       : cell_m_(options.cell_m),
+        margin_(1 << levels),
         origin_(centre.x - half_extent_m, centre.y - half_extent_m),
-        size_(static_cast<int>(2 * half_extent_m / options.cell_m) + 1) {
-    levels_.emplace_back(static_cast<std::size_t>(size_ * size_), std::uint8_t{0});
+        size_(static_cast<int>(2 * half_extent_m / options.cell_m) + 1),
+        side_(size_ + 2 * margin_) {
+    levels_.emplace_back(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_), std::uint8_t{0});
     const int blur = static_cast<int>(std::ceil(options.blur_sigmas * options.blur_m / cell_m_));
     for (const Eigen::Vector2d& point : map) stamp(point, blur, options.blur_m);
     for (int level = 1; level <= levels; ++level) levels_.push_back(widen(levels_.back(), 1 << (level - 1)));
   }
 
-  int cell_x(double x) const { return static_cast<int>(std::floor((x - origin_.x()) / cell_m_)); }
-  int cell_y(double y) const { return static_cast<int>(std::floor((y - origin_.y()) / cell_m_)); }
-
-  int fit(int level, int x, int y) const {
-    // Blocks that begin left of the grid may still reach into it.
-    const int width = 1 << level;
-    if (x >= size_ || y >= size_ || x + width <= 0 || y + width <= 0) return 0;
-    x = std::max(x, 0);
-    y = std::max(y, 0);
-    return levels_[static_cast<std::size_t>(level)][static_cast<std::size_t>(y * size_ + x)];
-  }
+  /// Index of the cell that a beam ends in; it moves by `step` for a shift in cells.
+  std::ptrdiff_t cell(const Eigen::Vector2d& end) const { return index(cell_x(end.x()), cell_y(end.y())); }
+  std::ptrdiff_t step(int x, int y) const { return static_cast<std::ptrdiff_t>(y) * side_ + x; }
+  const std::uint8_t* level(int level) const { return levels_[static_cast<std::size_t>(level)].data(); }
 
  private:
+  int cell_x(double x) const { return static_cast<int>(std::floor((x - origin_.x()) / cell_m_)); }
+  int cell_y(double y) const { return static_cast<int>(std::floor((y - origin_.y()) / cell_m_)); }
+  std::ptrdiff_t index(int x, int y) const { return step(x + margin_, y + margin_); }
+
   void stamp(const Eigen::Vector2d& position, int blur, double blur_m) {
     const int cx = cell_x(position.x());
     const int cy = cell_y(position.y());
+    const auto fall = [&](int cell, double origin, double at) {
+      const double d = origin + (cell + 0.5) * cell_m_ - at;
+      return std::exp(-0.5 * d * d / (blur_m * blur_m));
+    };
+    const int left = std::max(0, cx - blur);
+    const int right = std::min(size_ - 1, cx + blur);
+    falls_x_.clear();
+    for (int x = left; x <= right; ++x) falls_x_.push_back(fall(x, origin_.x(), position.x()));
     for (int y = std::max(0, cy - blur); y <= std::min(size_ - 1, cy + blur); ++y) {
-      for (int x = std::max(0, cx - blur); x <= std::min(size_ - 1, cx + blur); ++x) {
-        const double dx = origin_.x() + (x + 0.5) * cell_m_ - position.x();
-        const double dy = origin_.y() + (y + 0.5) * cell_m_ - position.y();
-        const double fit = std::exp(-0.5 * (dx * dx + dy * dy) / (blur_m * blur_m));
-        std::uint8_t& cell = levels_[0][static_cast<std::size_t>(y * size_ + x)];
-        cell = std::max(cell, static_cast<std::uint8_t>(255 * fit));
+      const double fall_y = fall(y, origin_.y(), position.y());
+      std::uint8_t* row = levels_[0].data() + index(left, y);
+      for (const double fall_x : falls_x_) {
+        *row = std::max(*row, static_cast<std::uint8_t>(255 * (fall_x * fall_y)));
+        ++row;
       }
     }
   }
 
+  // The maximum with what lies `shift` to the right, then with what lies `shift` above.
   std::vector<std::uint8_t> widen(const std::vector<std::uint8_t>& below, int shift) const {
-    std::vector<std::uint8_t> level(below.size());
-    for (int y = 0; y < size_; ++y) {
-      for (int x = 0; x < size_; ++x) {
-        std::uint8_t best = 0;
-        for (const int dy : {0, shift}) {
-          for (const int dx : {0, shift}) {
-            if (x + dx < size_ && y + dy < size_)
-              best = std::max(best, below[static_cast<std::size_t>((y + dy) * size_ + x + dx)]);
-          }
-        }
-        level[static_cast<std::size_t>(y * size_ + x)] = best;
-      }
-    }
+    std::vector<std::uint8_t> level = below;
+    const auto right = static_cast<std::size_t>(shift);
+    for (std::size_t i = 0; i + right < level.size(); ++i) level[i] = std::max(below[i], below[i + right]);
+    const std::size_t up = right * static_cast<std::size_t>(side_);
+    for (std::size_t i = 0; i + up < level.size(); ++i) level[i] = std::max(level[i], level[i + up]);
     return level;
   }
 
   double cell_m_;
+  int margin_;
   Eigen::Vector2d origin_;
   int size_;
+  int side_;
   std::vector<std::vector<std::uint8_t>> levels_;
+  std::vector<double> falls_x_;
 };
 
 struct Shift {
@@ -151,7 +155,8 @@ class Search {
     const int half_yaw = static_cast<int>(std::ceil(window_.half_yaw_rad / options_.yaw_step_rad));
     std::vector<Block> blocks;
     for (int k = 0; k <= 2 * half_yaw && !exhausted_; ++k) {
-      const double yaw_offset = (k % 2 == 1 ? 1 : -1) * ((k + 1) / 2) * options_.yaw_step_rad;
+      const int outwards = (k + 1) / 2;
+      const double yaw_offset = (k % 2 == 1 ? 1 : -1) * outwards * options_.yaw_step_rad;
       if (std::abs(yaw_offset) > std::numbers::pi + options_.yaw_step_rad / 2) break;
       turn_to(yaw_offset);
       const int width = 1 << top_;
@@ -173,18 +178,17 @@ class Search {
     cells_.clear();
     const double c = std::cos(window_.centre.yaw + yaw_offset);
     const double s = std::sin(window_.centre.yaw + yaw_offset);
-    for (const Eigen::Vector2d& beam : beams_) {
-      const Eigen::Vector2d end(c * beam.x() - s * beam.y(), s * beam.x() + c * beam.y());
-      cells_.push_back(
-          {pyramid_.cell_x(window_.centre.x + end.x()), pyramid_.cell_y(window_.centre.y + end.y()), 0});
-    }
+    for (const Eigen::Vector2d& beam : beams_)
+      cells_.push_back(pyramid_.cell({window_.centre.x + (c * beam.x() - s * beam.y()),
+                                      window_.centre.y + (s * beam.x() + c * beam.y())}));
   }
 
   Shift evaluated(int level, int x, int y) {
     ++evaluations_;
     if (evaluations_ > options_.max_evaluations) exhausted_ = true;
     int score = 0;
-    for (const Shift& cell : cells_) score += pyramid_.fit(level, cell.x + x, cell.y + y);
+    const std::uint8_t* fits = pyramid_.level(level) + pyramid_.step(x, y);
+    for (const std::ptrdiff_t cell : cells_) score += fits[cell];
     return {x, y, score};
   }
 
@@ -218,7 +222,7 @@ class Search {
   int top_;
   FitPyramid pyramid_;
   std::vector<Eigen::Vector2d> beams_;
-  std::vector<Shift> cells_;
+  std::vector<std::ptrdiff_t> cells_;
   std::vector<Answer> answers_;
   int best_score_ = 0;
   long evaluations_ = 0;

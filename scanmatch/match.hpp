@@ -18,7 +18,7 @@ struct MatchOptions {
   int max_points = 180;
   int min_pairs = 12;
   double max_normal_angle_rad = 1.0;
-  double thin_direction = 0.03;
+  double thin_direction = 0.08;
   double pair_again_m = 0.01;
   double pair_again_rad = 0.003;
   double damping = 1e-3;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 
@@ -14,8 +13,8 @@
 namespace isthmus {
 namespace {
 
-constexpr double false_from_m = 1;
-constexpr double false_from_rad = 20 * std::numbers::pi / 180;
+// About a robot's size: of two that stand side by side, a bearing says little of where they are.
+constexpr double false_from_m = 0.5;
 constexpr std::int64_t longest_gap_us = 500'000;  // between true poses
 
 // Where robots truly were, by name and by barcode.
@@ -36,8 +35,9 @@ class Truth {
     const auto target = at(*named->second, sighting.utime);
     if (!observer || !target) return true;
     const TrueSighting truth = true_sighting(*observer, {target->x, target->y}, sighting.barcode);
-    return std::abs(sighting.range_m - truth.range_m) > false_from_m ||
-           std::abs(wrap_angle(sighting.bearing_rad - truth.bearing_rad)) > false_from_rad;
+    const auto point = [](double range_m, double bearing_rad) { return rotate(bearing_rad, {range_m, 0}); };
+    return (point(sighting.range_m, sighting.bearing_rad) - point(truth.range_m, truth.bearing_rad)).norm() >
+           false_from_m;
   }
 
  private:

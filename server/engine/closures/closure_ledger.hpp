@@ -70,6 +70,8 @@ class ClosureLedger {
   /// Changes the places of all sightings that speak for closures.
   void correct(const std::function<void(Evidence&)>& change);
   std::vector<ClosureRecord> records() const;
+  /// By id.
+  const std::map<ClosureId, Entry>& entries() const { return entries_; }
 
   auto members() { return std::tie(entries_, forbidden_ids_, outcomes_, next_id_); }
 

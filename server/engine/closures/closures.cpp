@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <set>
 
 #include "server/engine/closures/closure_draft.hpp"
+#include "server/engine/closures/merge_account.hpp"
 #include "server/engine/closures/taking_back.hpp"
 
 namespace isthmus {
@@ -127,6 +129,7 @@ void Closures::end_trial(World world) {
   if (!trial->accepted()) {
     ledger_.decide(closure, ClosureState::refused, trial->refusal());
     observations_.put_back(closure.evidence, trial->refusal(), closure.record.id);
+    withdraw_what_it_contradicts(world, closure);
   } else if (trial->proposal().measured || !refuse_if_forbidden(world, closure, trial->map())) {
     accept(world, *trial, closure);
   }
@@ -140,6 +143,24 @@ void Closures::accept(World world, const Trial& trial, Entry& closure) {
                  closure.from_scans ? Reason::from_scans : closure.record.reason);
   const Reason reason = trial.proposal().merge ? Reason::merged_islands : Reason::closed_loop;
   observations_.set_verdict(closure.evidence, Verdict::accepted, reason, closure.record.id);
+  proposer_.forget();
+}
+
+// Of what the map believes and what sightings say instead, one is wrong: where they are more than speak for
+// the merge that parts the two, it goes, and all is looked at anew without it. It may come again by what
+// speaks for it.
+void Closures::withdraw_what_it_contradicts(World world, const Entry& refused) {
+  const std::optional<MergeAccount> account =
+      contradicted_merge(world, tags_.patches(), ledger_, observations_, refused);
+  if (!account) return;
+  std::ranges::copy(take_back(world, account->merge, ledger_, observations_, tags_),
+                    std::back_inserter(changed_));
+  Entry& merge = ledger_.at(account->merge);
+  ledger_.decide(merge, ClosureState::withdrawn, Reason::contradicted);
+  observations_.put_back(std::exchange(merge.evidence, {}), Reason::unsupported);
+  observations_.reopen(world, tags_.patches(), account->agreed);
+  observations_.reopen(world, tags_.patches(),
+                       observations_.refused_by_map(world.options.closures.max_reopened));
   proposer_.forget();
 }
 

@@ -43,11 +43,13 @@ std::vector<PatchId> take_back(World world, ClosureId id, ClosureLedger& ledger,
   put_on_own_ground(world, together, ledger, observations);
   for (const ClosureId fallen : withdrawal.fallen) fall(ledger.at(fallen), ledger, observations);
   std::set<IslandId> islands;
+  std::set<std::size_t> taken_in;
   for (const Relation& relation : withdrawal.gone) {
     for (const PatchId end : {relation.a, relation.b}) islands.insert(world.map.graph().island(end));
     if (relation.origin.kind == OriginKind::sighting && !relation.origin.closure.valid())
-      observations.reopen(world, tags.patches(), static_cast<std::size_t>(relation.origin.sighting));
+      taken_in.insert(static_cast<std::size_t>(relation.origin.sighting));
   }
+  observations.reopen(world, tags.patches(), std::vector(taken_in.begin(), taken_in.end()));
   observations.forget_lone_refits(world.map.graph());
   return {islands.begin(), islands.end()};
 }

@@ -56,6 +56,7 @@ struct EngineOptions {
   ExtendOptions extend;
   FootprintOptions footprints;
   OdometryNoiseOptions odometry_noise;
+  OdometryBiasOptions odometry_bias;
   PoseHistoryOptions pose_history;
   TeammateOptions teammates;
   HealthOptions health;
@@ -97,6 +98,7 @@ struct EngineOptions {
     group("extend", extend);
     group("footprints", footprints);
     group("odometry_noise", odometry_noise);
+    group("odometry_bias", odometry_bias);
     group("pose_history", pose_history);
     group("teammates", teammates);
     group("health", health);

@@ -55,9 +55,12 @@ void follow(const Map& map, Robot& robot, const Expectation& expectation, const 
   if (placement.matched && expectation.plausible) {
     const double yaw = place.pose.patch_from_object.yaw;
     const Eigen::Matrix2d local_from_step = Eigen::Rotation2Dd(yaw).toRotationMatrix();
-    robot.noise.learn(expectation.step, matched_step,
-                      local_from_step.transpose() * placement.match.direction_trust * local_from_step,
-                      options.odometry_noise);
+    const Eigen::Matrix2d trust =
+        local_from_step.transpose() * placement.match.direction_trust * local_from_step;
+    robot.noise.learn(expectation.step, matched_step, trust, options.odometry_noise);
+    robot.bias.learn(expectation.claimed_step, matched_step,
+                     robot.noise.covariance(expectation.step, options.odometry_noise), trust,
+                     options.odometry_bias);
   }
   if (placement.matched) {
     robot.health.matched(expectation.claimed_step, matched_step,

@@ -92,6 +92,7 @@ Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t
   const LocaliseOptions& its = options.localise;
   const double seconds = std::max(its.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
   expectation.plausible = is_plausible(expectation.step, seconds, odom_from_robot, its);
+  expectation.step = robot.bias.corrected(expectation.claimed_step);
   Eigen::Matrix3d noise = robot.noise.covariance(expectation.step, options.odometry_noise);
   if (!expectation.plausible) {
     expectation.step = Pose{};  // what it says is no motion of a robot; where it is, only matching can tell

@@ -1,9 +1,10 @@
 #include "server/engine/places/place_search.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
-#include <tuple>
 
 #include "scanmatch/match_relations.hpp"
 #include "server/engine/map/contradiction.hpp"
@@ -12,31 +13,35 @@ namespace isthmus {
 namespace {
 
 struct Cell {
-  int x = 0;
-  int y = 0;
+  std::uint64_t place = 0;  ///< column, then row: to be sorted by, as fast as numbers are
   std::size_t index = 0;
   auto operator<=>(const Cell&) const = default;
+
+  static std::uint64_t place_of(const Eigen::Vector2d& position, double cell_m) {
+    const auto number = [&](double at) {
+      return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(at / cell_m))) ^ 0x8000'0000U;
+    };
+    return std::uint64_t{number(position.x())} << 32U | number(position.y());
+  }
 };
 
 // One point for each cell that has any: the first.
 std::vector<ScanPoint> thinned(const LocalMap& local, double cell_m) {
   std::vector<ScanPoint> points;
-  for (const LocalPatch& patch : local.patches)
+  for (const LocalPatch& patch : local.patches) {
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(patch.local_from_patch.yaw).toRotationMatrix();
+    const Eigen::Vector2d origin = position(patch.local_from_patch);
     for (const ScanPoint& point : patch.patch->points)
-      points.push_back({patch.local_from_patch * point.position,
-                        rotate(patch.local_from_patch.yaw, point.normal), point.beam});
+      points.push_back({turn * point.position + origin, turn * point.normal, point.beam});
+  }
   std::vector<Cell> cells;
   cells.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector2d& p = points[i].position;
-    cells.push_back(
-        {static_cast<int>(std::floor(p.x() / cell_m)), static_cast<int>(std::floor(p.y() / cell_m)), i});
-  }
+  for (std::size_t i = 0; i < points.size(); ++i)
+    cells.push_back({Cell::place_of(points[i].position, cell_m), i});
   std::ranges::sort(cells);
   std::vector<ScanPoint> kept;
   for (std::size_t i = 0; i < cells.size(); ++i)
-    if (i == 0 || std::tie(cells[i].x, cells[i].y) != std::tie(cells[i - 1].x, cells[i - 1].y))
-      kept.push_back(points[cells[i].index]);
+    if (i == 0 || cells[i].place != cells[i - 1].place) kept.push_back(points[cells[i].index]);
   return kept;
 }
 

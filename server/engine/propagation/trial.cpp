@@ -101,6 +101,11 @@ bool Trial::step(std::int64_t now_utime) {
   return true;
 }
 
+// Finds are as exact as matches: the fit that begins the trial brings what is near to its place. Where the
+// loop was open by much, or two maps are joined, what is farther off comes there only by what matches on the
+// way.
+bool Trial::refits() const { return !proposal_.from_scans || proposal_.merge || proposal_.cautious; }
+
 void Trial::propagate(std::int64_t now_utime) {
   // A few dozen places that match tell as much as a thousand: the rest is matched where robots come
   // (proximity_matching.hpp).
@@ -109,7 +114,7 @@ void Trial::propagate(std::int64_t now_utime) {
   if (!propagation_.done() && !enough) {
     propagation_.step(map_, options_);
     const std::size_t next_fit = std::max(options_.trial.min_growth, options_.trial.growth * matched_at_fit_);
-    if (!proposal_.from_scans && propagation_.matched().size() >= next_fit) begin_fit(now_utime, false);
+    if (refits() && propagation_.matched().size() >= next_fit) begin_fit(now_utime, false);
     return;
   }
   if (stage_ == Stage::propagate && !enough) {
@@ -118,9 +123,8 @@ void Trial::propagate(std::int64_t now_utime) {
   } else {
     stage_ = Stage::judge;
   }
-  // Finds are as exact as matches: the fit that began the trial has brought everything near to its place.
-  if (proposal_.from_scans) return;
-  if (propagation_.matched().size() > matched_at_fit_ || stage_ == Stage::judge) begin_fit(now_utime, false);
+  if (refits() && (propagation_.matched().size() > matched_at_fit_ || stage_ == Stage::judge))
+    begin_fit(now_utime, false);
 }
 
 void Trial::finish_step(std::int64_t now_utime) {

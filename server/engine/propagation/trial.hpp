@@ -81,6 +81,8 @@ class Trial {
   void begin_fit(std::int64_t now_utime, bool with_gate);
   void end_fit();
   void propagate(std::int64_t now_utime);
+  /// Whether the map is fitted anew while more and more of it matches.
+  bool refits() const;
   void judge();
   void judge_scans();
   /// Mean share of hits of one side deep in the other's free space.

@@ -10,6 +10,7 @@
 #include "server/engine/input/event.hpp"
 #include "server/engine/map/local_loop.hpp"
 #include "server/engine/map/surroundings.hpp"
+#include "server/engine/robot/odometry_bias.hpp"
 #include "server/engine/robot/odometry_noise.hpp"
 #include "server/engine/robot/odometry_track.hpp"
 #include "server/engine/robot/pose_history.hpp"
@@ -80,6 +81,7 @@ struct Robot {
   bool declared = false;
   OdometryTrack odometry;
   OdometryNoise noise;
+  OdometryBias bias;
   RobotHealth health;
   std::deque<PendingScan> pending;  ///< scans that wait for odometry
   std::optional<Localisation> place;
@@ -100,9 +102,10 @@ struct Robot {
   std::size_t patches = 0;                   ///< that it has added to the map
 
   auto members() {
-    return std::tie(declaration, declared, odometry, noise, health, pending, place, session, surroundings,
-                    local_map, local_map_centre, local_map_stamp, last_scan_utime, newest_scan_utime,
-                    local_loops, unplaced, history, way, seen, first_patch, stale_scans, patches);
+    return std::tie(declaration, declared, odometry, noise, bias, health, pending, place, session,
+                    surroundings, local_map, local_map_centre, local_map_stamp, last_scan_utime,
+                    newest_scan_utime, local_loops, unplaced, history, way, seen, first_patch, stale_scans,
+                    patches);
   }
 };
 

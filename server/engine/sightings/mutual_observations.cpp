@@ -6,6 +6,26 @@
 #include "server/engine/sightings/placing.hpp"
 
 namespace isthmus {
+namespace {
+
+// Of what a sighting was refused for: whether another map might not have.
+bool is_refusal_by_map(Reason reason) {
+  switch (reason) {
+    case Reason::contradicts_map:
+    case Reason::unsupported:
+    case Reason::too_little_support:
+    case Reason::implausible_jump:
+    case Reason::sightings_disagree:
+    case Reason::walls_in_free_space:
+    case Reason::scans_disagree:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
 void MutualObservations::take(const SightingEvent& sighting, const std::string& target, bool is_tag,
                               std::int64_t now_utime) {
   Evidence evidence;
@@ -125,7 +145,8 @@ void MutualObservations::put_back(std::vector<Evidence> evidence, Reason doubt, 
   sort_pool();
 }
 
-void MutualObservations::reopen(World world, const TagPatches& tags, std::size_t record) {
+std::optional<Evidence> MutualObservations::placed_again(const World& world, const TagPatches& tags,
+                                                         std::size_t record) const {
   Evidence evidence;
   evidence.record = record;
   evidence.sighting = log_[record].sighting;
@@ -136,10 +157,33 @@ void MutualObservations::reopen(World world, const TagPatches& tags, std::size_t
   evidence.is_tag = worn == world.robots.end();
   evidence.target = evidence.is_tag ? tag_name(evidence.sighting.barcode) : worn->first;
   const Placing placing = place_on_manifold(world.robots, tags, true, evidence, world.options.odometry_noise);
-  if (placing.state != Placing::State::placed) return set_verdict(evidence, Verdict::refused, placing.reason);
-  set_verdict(evidence, Verdict::waiting, evidence.doubt);
-  pool_.push_back(std::move(evidence));
+  if (placing.state != Placing::State::placed) return std::nullopt;
+  return evidence;
+}
+
+void MutualObservations::reopen(const World& world, const TagPatches& tags,
+                                std::span<const std::size_t> records) {
+  for (const std::size_t record : records) {
+    if (log_.verdict(record) == Verdict::waiting) continue;  // it is there already
+    std::optional<Evidence> evidence = placed_again(world, tags, record);
+    if (!evidence) {
+      log_.set_verdict(record, Verdict::refused, Reason::no_pose_at_stamp, {});
+      continue;
+    }
+    set_verdict(*evidence, Verdict::waiting, evidence->doubt);
+    pool_.push_back(*std::move(evidence));
+  }
   sort_pool();
+}
+
+std::vector<std::size_t> MutualObservations::refused_by_map(std::size_t most) const {
+  std::vector<std::size_t> records;
+  for (std::size_t i = log_.size(); i-- > 0 && records.size() < most;) {
+    const SightingRecord record = log_[i];
+    if (record.verdict == Verdict::refused && is_refusal_by_map(record.reason)) records.push_back(i);
+  }
+  std::ranges::reverse(records);
+  return records;
 }
 
 void MutualObservations::refuse(const std::set<std::size_t>& places) {

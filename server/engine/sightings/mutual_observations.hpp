@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -53,9 +54,13 @@ class MutualObservations {
   std::vector<Evidence> take_out(const std::set<std::size_t>& places);
   /// Into the pool, with a doubt; their sightings wait. `closure`: what they spoke for, if that still counts.
   void put_back(std::vector<Evidence> evidence, Reason doubt, ClosureId closure = {});
-  /// A sighting that the map had taken in is in the pool again, where it is still known from where it was
-  /// made.
-  void reopen(World world, const TagPatches& tags, std::size_t record);
+  /// A sighting of the log, placed as it would be now; nothing where it is not known any more from where it
+  /// was made.
+  std::optional<Evidence> placed_again(const World& world, const TagPatches& tags, std::size_t record) const;
+  /// Sightings that the map had taken in are in the pool again, where they can still be placed.
+  void reopen(const World& world, const TagPatches& tags, std::span<const std::size_t> records);
+  /// What was refused for what the map said: the newest, so many at most.
+  std::vector<std::size_t> refused_by_map(std::size_t most) const;
   void doubt(std::size_t place, Reason reason) { pool_[place].doubt = reason; }
   /// Out of the pool, for what they doubt.
   void refuse(const std::set<std::size_t>& places);

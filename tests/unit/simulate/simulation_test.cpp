@@ -56,8 +56,8 @@ TEST(Simulation, LasersMeetTheBuildingAsItIsByThen) {
   ASSERT_GT(scans.size(), 20U);
   for (const ScanEvent& scan : scans) {
     const bool later = scan.scan.utime > scenario.start_utime + 5'000'000;
-    const auto returns = std::ranges::count_if(
-        scan.scan.ranges_m, [](float range) { return range > 0 && std::isfinite(range); });
+    const auto returns = std::ranges::count_if(scan.scan.ranges_m,
+                                               [](float range) { return range > 0 && std::isfinite(range); });
     EXPECT_EQ(returns < 20, later);
     EXPECT_EQ(returns > 100, !later);
   }

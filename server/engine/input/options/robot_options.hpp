@@ -54,6 +54,42 @@ struct OdometryNoiseOptions {
   }
 };
 
+/// What odometry errs by always, see robot/odometry_bias.hpp. Standard deviations are those of robots at
+/// large.
+struct OdometryBiasOptions {
+  double turn_per_m_sigma = 0.03;
+  double turn_share_sigma = 0.05;
+  double aside_share_sigma = 0.03;
+  double aside_per_rad_sigma = 0.05;
+  double way_share_sigma = 0.03;
+  double memory_m = 100;
+  double memory_rad = 100;
+  double match_sigma_m = 0.01;
+  double match_sigma_rad = 0.004;
+  double outlier_sigmas = 2;
+  double well_known = 0.8;
+  double rest_m = 0.01;
+  double rest_rad = 0.005;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(turn_per_m_sigma, "turn_per_m_sigma", "rad/m", "that a robot turns by as it drives, unnoticed");
+    option(turn_share_sigma, "turn_share_sigma", "share", "of turns that are not counted");
+    option(aside_share_sigma, "aside_share_sigma", "share", "of the way that it drives aside");
+    option(aside_per_rad_sigma, "aside_per_rad_sigma", "m/rad", "that it moves aside as it turns");
+    option(way_share_sigma, "way_share_sigma", "share", "of the way that is not counted");
+    option(memory_m, "memory_m", "m",
+           "of way after which a step counts for a third: floors and loads change");
+    option(memory_rad, "memory_rad", "rad", "of turns likewise");
+    option(match_sigma_m, "match_sigma_m", "m", "standard deviation of a matched step");
+    option(match_sigma_rad, "match_sigma_rad", "rad", "and of its yaw");
+    option(outlier_sigmas, "outlier_sigmas", "sigmas", "a disagreement beyond this counts less (Huber)");
+    option(well_known, "well_known", "share", "trust in a direction above which it is learned from a match");
+    option(rest_m, "rest_m", "m", "a shorter way tells only how matching trembles");
+    option(rest_rad, "rest_rad", "rad", "and a smaller rotation");
+  }
+};
+
 /// What is kept of where a robot was, see robot/pose_history.hpp.
 struct PoseHistoryOptions {
   std::int64_t near_us = 500'000;

@@ -111,6 +111,60 @@ TEST(Closures, PutATrialOffWhenARobotsDataIsTakenOut) {
   EXPECT_EQ(met.count(Verdict::refused), 12) << "nothing that saw R2, or that it saw, waits any longer";
 }
 
+/// Two without lasers: nothing but sightings tells how they lie to one another.
+struct MisreadBarcodes {
+  SideBySide scene{Walls{}};
+  Closures closures;
+
+  /// Each sees the other once, `off` from where it is.
+  void see_one_another(double s, const Eigen::Vector2d& off = {0, 0}) {
+    const SightingEvent of_r2 = SideBySide::seen("R1", s, 2, SideBySide::r2_at(s) + off);
+    const SightingEvent of_r1 = SideBySide::seen("R2", s, 1, SideBySide::r1_at(s) - off);
+    closures.take(of_r2, "R2", false, SideBySide::utime(s));
+    closures.take(of_r1, "R1", false, SideBySide::utime(s));
+  }
+  void work(double from_s) {
+    for (int i = 0; i < 40 || closures.on_trial(); ++i) {
+      ASSERT_LT(i, 10'000);
+      closures.advance(scene.world(from_s + 0.1 * i));
+    }
+  }
+  double apart_y() const { return scene.map.relative_pose(scene.first[3], scene.second[3]).y; }
+};
+
+TEST(Closures, WithdrawAMergeThatMoreSightingsContradictThanSupport) {
+  MisreadBarcodes met;
+  for (const double s : {10.0, 12.0, 14.0, 15.0}) met.see_one_another(s, {1, 3});
+  met.work(16);
+  ASSERT_EQ(met.closures.closures().at(0).state, ClosureState::accepted);
+  ASSERT_NEAR(met.apart_y(), 4.5, 0.1) << "nothing has told yet that they are wrong";
+  met.see_one_another(13, {1, 3});
+  met.work(20);
+  ASSERT_EQ(met.closures.sightings()[8].reason, Reason::agrees_with_map);
+  for (double s = 10.25; s < 15; s += 0.25) met.see_one_another(s);
+  met.work(30);
+  EXPECT_EQ(met.closures.closures().at(0).state, ClosureState::withdrawn);
+  EXPECT_EQ(met.closures.closures().at(0).reason, Reason::contradicted);
+  EXPECT_EQ(met.closures.closures().back().state, ClosureState::accepted);
+  EXPECT_EQ(met.scene.map.graph().islands().size(), 1U);
+  EXPECT_NEAR(met.apart_y(), 1.5, 0.1);
+  EXPECT_NE(met.closures.sightings()[8].verdict, Verdict::accepted) << "it agreed with what is no more";
+}
+
+TEST(Closures, KeepAMergeThatMoreSightingsSupportThanContradict) {
+  MisreadBarcodes met;
+  for (const double s : {10.0, 10.5, 11.0}) met.see_one_another(s);
+  met.work(16);
+  ASSERT_NEAR(met.apart_y(), 1.5, 0.1);
+  for (double s = 10.25; s < 15; s += 0.5) met.see_one_another(s);
+  met.work(20);
+  for (const double s : {13.5, 14.0, 14.5, 15.0}) met.see_one_another(s, {1, 3});
+  met.work(30);
+  EXPECT_GE(met.closures.closures().size(), 2U) << "they agree with one another, and were tried";
+  EXPECT_EQ(met.closures.closures().at(0).state, ClosureState::accepted);
+  EXPECT_NEAR(met.apart_y(), 1.5, 0.1);
+}
+
 /// What scans say of the same.
 ScanProposal from_scans(const SideBySide& scene) {
   ScanProposal finds;

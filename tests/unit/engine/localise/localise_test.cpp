@@ -46,6 +46,16 @@ TEST(Expect, PutsTheRobotWhereOdometrySays) {
   expect_near(turned.local_from_robot, ahead.local_from_robot, 1e-6, 1e-6);
 }
 
+TEST(Expect, TakesOutWhatOdometryErrsByAlways) {
+  Robot robot = robot_at({});
+  for (int i = 0; i < 2000; ++i)
+    robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0.003}, 1e-4 * Eigen::Matrix3d::Identity(),
+                     Eigen::Matrix2d::Identity(), {});
+  const Expectation expectation = expected(robot, {0.5, 0, 0});
+  EXPECT_NEAR(expectation.step.yaw, 0.015, 0.001);
+  expect_near(expectation.claimed_step, {0.5, 0, 0});
+}
+
 // A yaw that is wrong by d puts the end of a step of 2 m aside by 2 d.
 TEST(Expect, CarriesTheUncertaintyOfYawToTheEndOfTheStep) {
   Robot robot = robot_at({});

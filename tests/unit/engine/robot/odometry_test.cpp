@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "server/engine/robot/odometry_bias.hpp"
 #include "server/engine/robot/odometry_noise.hpp"
 #include "server/engine/robot/odometry_track.hpp"
 
@@ -71,6 +72,71 @@ TEST(OdometryNoise, APathThatIsFarOffIsBelievedLess) {
   EXPECT_GT(far(0, 0), 10 * near(0, 0));
   // What is off by half a metre is then no contradiction: chi² within its 95 %.
   EXPECT_LE(0.25 / far(0, 0), 7.9);
+}
+
+/// A robot whose left wheel is larger, whose turns are counted a fiftieth short, whose laser looks aside.
+struct BiasedWheels {
+  static constexpr double turn_per_m = 0.03;
+  static constexpr double turn_share = 0.02;
+  static constexpr double aside_share = -0.02;
+  static constexpr double way_share = 0.03;
+  Eigen::Matrix3d noise = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
+  OdometryBias bias;
+
+  static Pose matched(const Pose& step) {
+    return {step.x * (1 + way_share), step.y + aside_share * step.x,
+            step.yaw * (1 + turn_share) + turn_per_m * step.x};
+  }
+  void drive(int steps, const Eigen::Matrix2d& trust = Eigen::Matrix2d::Identity()) {
+    for (int i = 0; i < steps; ++i) {
+      const Pose step{0.1, 0, i % 10 < 2 ? 0.2 : 0};
+      bias.learn(step, matched(step), noise, trust, {});
+    }
+  }
+};
+
+TEST(OdometryBias, IsNoneBeforeAnythingIsLearned) {
+  EXPECT_EQ(OdometryBias().corrected({0.3, -0.1, 0.2}), (Pose{0.3, -0.1, 0.2}));
+}
+
+TEST(OdometryBias, IsLearnedFromMatchesAndTakenOutOfSteps) {
+  BiasedWheels robot;
+  robot.drive(2000);
+  EXPECT_NEAR(robot.bias.turn_per_m(), BiasedWheels::turn_per_m, 0.002);
+  EXPECT_NEAR(robot.bias.turn_share(), BiasedWheels::turn_share, 0.005);
+  EXPECT_NEAR(robot.bias.aside_share(), BiasedWheels::aside_share, 0.002);
+  EXPECT_NEAR(robot.bias.way_share(), BiasedWheels::way_share, 0.003);
+  const Pose step{0.2, 0, 0.1};
+  const Pose off = ominus(robot.bias.corrected(step), BiasedWheels::matched(step));
+  EXPECT_NEAR(off.x, 0, 1e-3);
+  EXPECT_NEAR(off.y, 0, 1e-3);
+  EXPECT_NEAR(off.yaw, 0, 1e-3);
+}
+
+TEST(OdometryBias, IsNotLearnedAlongADirectionThatTheMatchOnlyGuesses) {
+  BiasedWheels robot;
+  robot.drive(2000, Eigen::Vector2d(0.5, 1).asDiagonal());
+  EXPECT_EQ(robot.bias.way_share(), 0) << "a corridor does not tell how far it went";
+  EXPECT_NEAR(robot.bias.aside_share(), BiasedWheels::aside_share, 0.002);
+  BiasedWheels other;
+  other.drive(2000, Eigen::Vector2d(1, 0.5).asDiagonal());
+  EXPECT_EQ(other.bias.aside_share(), 0);
+}
+
+TEST(OdometryBias, IsHardlyMovedByASlip) {
+  BiasedWheels robot;
+  robot.drive(1000);
+  const double before = robot.bias.turn_per_m();
+  robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0.6}, robot.noise, Eigen::Matrix2d::Identity(), {});
+  EXPECT_NEAR(robot.bias.turn_per_m(), before, 0.001);
+}
+
+TEST(OdometryBias, FollowsALoadThatChanges) {
+  BiasedWheels robot;
+  robot.drive(2000);
+  for (int i = 0; i < 3000; ++i)
+    robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0}, robot.noise, Eigen::Matrix2d::Identity(), {});
+  EXPECT_NEAR(robot.bias.turn_per_m(), 0, 0.005);
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ TEST(MutualObservations, ThatTheMapHadTakenInAreReopenedFromTheLog) {
   SideBySide scene;
   scene.join();
   MutualObservations observations = observations_of(scene, 2);
-  observations.reopen(scene.world(20), {}, 1);
+  observations.reopen(scene.world(20), {}, std::vector<std::size_t>{1});
   ASSERT_EQ(observations.pool().size(), 1U);
   EXPECT_EQ(observations.pool()[0].target, "R2") << "by the barcode that it wears";
   EXPECT_FALSE(observations.pool()[0].is_tag);

@@ -206,12 +206,12 @@ TEST(Snapshots, OfVersion3AreRead) {
   const std::string path = "tests/unit/wire/snapshots/version-3/snapshot-000002.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
-  EXPECT_EQ(snapshot.map.events, 720);
-  EXPECT_EQ(map.patches.size(), 17U);
-  EXPECT_EQ(map.trajectory_rows, 118U);
-  EXPECT_EQ(map.sightings.size(), 9U);
+  EXPECT_EQ(snapshot.map.events, 747);
+  EXPECT_EQ(map.patches.size(), 18U);
+  EXPECT_EQ(map.trajectory_rows, 122U);
+  EXPECT_EQ(map.sightings.size(), 11U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "8b431ff7664af8d346d82e4648dcfd07a4c928019eedcf8d5363cb4db097d4e9");
+  EXPECT_EQ(map_sha256(map), "18a6a0cc83b27b4ab4c4ce4102a1cd20fad349cf13b016f39687e90a86a8e0e3");
 }
 
 }  // namespace

@@ -1,0 +1,48 @@
+#include "server/engine/robot/odometry_bias.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace isthmus {
+
+void OdometryBias::Estimate::learn(const Eigen::Vector2d& regressor, double error, double variance,
+                                   double kept, const Eigen::Vector2d& prior_sigmas, double outlier_sigmas) {
+  // Huber's weight of what is left: a slip is no bias.
+  const double off = std::abs(error - regressor.dot(value));
+  const double bound = outlier_sigmas * std::sqrt(variance);
+  const double weight = (off > bound ? bound / off : 1) / variance;
+  information = kept * information + weight * regressor * regressor.transpose();
+  sum = kept * sum + weight * error * regressor;
+  const Eigen::Matrix2d with_prior =
+      information + Eigen::Matrix2d(prior_sigmas.cwiseAbs2().cwiseInverse().asDiagonal());
+  value = with_prior.inverse() * sum;
+}
+
+Pose OdometryBias::corrected(const Pose& step) const {
+  const Eigen::Vector2d regressor(step.x, step.yaw);
+  return {step.x + regressor.dot(way_.value), step.y + regressor.dot(aside_.value),
+          wrap_angle(step.yaw + regressor.dot(yaw_.value))};
+}
+
+void OdometryBias::learn(const Pose& odometry_step, const Pose& matched_step, const Eigen::Matrix3d& noise,
+                         const Eigen::Matrix2d& direction_trust, const OdometryBiasOptions& options) {
+  const double way_m = std::abs(odometry_step.x);
+  const double turn_rad = std::abs(odometry_step.yaw);
+  // A robot at rest tells only how matching trembles.
+  if (way_m < options.rest_m && turn_rad < options.rest_rad) return;
+  const double kept = std::exp(-way_m / options.memory_m - turn_rad / options.memory_rad);
+  const Eigen::Vector2d regressor(odometry_step.x, odometry_step.yaw);
+  const double match_variance = options.match_sigma_m * options.match_sigma_m;
+  yaw_.learn(regressor, wrap_angle(matched_step.yaw - odometry_step.yaw),
+             noise(2, 2) + options.match_sigma_rad * options.match_sigma_rad, kept,
+             {options.turn_per_m_sigma, options.turn_share_sigma}, options.outlier_sigmas);
+  if (direction_trust(1, 1) > options.well_known)
+    aside_.learn(regressor, matched_step.y - odometry_step.y, noise(1, 1) + match_variance, kept,
+                 {options.aside_share_sigma, options.aside_per_rad_sigma}, options.outlier_sigmas);
+  if (direction_trust(0, 0) > options.well_known)
+    way_.learn({odometry_step.x, 0}, matched_step.x - odometry_step.x, noise(0, 0) + match_variance, kept,
+               {options.way_share_sigma, options.way_share_sigma}, options.outlier_sigmas);
+}
+
+}  // namespace isthmus

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <tuple>
+
+#include "patches/pose.hpp"
+#include "server/engine/input/options/robot_options.hpp"
+
+namespace isthmus {
+
+/// What one robot's odometry errs by always, learned on line from matched steps (the calibration of Censi et
+/// al. 2013, linear in small errors): wheels of unlike size turn the robot as it drives, a wheelbase that was
+/// measured badly counts turns wrong, and a laser that looks a little aside makes it drive aside. Left in,
+/// each pulls every match the same way, and long corridors come out curved.
+///
+/// For a step with way x and turn φ, in the frame at its beginning:
+///
+///     yaw error     = turn_per_m x + turn_share φ
+///     sideways error = aside_share x + aside_per_rad φ
+///     forward error  = way_share x
+class OdometryBias {
+ public:
+  /// The step as it most probably was.
+  Pose corrected(const Pose& odometry_step) const;
+
+  /// One matched step against odometry's account of it, which errs by so much at random. `direction_trust`
+  /// says in which directions of the step's own frame matching knows better (1) and in which it merely
+  /// repeats odometry (0).
+  void learn(const Pose& odometry_step, const Pose& matched_step, const Eigen::Matrix3d& noise,
+             const Eigen::Matrix2d& direction_trust, const OdometryBiasOptions& options);
+
+  double turn_per_m() const { return yaw_.value(0); }
+  double turn_share() const { return yaw_.value(1); }
+  double aside_share() const { return aside_.value(0); }
+  double aside_per_rad() const { return aside_.value(1); }
+  double way_share() const { return way_.value(0); }
+
+  auto members() { return std::tie(yaw_, aside_, way_); }
+
+ private:
+  /// An error that is linear in way and turn, by recursive least squares that forgets.
+  struct Estimate {
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();  ///< beyond the prior's
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    Eigen::Vector2d value = Eigen::Vector2d::Zero();
+
+    void learn(const Eigen::Vector2d& regressor, double error, double variance, double kept,
+               const Eigen::Vector2d& prior_sigmas, double outlier_sigmas);
+    auto members() { return std::tie(information, sum, value); }
+  };
+
+  Estimate yaw_;
+  Estimate aside_;
+  Estimate way_;
+};
+
+}  // namespace isthmus
