@@ -44,7 +44,8 @@ Eigen::Vector2d line_normal(const Moments& m, const NormalOptions& options) {
 
 BeamKind classify(float range_m, const Laser& laser) {
   if (std::isnan(range_m) || range_m <= 0 || range_m < laser.range_min_m) return BeamKind::ignored;
-  return range_m >= laser.range_max_m ? BeamKind::no_return : BeamKind::hit;
+  // Of what is sent as the largest range, 5.6 m as a float is less than as a double.
+  return range_m >= static_cast<float>(laser.range_max_m) ? BeamKind::no_return : BeamKind::hit;
 }
 
 std::vector<ScanPoint> to_points(const Scan& scan, const Laser& laser, const NormalOptions& options) {

@@ -45,6 +45,14 @@ TEST(Scan, InfinityIsNoReturnAlsoForALaserWithoutAMaximum) {
   EXPECT_EQ(classify(1e6F, laser), BeamKind::hit);
 }
 
+TEST(Scan, ALargestRangeThatNoFloatIsIsNoReturnToo) {
+  Laser laser;
+  laser.range_max_m = 5.6;
+  ASSERT_LT(5.6F, laser.range_max_m);
+  EXPECT_EQ(classify(5.6F, laser), BeamKind::no_return);
+  EXPECT_EQ(classify(5.59F, laser), BeamKind::hit);
+}
+
 TEST(Scan, PointsAreTheHitsInTheRobotsFrame) {
   Scan scan;
   scan.bearing0_rad = 0;
