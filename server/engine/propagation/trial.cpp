@@ -147,6 +147,8 @@ double Trial::mean_contradiction() const {
     std::erase_if(others, [&](PatchId b) { return std::ranges::binary_search(own, b); });
     found.add(a, others);
   }
+  // Where sightings and matches agree, what does not match beyond them is where a loop is open still.
+  if (!proposal_.from_scans && found.pairs() > 0) return found.mean();
   // Where nothing matched, only patches whose relative pose is very well determined can contradict one
   // another.
   int looked_at = 0;

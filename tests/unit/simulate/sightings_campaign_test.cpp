@@ -59,7 +59,7 @@ TEST(JudgeSightings, CountsWhatWasAccepted) {
 }
 
 TEST(JudgeSightings, SpoiltOneThatIsStillRightIsTrue) {
-  const SimulatedRun run = run_with({seen("R1", 102, 4.9, 0.3), seen("R1", 102, 5.1, 0)}, {0, 1});
+  const SimulatedRun run = run_with({seen("R1", 102, 4.3, 0.05), seen("R1", 102, 4.6, 0)}, {0, 1});
   const SightingScore score = judge_sightings(run, records({accepted, accepted}));
   EXPECT_EQ(score.true_accepted, 1U);
   EXPECT_EQ(score.false_accepted, 1U);

@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 // The smallest run there is among the first seeds, so that it is quick to simulate.
 WildDraw a_small_draw(std::size_t robots) {
   for (std::uint64_t seed = 1;; ++seed) {
-    const WildDraw draw = draw_wild(seed);
+    WildDraw draw = draw_wild(seed);
     if (draw.robots.size() == robots && draw.tour.loop_m * draw.tour.laps < 70 &&
         draw.robots[0].laser.beams < 300)
       return draw;
