@@ -43,8 +43,8 @@ TEST(SimulatedConfidence, CovariancesSayMoreThanErrorsShow) {
   print("local map", all.local.result());
   print("island", all.island.result());
   EXPECT_EQ(all.undetermined, 0U);
-  expect_known_shortfall(all.local.result(), 0.227);
-  expect_known_shortfall(all.island.result(), 0.301);
+  expect_known_shortfall(all.local.result(), 0.194);
+  expect_known_shortfall(all.island.result(), 0.253);
 }
 
 }  // namespace
