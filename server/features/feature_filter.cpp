@@ -1,0 +1,218 @@
+#include "server/features/feature_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace isthmus {
+namespace {
+
+/// An end, heading or radius that is new is determined by what measures it: so weak a prior says nothing
+/// beside that.
+constexpr double no_prior_sigma = 10;
+/// The probability of the gate within which an observation that stays unpaired is not taken for a new
+/// feature.
+constexpr double wide_probability = 0.9999;
+
+/// Points by which one sees whether a feature is still there.
+std::vector<Eigen::Vector2d> samples(const Feature& feature) {
+  if (feature.kind != FeatureKind::segment) return {feature.a};
+  std::vector<Eigen::Vector2d> points;
+  for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9})
+    points.push_back(feature.a + share * (feature.b - feature.a));
+  return points;
+}
+
+bool all_of_it_is_free(const Feature& feature, const std::function<bool(const Eigen::Vector2d&)>& is_free) {
+  const auto points = samples(feature);
+  return std::all_of(points.begin(), points.end(), is_free);
+}
+
+}  // namespace
+
+FeatureFilter::FeatureFilter(const FilterOptions& options)
+    : options_(options), gates_(options.association.probability), wide_gates_(wide_probability, 8) {
+  state_.form = options.form;
+}
+
+int FeatureFilter::add_robot(const Pose& map_from_robot, const Eigen::Matrix3d& covariance) {
+  return isthmus::add_robot(state_, map_from_robot, covariance);
+}
+
+bool FeatureFilter::move(int robot, const Pose& old_from_new, const Eigen::Matrix3d& covariance) {
+  if (!is_finite(old_from_new) || !covariance.allFinite()) return false;
+  move_robot(state_, robot, old_from_new, covariance);
+  return true;
+}
+
+std::vector<Candidate> FeatureFilter::choose(int robot, std::span<const ObservedFeature> seen,
+                                             std::vector<bool>& near_known) {
+  const AssociationOptions& options = options_.association;
+  std::vector<Candidate> all = candidates(state_, robot, seen, options, wide_gates_);
+  for (const Candidate& one : all) near_known[one.seen] = true;
+  std::erase_if(all, [&](const Candidate& one) {
+    return one.squared_distance >= gates_(one.measurement.residual.size());
+  });
+  const std::vector<std::size_t> chosen = options.pairing == Pairing::joint
+                                              ? most_compatible(state_.covariance, all, options, gates_)
+                                              : nearest_pairs(all);
+  std::vector<Candidate> result;
+  for (const std::size_t i : chosen) result.push_back(all[i]);
+  return result;
+}
+
+void FeatureFilter::learn_ends(int robot, std::size_t index, const ObservedFeature& seen) {
+  const std::array<bool, 4> observed = known_components(seen.feature);
+  const Pose& pose = state_.robots[static_cast<std::size_t>(robot)].map_from_robot;
+  for (std::size_t component = 2; component < 4; ++component) {
+    const Feature& feature = state_.features[index].feature;
+    if (!observed[component] || known_components(feature)[component]) continue;
+    const Feature here = pose * seen.feature;
+    if (feature.kind == FeatureKind::segment) {
+      const double half = 0.5 * length_m(feature);
+      const Eigen::Vector2d end = component == 2 ? here.a : here.b;
+      const double at = along(feature).dot(end - 0.5 * (feature.a + feature.b));
+      const double beyond = component == 2 ? -half - at : at - half;  // how far past what was seen of it
+      if (beyond < -options_.association.end_slack_m || beyond < -half) continue;
+      stretch_segment(state_, index, component == 2 ? at : -half, component == 2 ? half : at);
+    } else {
+      Feature& changed = state_.features[index].feature;
+      changed.radius_m = here.radius_m;
+      if (feature.kind == FeatureKind::corner) changed.b = changed.a + along(here);
+    }
+    make_known(state_, index, component, no_prior_sigma);
+  }
+}
+
+void FeatureFilter::reach_on(int robot, std::size_t index, const Feature& seen) {
+  const Feature& feature = state_.features[index].feature;
+  if (feature.kind != FeatureKind::segment || (feature.end_a_known && feature.end_b_known)) return;
+  const Feature here = state_.robots[static_cast<std::size_t>(robot)].map_from_robot * seen;
+  const Eigen::Vector2d middle = 0.5 * (feature.a + feature.b), t = along(feature);
+  const double half = 0.5 * length_m(feature);
+  const double from = std::min(-half, t.dot(here.a - middle)), to = std::max(half, t.dot(here.b - middle));
+  if (from < -half || to > half) stretch_segment(state_, index, from, to);
+}
+
+bool FeatureFilter::use(int robot, std::span<const Candidate> chosen, std::span<const ObservedFeature> seen) {
+  std::vector<LinearMeasurement> measurements;
+  for (const Candidate& one : chosen) {
+    if (!one.line_alone) learn_ends(robot, one.index, seen[one.seen]);
+  }
+  for (const Candidate& one : chosen) {
+    auto measurement = measure_feature(state_, one.index, robot, seen[one.seen], !one.line_alone);
+    if (measurement) measurements.push_back(*std::move(measurement));
+  }
+  if (!correct(state_, measurements)) return false;
+  for (const Candidate& one : chosen) {
+    ++state_.features[one.index].seen;
+    reach_on(robot, one.index, seen[one.seen].feature);
+  }
+  return true;
+}
+
+bool FeatureFilter::is_confirmed(int robot, const Feature& seen) {
+  const TentativeOptions& options = options_.tentative;
+  if (options.confirm_after <= 1) return true;
+  const Feature here = state_.robots[static_cast<std::size_t>(robot)].map_from_robot * seen;
+  for (Tentative& entry : tentative_) {
+    if (entry.robot != robot || entry.feature.kind != here.kind) continue;
+    if (point_count(here.kind) == 2 &&
+        along(here).dot(along(entry.feature)) < std::cos(options.angle_slack_rad))
+      continue;
+    const LocalVector off = local_coordinates(here, entry.feature);
+    const double away = here.kind == FeatureKind::segment ? std::abs(off(1)) : off.head<2>().norm();
+    if (away > options.position_slack_m || overlap(here, entry.feature, 0) <= 0) continue;
+    entry.feature = here;
+    entry.age = 0;
+    return ++entry.seen >= options.confirm_after;
+  }
+  if (tentative_.size() >= options.most) tentative_.erase(tentative_.begin());
+  tentative_.push_back({here, robot, 1, 0});
+  return false;
+}
+
+void FeatureFilter::forget(int robot) {
+  for (Tentative& entry : tentative_) entry.age += entry.robot == robot ? 1 : 0;
+  std::erase_if(tentative_, [&](const Tentative& entry) {
+    return entry.age > options_.tentative.forget_after || entry.seen >= options_.tentative.confirm_after;
+  });
+}
+
+ScanOutcome FeatureFilter::observe(int robot, std::span<const ObservedFeature> seen) {
+  ScanOutcome outcome;
+  std::vector<ObservedFeature> sound;
+  std::vector<std::size_t> place;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!is_sound(seen[i])) continue;
+    sound.push_back(seen[i]);
+    place.push_back(i);
+  }
+  outcome.unsound = seen.size() - sound.size();
+  std::vector<bool> known(sound.size(), false), used(sound.size(), false);
+  const std::vector<Candidate> chosen = choose(robot, sound, known);
+  if (use(robot, chosen, sound)) {
+    for (const Candidate& one : chosen) {
+      used[one.seen] = true;
+      outcome.paired.push_back({place[one.seen], state_.features[one.index].id});
+    }
+  }
+  for (std::size_t i = 0; i < sound.size(); ++i) {
+    if (used[i]) continue;
+    if (known[i]) {
+      ++outcome.undecided;
+    } else if (!is_confirmed(robot, sound[i].feature)) {
+      ++outcome.tentative;
+    } else if (state_.features.size() >= options_.most_features) {
+      ++outcome.too_many;
+    } else {
+      outcome.added.push_back(add_feature(state_, robot, sound[i]));
+    }
+  }
+  forget(robot);
+  return outcome;
+}
+
+std::vector<int> FeatureFilter::observe_known(int robot, std::span<const ObservedFeature> seen,
+                                              std::span<const int> ids) {
+  std::vector<int> result(seen.size(), -1);
+  std::vector<Candidate> chosen;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const std::optional<std::size_t> index = index_of(state_, ids[i]);
+    if (!index || !is_sound(seen[i])) continue;
+    auto measurement = measure_feature(state_, *index, robot, seen[i]);
+    if (!measurement) continue;
+    chosen.push_back({i, *index, *std::move(measurement), 0, false});
+    result[i] = ids[i];
+  }
+  if (!use(robot, chosen, seen)) std::fill(result.begin(), result.end(), -1);
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (ids[i] < 0 && is_sound(seen[i]) && state_.features.size() < options_.most_features)
+      result[i] = add_feature(state_, robot, seen[i]);
+  return result;
+}
+
+bool FeatureFilter::observe_robot(const RelativeSighting& sighting) {
+  const std::optional<LinearMeasurement> measurement = measure_robot(state_, sighting);
+  return measurement && correct(state_, {&*measurement, 1});
+}
+
+std::vector<int> FeatureFilter::contradict(int robot, const ScanOutcome& outcome,
+                                           const std::function<bool(const Eigen::Vector2d&)>& is_free) {
+  const Pose robot_from_map = inverse(state_.robots[static_cast<std::size_t>(robot)].map_from_robot);
+  const ContradictionOptions& options = options_.contradiction;
+  std::vector<int> gone;
+  for (std::size_t i = state_.features.size(); i-- > 0;) {
+    FeatureInState& entry = state_.features[i];
+    const bool paired = std::any_of(outcome.paired.begin(), outcome.paired.end(),
+                                    [&](const ScanOutcome::Pair& pair) { return pair.id == entry.id; });
+    if (paired || !all_of_it_is_free(robot_from_map * entry.feature, is_free)) continue;
+    ++entry.contradicted;
+    if (entry.contradicted < options.drop_after || entry.contradicted < options.share_of_seen * entry.seen)
+      continue;
+    gone.push_back(entry.id);
+    remove_feature(state_, i);
+  }
+  return gone;
+}
+
+}  // namespace isthmus

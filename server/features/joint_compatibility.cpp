@@ -1,0 +1,117 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <optional>
+
+#include "server/features/association.hpp"
+
+namespace isthmus {
+namespace {
+
+/// The search through the interpretation tree: one level for each observation, fewest candidates first.
+class Search {
+ public:
+  Search(const Eigen::MatrixXd& covariance, std::span<const Candidate> all, const AssociationOptions& options,
+         const Gates& gates)
+      : covariance_(covariance), all_(all), most_steps_(options.most_steps), gates_(gates) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i == 0 || all[i].seen != all[i - 1].seen) levels_.emplace_back();
+      levels_.back().push_back(i);
+    }
+    std::stable_sort(levels_.begin(), levels_.end(),
+                     [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    const auto rows = static_cast<Eigen::Index>(4 * levels_.size());
+    factor_ = Eigen::MatrixXd::Zero(rows, rows);
+    whitened_ = Eigen::VectorXd::Zero(rows);
+    cross_.resize(all.size() * all.size());
+  }
+
+  std::vector<std::size_t> run() {
+    descend(0, 0);
+    std::sort(best_.begin(), best_.end());
+    return best_;
+  }
+
+ private:
+  void descend(std::size_t level, double distance) {
+    if (chosen_.size() > best_.size() || (chosen_.size() == best_.size() && distance < best_distance_)) {
+      best_ = chosen_;
+      best_distance_ = distance;
+    }
+    if (level == levels_.size() || ++steps_ > most_steps_) return;
+    for (const std::size_t next : levels_[level]) {
+      if (is_taken(all_[next].index) || !can_beat_best(level, distance, 0)) continue;
+      const std::optional<double> joint = append(next, distance);
+      if (!joint) continue;
+      descend(level + 1, *joint);
+      rows_ -= all_[next].measurement.residual.size();
+      chosen_.pop_back();
+    }
+    if (can_beat_best(level, distance, 1)) descend(level + 1, distance);
+  }
+
+  /// With all further levels paired but so many.
+  bool can_beat_best(std::size_t level, double distance, std::size_t unpaired) const {
+    const std::size_t most = chosen_.size() + levels_.size() - level - unpaired;
+    return most > best_.size() || (most == best_.size() && distance < best_distance_);
+  }
+
+  bool is_taken(std::size_t index) const {
+    return std::any_of(chosen_.begin(), chosen_.end(), [&](std::size_t c) { return all_[c].index == index; });
+  }
+
+  const LocalMatrix& cross(std::size_t a, std::size_t b) {
+    std::optional<LocalMatrix>& known = cross_[a * all_.size() + b];
+    if (!known) known = cross_covariance(covariance_, all_[a].measurement, all_[b].measurement);
+    return *known;
+  }
+
+  /// The joint distance with one more pairing, whose rows are added to the Cholesky factor of the joint
+  /// innovation covariance; nothing (and nothing added) where the set is not compatible with it.
+  std::optional<double> append(std::size_t next, double distance) {
+    const LinearMeasurement& measurement = all_[next].measurement;
+    const Eigen::Index size = measurement.residual.size();
+    auto below = factor_.block(rows_, 0, size, rows_);
+    Eigen::Index at = 0;
+    for (const std::size_t c : chosen_) {
+      const Eigen::Index width = all_[c].measurement.residual.size();
+      below.middleCols(at, width) = cross(next, c);
+      at += width;
+    }
+    const auto before = factor_.topLeftCorner(rows_, rows_).triangularView<Eigen::Lower>();
+    if (rows_ > 0) below.transpose() = before.solve(Eigen::MatrixXd(below.transpose()));
+    const LocalMatrix own = cross(next, next) + measurement.noise - below * below.transpose();
+    const Eigen::LLT<LocalMatrix> factor(own);
+    if (factor.info() != Eigen::Success) return std::nullopt;
+    const LocalVector rest = factor.matrixL().solve(measurement.residual - below * whitened_.head(rows_));
+    const double joint = distance + rest.squaredNorm();
+    if (joint >= gates_(rows_ + size)) return std::nullopt;
+    factor_.block(rows_, rows_, size, size) = factor.matrixL();
+    whitened_.segment(rows_, size) = rest;
+    rows_ += size;
+    chosen_.push_back(next);
+    return joint;
+  }
+
+  const Eigen::MatrixXd& covariance_;
+  std::span<const Candidate> all_;
+  std::size_t most_steps_;
+  const Gates& gates_;
+  std::vector<std::vector<std::size_t>> levels_;
+  std::vector<std::optional<LocalMatrix>> cross_;
+  Eigen::MatrixXd factor_;
+  Eigen::VectorXd whitened_;
+  Eigen::Index rows_ = 0;
+  std::vector<std::size_t> chosen_, best_;
+  double best_distance_ = 0;
+  std::size_t steps_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::size_t> most_compatible(const Eigen::MatrixXd& covariance, std::span<const Candidate> all,
+                                         const AssociationOptions& options, const Gates& gates) {
+  if (all.empty()) return {};
+  return Search(covariance, all, options, gates).run();
+}
+
+}  // namespace isthmus

@@ -1,0 +1,97 @@
+#include "server/features/measurement.hpp"
+
+#include <cmath>
+
+namespace isthmus {
+namespace {
+
+using Known = std::array<bool, 4>;
+
+Known both(const Known& one, const Known& other, bool all) {
+  Known common{};
+  for (std::size_t k = 0; k < common.size(); ++k) common[k] = one[k] && other[k] && (all || k < 2);
+  return common;
+}
+
+/// Of the components that `seen` knows, those that are in `common`, as rows and columns of its covariance.
+LocalMatrix part_of(const LocalMatrix& covariance, const Known& known, const Known& common) {
+  Known part{};
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < known.size(); ++k)
+    if (known[k]) part[at++] = common[k];
+  const LocalMatrix rows = rows_of(covariance, part);
+  return rows_of(LocalMatrix(rows.transpose()), part);
+}
+
+bool faces_same_side(const Feature& one, const Feature& other) {
+  return point_count(one.kind) == 1 || along(one).dot(along(other)) > 0;
+}
+
+}  // namespace
+
+std::optional<LinearMeasurement> measure_feature(const FeatureState& state, std::size_t index, int robot,
+                                                 const ObservedFeature& seen, bool all_components) {
+  const FeatureInState& entry = state.features[index];
+  const RobotInState& observer = state.robots[static_cast<std::size_t>(robot)];
+  if (entry.feature.kind != seen.feature.kind) return std::nullopt;
+  const Pose& pose = observer.map_from_robot;
+  const Feature expected = inverse(pose) * entry.feature;
+  if (!is_sound(expected) || !faces_same_side(expected, seen.feature)) return std::nullopt;
+  const Known known = known_components(seen.feature);
+  const Known common = both(known, known_components(entry.feature), all_components);
+  const LocalMatrix by_map =
+      rows_of(local_jacobian(seen.feature, expected), common) * turn_of(seen.feature.kind, -pose.yaw);
+  LinearMeasurement measurement;
+  measurement.residual =
+      rows_of(local_difference(seen.feature.kind, local_coordinates(seen.feature, seen.feature),
+                               local_coordinates(seen.feature, expected)),
+              common);
+  measurement.noise = part_of(seen.covariance, known, common);
+  measurement.blocks = {{observer.offset, -by_map * rigid_motion(entry.feature, position(pose))},
+                        {entry.offset, by_map * project_to_feature(entry.feature)}};
+  return measurement;
+}
+
+std::optional<LinearMeasurement> measure_robot(const FeatureState& state, const RelativeSighting& sighting) {
+  if (!(sighting.range_sigma_m > 0) || !(sighting.bearing_sigma_rad > 0)) return std::nullopt;
+  const RobotInState& observer = state.robots[static_cast<std::size_t>(sighting.observer)];
+  const RobotInState& target = state.robots[static_cast<std::size_t>(sighting.target)];
+  const Eigen::Vector2d offset = position(target.map_from_robot) - position(observer.map_from_robot);
+  const double range = offset.norm();
+  if (!(range > 1e-3)) return std::nullopt;
+  LinearMeasurement measurement;
+  measurement.residual = LocalVector(2);
+  measurement.residual << sighting.range_m - range,
+      wrap_angle(sighting.bearing_rad - std::atan2(offset.y(), offset.x()) + observer.map_from_robot.yaw);
+  measurement.noise = LocalMatrix::Zero(2, 2);
+  measurement.noise.diagonal() << std::pow(sighting.range_sigma_m, 2),
+      std::pow(sighting.bearing_sigma_rad, 2);
+  LocalMatrix by_target = LocalMatrix::Zero(2, 3);
+  by_target.row(0).head<2>() = offset.transpose() / range;
+  by_target.row(1).head<2>() << -offset.y() / (range * range), offset.x() / (range * range);
+  LocalMatrix by_observer = -by_target;
+  by_observer(1, 2) = -1;
+  measurement.blocks = {{observer.offset, by_observer}, {target.offset, by_target}};
+  return measurement;
+}
+
+std::optional<LinearMeasurement> measure_identity(const FeatureState& state, std::size_t one,
+                                                  std::size_t other, double sigma_m) {
+  const FeatureInState &kept = state.features[one], &double_of = state.features[other];
+  const Feature& frame = kept.feature;
+  if (frame.kind != double_of.feature.kind || !faces_same_side(frame, double_of.feature)) return std::nullopt;
+  const Known common = both(known_components(frame), known_components(double_of.feature), true);
+  const LocalMatrix by_kept = rows_of(local_jacobian(frame, frame), common);
+  const LocalMatrix by_other = rows_of(local_jacobian(frame, double_of.feature), common);
+  LinearMeasurement measurement;
+  measurement.residual = rows_of(local_difference(frame.kind, local_coordinates(frame, frame),
+                                                  local_coordinates(frame, double_of.feature)),
+                                 common);
+  const Eigen::Index rows = measurement.residual.size();
+  measurement.noise = sigma_m * sigma_m * LocalMatrix::Identity(rows, rows);
+  measurement.blocks = {{kept.offset, -by_kept * project_to_feature(frame)},
+                        {double_of.offset, by_other * project_to_feature(double_of.feature)}};
+  return measurement;
+}
+
+}  // namespace isthmus

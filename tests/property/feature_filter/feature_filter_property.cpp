@@ -1,0 +1,242 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <Eigen/Cholesky>
+#include <numbers>
+#include <random>
+
+#include "server/features/feature_filter.hpp"
+#include "server/features/invariance.hpp"
+
+namespace isthmus {
+namespace {
+
+double uniform(std::mt19937& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+bool coin(std::mt19937& random) { return uniform(random, 0, 1) < 0.5; }
+
+Eigen::MatrixXd random_spd(std::mt19937& random, int size, double scale) {
+  const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(
+      size, size, [&](Eigen::Index, Eigen::Index) { return uniform(random, -1, 1); });
+  return scale * (root * root.transpose() + 0.1 * Eigen::MatrixXd::Identity(size, size));
+}
+
+/// Any kind, any part of it known, as seen from a robot.
+ObservedFeature any_seen(std::mt19937& random) {
+  const Eigen::Vector2d place(uniform(random, 1, 8), uniform(random, -5, 5));
+  Feature feature = point_feature(place);
+  const int kind = std::uniform_int_distribution<int>(0, 3)(random);
+  if (kind == 1) {
+    const double half = uniform(random, 0.3, 2), yaw = uniform(random, -1, 1);
+    const Eigen::Vector2d along = rotate(yaw, {0, half});
+    feature = segment_feature(place - along, place + along, coin(random), coin(random));
+  } else if (kind == 2) {
+    feature = corner_feature(place, uniform(random, -3, 3), 1.5);
+    feature.heading_known = coin(random);
+  } else if (kind == 3) {
+    feature = pole_feature(place, 0.2, coin(random));
+  }
+  return {feature, random_spd(random, dimension(feature), 1e-3)};
+}
+
+FeatureState any_state(std::mt19937& random, int robots, int features,
+                       FilterForm form = FilterForm::invariant) {
+  FeatureState state;
+  state.form = form;
+  for (int i = 0; i < robots; ++i)
+    add_robot(state, {uniform(random, -20, 20), uniform(random, -20, 20), uniform(random, -3, 3)},
+              random_spd(random, 3, 0.01));
+  for (int i = 0; i < features; ++i) add_feature(state, i % robots, any_seen(random));
+  return state;
+}
+
+/// What nobody measures: where the map lies and how it is turned, as errors of the state (n by 3).
+Eigen::MatrixXd unobservable(const FeatureState& state) {
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(state.covariance.rows(), 3);
+  for (const RobotInState& robot : state.robots) {
+    const Pose& pose = robot.map_from_robot;
+    directions.block<3, 3>(robot.offset, 0) << 1, 0, -pose.y, 0, 1, pose.x, 0, 0, 1;
+  }
+  for (const FeatureInState& entry : state.features)
+    directions.middleRows(entry.offset, dimension(entry.feature)) =
+        project_to_local(entry.feature) * rigid_motion(entry.feature, Eigen::Vector2d::Zero());
+  return directions;
+}
+
+Eigen::MatrixXd dense(const LinearMeasurement& measurement, Eigen::Index size) {
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(measurement.residual.size(), size);
+  for (const LinearMeasurement::Block& block : measurement.blocks)
+    h.middleCols(block.offset, block.by.cols()) += block.by;
+  return h;
+}
+
+bool is_spd(const Eigen::MatrixXd& covariance) {
+  return covariance.isApprox(covariance.transpose(), 1e-12) &&
+         Eigen::LLT<Eigen::MatrixXd>(covariance).info() == Eigen::Success;
+}
+
+/// The state with its errors changed by delta, without any group: x + e.
+FeatureState shifted(FeatureState state, const Eigen::VectorXd& delta) {
+  state.form = FilterForm::printed;
+  apply_correction(state, delta);
+  return state;
+}
+
+TEST(FeatureFilterProperty, NoMeasurementTellsWhereTheMapLies) {
+  EXPECT_TRUE(rc::check([] {
+    std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
+    const FeatureState state = any_state(random, 2, 6);
+    const Eigen::MatrixXd directions = unobservable(state);
+    for (std::size_t i = 0; i < state.features.size(); ++i) {
+      const int robot = state.features[i].robot;
+      const Pose pose = state.robots[static_cast<std::size_t>(robot)].map_from_robot;
+      ObservedFeature seen{inverse(pose) * state.features[i].feature, feature_covariance(state, i)};
+      seen.feature =
+          Pose{uniform(random, -0.3, 0.3), uniform(random, -0.3, 0.3), uniform(random, -0.3, 0.3)} *
+          seen.feature;
+      const auto measurement = measure_feature(state, i, robot, seen);
+      RC_ASSERT(measurement.has_value());
+      RC_ASSERT((dense(*measurement, directions.rows()) * directions).norm() < 1e-9);
+    }
+    const auto sighting = measure_robot(state, {0, 1, 5, 0.3, 0.1, 0.1});
+    RC_ASSERT((dense(*sighting, directions.rows()) * directions).norm() < 1e-9);
+  }));
+}
+
+TEST(FeatureFilterProperty, CorrectionsKeepWhatIsNotObservableApart) {
+  EXPECT_TRUE(rc::check([] {
+    std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
+    FeatureState state = any_state(random, 2, 6);
+    const Eigen::MatrixXd before = unobservable(state);
+    state.covariance = before * before.transpose();
+    const Eigen::VectorXd delta =
+        Eigen::VectorXd::NullaryExpr(before.rows(), [&](Eigen::Index) { return uniform(random, -0.1, 0.1); });
+    apply_correction(state, delta);
+    const Eigen::MatrixXd after = unobservable(state);
+    RC_ASSERT((state.covariance - after * after.transpose()).norm() < 1e-8 * state.covariance.norm());
+  }));
+}
+
+TEST(FeatureFilterProperty, DerivativesOfMeasurementsAreTheNumericOnes) {
+  EXPECT_TRUE(rc::check([] {
+    std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
+    const FeatureState state = any_state(random, 2, 4);
+    const Eigen::Index size = state.covariance.rows();
+    for (std::size_t i = 0; i < state.features.size(); ++i) {
+      const int robot = state.features[i].robot;
+      const ObservedFeature seen{
+          inverse(state.robots[static_cast<std::size_t>(robot)].map_from_robot) * state.features[i].feature,
+          feature_covariance(state, i)};
+      const Eigen::MatrixXd h = dense(*measure_feature(state, i, robot, seen), size);
+      for (Eigen::Index k = 0; k < size; ++k) {
+        constexpr double step = 1e-6;
+        const Eigen::VectorXd delta = step * Eigen::VectorXd::Unit(size, k);
+        const LocalVector numeric = (measure_feature(shifted(state, -delta), i, robot, seen)->residual -
+                                     measure_feature(shifted(state, delta), i, robot, seen)->residual) /
+                                    (2 * step);
+        RC_ASSERT((numeric - h.col(k)).norm() < 1e-5 * (1 + h.col(k).norm()));
+      }
+    }
+  }));
+}
+
+TEST(FeatureFilterProperty, ANewFeatureErrsWithItsRobotAndItsMeasurement) {
+  EXPECT_TRUE(rc::check([] {
+    std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
+    FeatureState state = any_state(random, 1, 2);
+    const ObservedFeature seen = any_seen(random);
+    add_feature(state, 0, seen);
+    const auto again = measure_feature(state, 2, 0, seen);  // seen again: off by twice the noise, pose or not
+    RC_ASSERT(again->residual.norm() < 1e-9);
+    RC_ASSERT(innovation_covariance(state.covariance, *again).isApprox(2 * seen.covariance, 1e-6));
+  }));
+}
+
+TEST(FeatureFilterProperty, TheCovarianceStaysPositiveDefiniteUnderAnySequence) {
+  EXPECT_TRUE(rc::check([] {
+    std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
+    FilterOptions options;
+    options.form = coin(random) ? FilterForm::invariant : FilterForm::printed;
+    options.association.pairing = coin(random) ? Pairing::joint : Pairing::nearest;
+    options.tentative.confirm_after = 1;
+    FeatureFilter filter(options);
+    filter.add_robot({}, Eigen::Matrix3d::Zero());
+    filter.add_robot({1, 2, 0.5}, 0.1 * Eigen::Matrix3d::Identity());
+    for (int step = 0; step < 40; ++step) {
+      const int robot = coin(random) ? 1 : 0;
+      filter.move(robot, {uniform(random, 0, 1), 0, uniform(random, -0.5, 0.5)},
+                  Eigen::Vector3d(1e-4, 0, 1e-4).asDiagonal());
+      std::vector<ObservedFeature> seen;
+      for (int i = 0; i < 4; ++i) seen.push_back(any_seen(random));
+      const ScanOutcome outcome = filter.observe(robot, seen);
+      filter.contradict(robot, outcome, [&](const Eigen::Vector2d&) { return coin(random); });
+      if (step % 10 == 0)
+        filter.observe_robot({0, 1, uniform(random, 1, 5), uniform(random, -3, 3), 0.5, 0.5});
+      RC_ASSERT(is_spd(filter.state().covariance));
+    }
+  }));
+}
+
+/// All sets of candidates, one after the other.
+std::vector<std::size_t> by_trying_all(const Eigen::MatrixXd& covariance, std::span<const Candidate> all,
+                                       const Gates& gates) {
+  std::vector<std::size_t> best;
+  double least = 0;
+  for (std::uint32_t set = 0; set < (1U << all.size()); ++set) {
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if ((set >> i & 1U) != 0) chosen.push_back(i);
+    bool once = true;
+    for (const std::size_t a : chosen)
+      for (const std::size_t b : chosen)
+        once = once && (a == b || (all[a].seen != all[b].seen && all[a].index != all[b].index));
+    if (!once || chosen.empty()) continue;
+    const auto rows = static_cast<Eigen::Index>(2 * chosen.size());
+    Eigen::MatrixXd h(rows, covariance.rows());
+    Eigen::VectorXd residual(rows);
+    Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(rows, rows);
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(2 * k);
+      h.middleRows(at, 2) = dense(all[chosen[k]].measurement, covariance.rows());
+      residual.segment(at, 2) = all[chosen[k]].measurement.residual;
+      noise.block(at, at, 2, 2) = all[chosen[k]].measurement.noise;
+    }
+    const double distance = residual.dot((h * covariance * h.transpose() + noise).llt().solve(residual));
+    if (distance >= gates(rows)) continue;
+    if (chosen.size() > best.size() || (chosen.size() == best.size() && distance < least)) {
+      best = chosen;
+      least = distance;
+    }
+  }
+  return best;
+}
+
+TEST(FeatureFilterProperty, TheSearchFindsTheLargestCompatibleSet) {
+  EXPECT_TRUE(rc::check([] {
+    std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
+    FeatureState state;
+    add_robot(state, {}, Eigen::Vector3d(0.3, 0.3, 0.001).asDiagonal());
+    std::vector<ObservedFeature> seen;
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Vector2d place(uniform(random, 2, 5), uniform(random, -1.5, 1.5));
+      seen.push_back({point_feature(place), 0.02 * LocalMatrix::Identity(2, 2)});
+      add_feature(state, 0, seen.back());
+    }
+    move_robot(state, 0, {}, Eigen::Vector3d(0.5, 0.5, 0.01).asDiagonal());
+    for (ObservedFeature& one : seen) one.feature.a += Eigen::Vector2d(uniform(random, 0.2, 0.8), 0.3);
+    const Gates gates(0.95);
+    AssociationOptions options;
+    std::vector<Candidate> all = candidates(state, 0, seen, options, gates);
+    RC_PRE(all.size() < 13);
+    // A set is reached pairing by pairing, each step compatible: rarely, a set is whose parts are not.
+    const std::vector<std::size_t> found = most_compatible(state.covariance, all, options, gates);
+    const std::vector<std::size_t> best = by_trying_all(state.covariance, all, gates);
+    RC_ASSERT(found.size() + 1 >= best.size());
+    RC_CLASSIFY(found == best);
+  }));
+}
+
+}  // namespace
+}  // namespace isthmus

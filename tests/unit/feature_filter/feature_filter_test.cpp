@@ -1,0 +1,189 @@
+#include "server/features/feature_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "server/features/unicycle_noise.hpp"
+
+namespace isthmus {
+namespace {
+
+ObservedFeature point_at(double x, double y, double sigma_m = 0.05) {
+  return {point_feature({x, y}), sigma_m * sigma_m * LocalMatrix::Identity(2, 2)};
+}
+
+ObservedFeature wall(const Eigen::Vector2d& a, const Eigen::Vector2d& b, bool end_a, bool end_b) {
+  ObservedFeature seen{segment_feature(a, b, end_a, end_b), {}};
+  const int q = dimension(seen.feature);
+  seen.covariance = 1e-4 * LocalMatrix::Identity(q, q);
+  return seen;
+}
+
+FeatureFilter at_origin(FilterOptions options = {}) {
+  FeatureFilter filter(options);
+  filter.add_robot({}, Eigen::Matrix3d::Zero());
+  return filter;
+}
+
+FilterOptions at_once() {
+  FilterOptions options;
+  options.tentative.confirm_after = 1;
+  return options;
+}
+
+TEST(FeatureFilter, WhatIsSeenOnceStaysOutOfTheState) {
+  FeatureFilter filter = at_origin();
+  const std::vector<ObservedFeature> clutter{point_at(3, 1)};
+  EXPECT_EQ(filter.observe(0, clutter).tentative, 1U);
+  for (int scan = 0; scan < 12; ++scan) filter.observe(0, {});
+  EXPECT_EQ(filter.observe(0, clutter).tentative, 1U);  // forgotten: counted from one again
+  EXPECT_EQ(filter.observe(0, clutter).tentative, 1U);
+  EXPECT_EQ(filter.observe(0, clutter).added.size(), 1U);
+  EXPECT_EQ(filter.observe(0, clutter).paired.size(), 1U);
+}
+
+TEST(FeatureFilter, ALineSeenInPartGrowsItsEndsWhenTheyAreSeen) {
+  FeatureFilter filter = at_origin(at_once());
+  filter.observe(0, std::vector{wall({4, -1}, {4, 1}, false, false)});
+  ASSERT_EQ(filter.state().features.size(), 1U);
+  EXPECT_EQ(feature_covariance(filter.state(), 0).rows(), 2);
+
+  filter.observe(0, std::vector{wall({4, -1.5}, {4, 2}, false, false)});
+  EXPECT_NEAR(filter.state().features[0].feature.a.y(), -1.5, 0.02);  // seen farther, its end not known
+  EXPECT_EQ(feature_covariance(filter.state(), 0).rows(), 2);
+
+  filter.observe(0, std::vector{wall({4, -1.5}, {4, 3}, false, true)});
+  EXPECT_TRUE(filter.state().features[0].feature.end_b_known);
+  EXPECT_NEAR(filter.state().features[0].feature.b.y(), 3, 1e-3);
+  ASSERT_EQ(feature_covariance(filter.state(), 0).rows(), 3);
+  EXPECT_NEAR(feature_covariance(filter.state(), 0)(2, 2), 1e-4, 1e-5);  // the prior says nothing
+
+  filter.observe(0, std::vector{wall({4, -2}, {4, 3}, true, true)});
+  EXPECT_EQ(feature_covariance(filter.state(), 0).rows(), 4);
+  EXPECT_NEAR(filter.state().features[0].feature.a.y(), -2, 1e-3);
+}
+
+TEST(FeatureFilter, AnEndSeenShortOfTheKnownWallIsNotBelieved) {
+  FeatureFilter filter = at_origin(at_once());
+  filter.observe(0, std::vector{wall({4, -3}, {4, 3}, false, false)});
+  filter.observe(0, std::vector{wall({4, -3}, {4, 1}, false, true)});
+  EXPECT_FALSE(filter.state().features[0].feature.end_b_known);
+  EXPECT_NEAR(filter.state().features[0].feature.b.y(), 3, 0.02);
+}
+
+TEST(FeatureFilter, ALineWithoutEndsStillCorrectsTheRobot) {
+  FeatureFilter filter = at_origin(at_once());
+  filter.observe(0, std::vector{wall({4, -1}, {4, 1}, false, false)});
+  filter.move(0, {0.5, 0, 0}, Eigen::Vector3d(0.04, 0.04, 0.01).asDiagonal());
+  filter.observe(0, std::vector{wall({3.3, -1}, {3.3, 1}, false, false)});  // it came 0.7 m nearer
+  EXPECT_NEAR(filter.state().robots[0].map_from_robot.x, 0.7, 0.01);
+  EXPECT_NEAR(pose_covariance(filter.state(), 0)(1, 1), 0.04, 0.001);  // nothing along the wall
+}
+
+TEST(FeatureFilter, WallsOnBothSidesOfADoorAreTwo) {
+  FeatureFilter filter = at_origin(at_once());
+  filter.observe(0, std::vector{wall({4, -3}, {4, -0.5}, false, true), wall({4, 0.5}, {4, 3}, true, false)});
+  const ScanOutcome outcome = filter.observe(
+      0, std::vector{wall({4, -3}, {4, -0.5}, false, true), wall({4, 0.5}, {4, 3}, true, false)});
+  ASSERT_EQ(outcome.paired.size(), 2U);
+  EXPECT_NE(outcome.paired[0].id, outcome.paired[1].id);
+  EXPECT_EQ(filter.state().features.size(), 2U);
+}
+
+TEST(FeatureFilter, AThinWallsTwoSidesAreTwoFeatures) {
+  FeatureFilter filter = at_origin(at_once());
+  filter.observe(0, std::vector{wall({4, -1}, {4, 1}, true, true)});
+  filter.move(0, {8, 0, std::numbers::pi}, 1e-4 * Eigen::Matrix3d::Identity());
+  const ScanOutcome outcome = filter.observe(0, std::vector{wall({3.95, -1}, {3.95, 1}, true, true)});
+  EXPECT_EQ(outcome.added.size(), 1U);
+}
+
+TEST(FeatureFilter, JointCompatibilityPairsWhereTheNearestIsWrong) {
+  // The robot has slipped 0.8 m forward; posts stand 1 m apart, so that each is nearest to its neighbour.
+  // Only the pairing of all three is compatible as a whole.
+  for (const Pairing pairing : {Pairing::joint, Pairing::nearest}) {
+    FilterOptions options = at_once();
+    options.association.pairing = pairing;
+    FeatureFilter filter = at_origin(options);
+    filter.observe(0, std::vector{point_at(4, 2, 0.01), point_at(5, 2, 0.01), point_at(6, 2, 0.01)});
+    filter.move(0, {0, 0, 0}, Eigen::Vector3d(0.4, 1e-4, 1e-6).asDiagonal());
+    const ScanOutcome outcome = filter.observe(
+        0, std::vector{point_at(3.2, 2, 0.01), point_at(4.2, 2, 0.01), point_at(5.2, 2, 0.01)});
+    const bool right = outcome.paired.size() == 3 && outcome.paired[0].id == 0 && outcome.paired[2].id == 2;
+    EXPECT_EQ(right, pairing == Pairing::joint);
+    EXPECT_EQ(std::abs(filter.state().robots[0].map_from_robot.x - 0.8) < 0.05, pairing == Pairing::joint);
+  }
+}
+
+TEST(FeatureFilter, WhatIsSeenThroughOftenEnoughGoes) {
+  FeatureFilter filter = at_origin(at_once());
+  filter.observe(0, std::vector{point_at(3, 0), point_at(3, 2), wall({5, -1}, {5, 1}, true, true)});
+  const std::vector<ObservedFeature> still{point_at(3, 2)};
+  const auto free_below = [](const Eigen::Vector2d& p) { return p.y() < 1.5 && p.x() < 4.5; };
+  std::vector<int> gone;
+  for (int scan = 0; scan < 6; ++scan)
+    for (const int id : filter.contradict(0, filter.observe(0, still), free_below)) gone.push_back(id);
+  EXPECT_EQ(gone, std::vector<int>{0});
+  EXPECT_EQ(filter.state().features.size(), 2U);
+}
+
+TEST(FeatureFilter, WhatWasSeenOftenOutlivesAFewContradictions) {
+  FeatureFilter filter = at_origin(at_once());
+  for (int scan = 0; scan < 40; ++scan) filter.observe(0, std::vector{point_at(3, 0)});
+  for (int scan = 0; scan < 10; ++scan)
+    EXPECT_TRUE(
+        filter.contradict(0, filter.observe(0, {}), [](const Eigen::Vector2d&) { return true; }).empty());
+}
+
+TEST(FeatureFilter, RefusesWhatIsNoFeatureAndCountsIt) {
+  FeatureFilter filter = at_origin(at_once());
+  const ScanOutcome outcome =
+      filter.observe(0, std::vector{point_at(3, 0, 0), wall({4, 1}, {4, 1}, true, true), point_at(2, 1)});
+  EXPECT_EQ(outcome.unsound, 2U);
+  EXPECT_EQ(outcome.added.size(), 1U);
+  EXPECT_FALSE(filter.move(0, {std::nan(""), 0, 0}, Eigen::Matrix3d::Identity()));
+  EXPECT_FALSE(filter.observe_robot({0, 0, 1, 0, 0, 0.1}));
+}
+
+TEST(FeatureFilter, AFullStateIsStillCorrected) {
+  FilterOptions options = at_once();
+  options.most_features = 2;
+  FeatureFilter filter = at_origin(options);
+  const std::vector<ObservedFeature> seen{point_at(3, 0), point_at(3, 2), point_at(3, -2)};
+  EXPECT_EQ(filter.observe(0, seen).too_many, 1U);
+  EXPECT_EQ(filter.observe(0, seen).paired.size(), 2U);
+}
+
+TEST(FeatureFilter, CornersAreToldApartByTheirAngle) {
+  FeatureFilter filter = at_origin(at_once());
+  const auto corner = [](double opening) {
+    return ObservedFeature{corner_feature({3, 1}, 2.5, opening), 1e-4 * LocalMatrix::Identity(3, 3)};
+  };
+  filter.observe(0, std::vector{corner(1.57)});
+  EXPECT_EQ(filter.observe(0, std::vector{corner(1.6)}).paired.size(), 1U);
+  EXPECT_EQ(filter.observe(0, std::vector{corner(4.71)}).added.size(), 1U);
+}
+
+TEST(FeatureFilter, ClutterIsBounded) {
+  FilterOptions options = at_once();
+  options.association.most_steps = 2'000;
+  FeatureFilter filter = at_origin(options);
+  std::vector<ObservedFeature> many;
+  for (int i = 0; i < 40; ++i) many.push_back(point_at(3 + 0.05 * (i % 8), 0.05 * (i / 8), 0.05));
+  filter.observe(0, many);
+  filter.move(0, {}, 0.01 * Eigen::Matrix3d::Identity());
+  const ScanOutcome outcome = filter.observe(0, many);  // the search ends, and what it found is used
+  EXPECT_GT(outcome.paired.size(), 0U);
+}
+
+TEST(UnicycleNoise, IsThePapers) {
+  const OdometryStep step = unicycle_step(0.4, 0.2, 0.5, {});
+  EXPECT_DOUBLE_EQ(step.old_from_new.x, 0.2);
+  EXPECT_DOUBLE_EQ(step.old_from_new.yaw, 0.1);
+  EXPECT_DOUBLE_EQ(std::sqrt(step.covariance(0, 0)), 0.03 * 0.4 * 0.5);
+  EXPECT_DOUBLE_EQ(std::sqrt(step.covariance(2, 2)), (0.05 * 0.2 + 0.0017) * 0.5);
+}
+
+}  // namespace
+}  // namespace isthmus
