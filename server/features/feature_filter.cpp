@@ -165,7 +165,7 @@ ScanOutcome FeatureFilter::observe(int robot, std::span<const ObservedFeature> s
     } else if (state_.features.size() >= options_.most_features) {
       ++outcome.too_many;
     } else {
-      outcome.added.push_back(add_feature(state_, robot, sound[i]));
+      outcome.added.push_back({place[i], add_feature(state_, robot, sound[i])});
     }
   }
   forget(robot);

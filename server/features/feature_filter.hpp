@@ -14,7 +14,7 @@ struct ScanOutcome {
     int id = 0;            ///< of the feature
   };
   std::vector<Pair> paired;
-  std::vector<int> added;     ///< ids of features that are new in the state
+  std::vector<Pair> added;    ///< features that are new in the state
   std::size_t unsound = 0;    ///< refused: no feature, or no covariance
   std::size_t tentative = 0;  ///< wait to be seen again
   std::size_t undecided = 0;  ///< near a known feature, but not compatible with the rest

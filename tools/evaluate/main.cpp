@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 
 #include "server/engine/input/robot_name.hpp"
@@ -17,6 +18,7 @@ struct Arguments {
   std::string output;
   std::string robot;
   std::string g2o;
+  LandmarkArguments landmarks;
   bool json = false;
 };
 
@@ -50,6 +52,7 @@ TagsToCompare read_tags(const Arguments& arguments) {
 Evaluation evaluate(const Arguments& arguments) {
   Evaluation evaluation;
   if (!arguments.g2o.empty()) evaluation.pose_graph = fit_pose_graph(arguments.g2o);
+  if (!arguments.landmarks.file.empty()) evaluation.landmarks = evaluate_landmarks(arguments.landmarks);
   if (arguments.relations.empty() && arguments.truth.empty()) return evaluation;
   const TeamTrajectories team(arguments.output);
   if (!arguments.relations.empty()) {
@@ -65,10 +68,28 @@ Evaluation evaluate(const Arguments& arguments) {
   return evaluation;
 }
 
+CLI::Option* add_landmarks(CLI::App& app, LandmarkArguments& arguments) {
+  auto* file = app.add_option(
+      "--landmarks", arguments.file,
+      "a log of odometry and landmarks of iSAM's form, plain or gz: the feature filter in both "
+      "forms and one batch fit");
+  auto* truth =
+      app.add_option("--landmarks-truth", arguments.truth, "the same log without noise")->needs(file);
+  app.add_option("--association", arguments.association, "which landmark is which: known, joint or nearest")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, LandmarkAssociation>{{"known", LandmarkAssociation::known},
+                                                     {"joint", LandmarkAssociation::joint},
+                                                     {"nearest", LandmarkAssociation::nearest}}))
+      ->needs(file);
+  app.add_option("--noises", arguments.noises, "runs with fresh noise on the truth besides")->needs(truth);
+  return file;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Compares a map with ground truth, or fits a pose graph.", "isthmus-evaluate");
+  CLI::App app("Compares a map with ground truth, fits a pose graph, or maps a log of landmarks.",
+               "isthmus-evaluate");
   Arguments arguments;
   auto* relations =
       app.add_option("--relations", arguments.relations,
@@ -78,12 +99,14 @@ int main(int argc, char** argv) {
   auto* output = app.add_option("--output", arguments.output, "what isthmus-replay or isthmus-server wrote");
   app.add_option("--robot", arguments.robot, "the robot that the relations are of, if the map has several");
   auto* g2o = app.add_option("--g2o", arguments.g2o, "a pose graph to fit in one batch, plain or gz");
+  auto* landmarks = add_landmarks(app, arguments.landmarks);
   app.add_flag("--json", arguments.json, "print JSON");
   relations->needs(output);
   truth->needs(output);
   try {
     app.parse(argc, argv);
-    if (!*relations && !*truth && !*g2o) throw CLI::RequiredError("--relations, --truth or --g2o");
+    if (!*relations && !*truth && !*g2o && !*landmarks)
+      throw CLI::RequiredError("--relations, --truth, --g2o or --landmarks");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }

@@ -115,6 +115,51 @@ Json json(const PoseGraphFit& fit) {
           {"cpu_ms", 1e3 * fit.cpu_s}, {"ok", fit.failure.empty()}};
 }
 
+std::string landmarks_text(const LandmarkEvaluation& all) {
+  std::string text = line("%zu poses, %zu landmarks, %zu sightings; errors against the %s", all.poses,
+                          all.landmarks, all.sightings, all.against_batch ? "batch fit" : "truth");
+  text += line("%-10s %9s %9s %8s %9s %9s %9s %9s %7s %8s", "", "pose m", "pose deg", "NEES/3", "landm. m",
+               "aligned m", "landmarks", "features", "wrong", "CPU s");
+  for (const LandmarkEvaluation::Row& row : all.rows) {
+    const LandmarkErrors& e = row.errors;
+    text += line("%-10s %9.3f %9.3f %8.3f %9.3f %9.3f %9zu %9zu %7zu %8.2f%s", row.name.c_str(),
+                 e.pose_rmse_m, e.pose_rmse_deg, e.nees_per_dof, e.landmark_rmse_m, e.landmark_aligned_m,
+                 e.landmarks, row.map.features, row.map.wrong_pairs, row.map.cpu_s,
+                 row.map.failure.empty() ? "" : " NO SOLUTION");
+    if (row.map.chi_squared_per_dof > 0) text += line("%-10s chi²/dof %.3f", "", row.map.chi_squared_per_dof);
+  }
+  for (const LandmarkEvaluation::FreshNoise& mean : all.fresh)
+    text += line("%-10s %9.3f %9.3f %8.3f over %zu fresh noises", mean.name.c_str(), mean.pose_rmse_m,
+                 mean.pose_rmse_deg, mean.nees_per_dof, all.noises);
+  return text;
+}
+
+Json json(const LandmarkEvaluation& all) {
+  Json rows = Json::array();
+  for (const LandmarkEvaluation::Row& row : all.rows)
+    rows.push_back({{"estimator", row.name},
+                    {"pose_rmse_m", row.errors.pose_rmse_m},
+                    {"pose_rmse_deg", row.errors.pose_rmse_deg},
+                    {"nees_per_dof", row.errors.nees_per_dof},
+                    {"landmark_rmse_m", row.errors.landmark_rmse_m},
+                    {"landmark_aligned_m", row.errors.landmark_aligned_m},
+                    {"landmarks", row.errors.landmarks},
+                    {"features", row.map.features},
+                    {"wrong_pairs", row.map.wrong_pairs},
+                    {"chi_squared_per_dof", row.map.chi_squared_per_dof},
+                    {"cpu_s", row.map.cpu_s},
+                    {"ok", row.map.failure.empty()}});
+  Json fresh = Json::array();
+  for (const LandmarkEvaluation::FreshNoise& mean : all.fresh)
+    fresh.push_back({{"estimator", mean.name},
+                     {"pose_rmse_m", mean.pose_rmse_m},
+                     {"pose_rmse_deg", mean.pose_rmse_deg},
+                     {"nees_per_dof", mean.nees_per_dof},
+                     {"runs", all.noises}});
+  return {{"poses", all.poses}, {"landmarks", all.landmarks},         {"sightings", all.sightings},
+          {"estimators", rows}, {"against_batch", all.against_batch}, {"fresh_noises", fresh}};
+}
+
 }  // namespace
 
 std::string to_text(const Evaluation& evaluation) {
@@ -122,6 +167,7 @@ std::string to_text(const Evaluation& evaluation) {
   for (const auto& [kind, errors] : evaluation.relations) text += relation_text(kind, errors);
   if (evaluation.absolute) text += absolute_text(*evaluation.absolute);
   if (evaluation.pose_graph) text += pose_graph_text(*evaluation.pose_graph);
+  if (evaluation.landmarks) text += landmarks_text(*evaluation.landmarks);
   return text;
 }
 
@@ -131,6 +177,7 @@ std::string to_json(const Evaluation& evaluation) {
   Json all = {{"relations", relations}, {"absolute", Json::array()}};
   if (evaluation.absolute) add_absolute(*evaluation.absolute, all);
   if (evaluation.pose_graph) all["pose_graph"] = json(*evaluation.pose_graph);
+  if (evaluation.landmarks) all["landmarks"] = json(*evaluation.landmarks);
   return all.dump(2) + "\n";
 }
 

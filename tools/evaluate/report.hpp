@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/evaluate/alignment.hpp"
+#include "tools/evaluate/landmark_maps.hpp"
 #include "tools/evaluate/pose_graph.hpp"
 #include "tools/evaluate/relation_error.hpp"
 
@@ -15,6 +16,7 @@ struct Evaluation {
   std::map<std::string, RelationErrors> relations;  ///< by kind
   std::optional<AbsoluteErrors> absolute;
   std::optional<PoseGraphFit> pose_graph;
+  std::optional<LandmarkEvaluation> landmarks;
 };
 
 std::string to_text(const Evaluation& evaluation);
