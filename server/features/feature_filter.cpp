@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/features/growth.hpp"
+
 namespace isthmus {
 namespace {
 
-/// An end, heading or radius that is new is determined by what measures it: so weak a prior says nothing
-/// beside that.
-constexpr double no_prior_sigma = 10;
 /// The probability of the gate within which an observation that stays unpaired is not taken for a new
 /// feature.
 constexpr double wide_probability = 0.9999;
@@ -60,43 +59,13 @@ std::vector<Candidate> FeatureFilter::choose(int robot, std::span<const Observed
   return result;
 }
 
-void FeatureFilter::learn_ends(int robot, std::size_t index, const ObservedFeature& seen) {
-  const std::array<bool, 4> observed = known_components(seen.feature);
-  const Pose& pose = state_.robots[static_cast<std::size_t>(robot)].map_from_robot;
-  for (std::size_t component = 2; component < 4; ++component) {
-    const Feature& feature = state_.features[index].feature;
-    if (!observed[component] || known_components(feature)[component]) continue;
-    const Feature here = pose * seen.feature;
-    if (feature.kind == FeatureKind::segment) {
-      const double half = 0.5 * length_m(feature);
-      const Eigen::Vector2d end = component == 2 ? here.a : here.b;
-      const double at = along(feature).dot(end - 0.5 * (feature.a + feature.b));
-      const double beyond = component == 2 ? -half - at : at - half;  // how far past what was seen of it
-      if (beyond < -options_.association.end_slack_m || beyond < -half) continue;
-      stretch_segment(state_, index, component == 2 ? at : -half, component == 2 ? half : at);
-    } else {
-      Feature& changed = state_.features[index].feature;
-      changed.radius_m = here.radius_m;
-      if (feature.kind == FeatureKind::corner) changed.b = changed.a + along(here);
-    }
-    make_known(state_, index, component, no_prior_sigma);
-  }
-}
-
-void FeatureFilter::reach_on(int robot, std::size_t index, const Feature& seen) {
-  const Feature& feature = state_.features[index].feature;
-  if (feature.kind != FeatureKind::segment || (feature.end_a_known && feature.end_b_known)) return;
-  const Feature here = state_.robots[static_cast<std::size_t>(robot)].map_from_robot * seen;
-  const Eigen::Vector2d middle = 0.5 * (feature.a + feature.b), t = along(feature);
-  const double half = 0.5 * length_m(feature);
-  const double from = std::min(-half, t.dot(here.a - middle)), to = std::max(half, t.dot(here.b - middle));
-  if (from < -half || to > half) stretch_segment(state_, index, from, to);
-}
-
 bool FeatureFilter::use(int robot, std::span<const Candidate> chosen, std::span<const ObservedFeature> seen) {
+  const auto here = [&](const Candidate& one) {
+    return state_.robots[static_cast<std::size_t>(robot)].map_from_robot * seen[one.seen].feature;
+  };
   std::vector<LinearMeasurement> measurements;
   for (const Candidate& one : chosen) {
-    if (!one.line_alone) learn_ends(robot, one.index, seen[one.seen]);
+    if (!one.line_alone) learn_from(state_, one.index, here(one), options_.association.end_slack_m);
   }
   for (const Candidate& one : chosen) {
     auto measurement = measure_feature(state_, one.index, robot, seen[one.seen], !one.line_alone);
@@ -105,7 +74,7 @@ bool FeatureFilter::use(int robot, std::span<const Candidate> chosen, std::span<
   if (!correct(state_, measurements)) return false;
   for (const Candidate& one : chosen) {
     ++state_.features[one.index].seen;
-    reach_on(robot, one.index, seen[one.seen].feature);
+    reach_to(state_, one.index, here(one));
   }
   return true;
 }

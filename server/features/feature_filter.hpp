@@ -67,8 +67,6 @@ class FeatureFilter {
   std::vector<Candidate> choose(int robot, std::span<const ObservedFeature> seen,
                                 std::vector<bool>& near_known);
   bool use(int robot, std::span<const Candidate> chosen, std::span<const ObservedFeature> seen);
-  void learn_ends(int robot, std::size_t index, const ObservedFeature& seen);
-  void reach_on(int robot, std::size_t index, const Feature& seen);
   bool is_confirmed(int robot, const Feature& seen);
   void forget(int robot);
 

@@ -1,8 +1,8 @@
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <optional>
 
 #include "server/features/association.hpp"
+#include "server/features/joint_factor.hpp"
 
 namespace isthmus {
 namespace {
@@ -19,9 +19,6 @@ class Search {
     }
     std::stable_sort(levels_.begin(), levels_.end(),
                      [](const auto& a, const auto& b) { return a.size() < b.size(); });
-    const auto rows = static_cast<Eigen::Index>(4 * levels_.size());
-    factor_ = Eigen::MatrixXd::Zero(rows, rows);
-    whitened_ = Eigen::VectorXd::Zero(rows);
     cross_.resize(all.size() * all.size());
   }
 
@@ -43,7 +40,7 @@ class Search {
       const std::optional<double> joint = append(next, distance);
       if (!joint) continue;
       descend(level + 1, *joint);
-      rows_ -= all_[next].measurement.residual.size();
+      joint_.pop();
       chosen_.pop_back();
     }
     if (can_beat_best(level, distance, 1)) descend(level + 1, distance);
@@ -65,31 +62,17 @@ class Search {
     return *known;
   }
 
-  /// The joint distance with one more pairing, whose rows are added to the Cholesky factor of the joint
-  /// innovation covariance; nothing (and nothing added) where the set is not compatible with it.
+  /// The joint distance with one more pairing; nothing where the set is not compatible with it.
   std::optional<double> append(std::size_t next, double distance) {
     const LinearMeasurement& measurement = all_[next].measurement;
-    const Eigen::Index size = measurement.residual.size();
-    auto below = factor_.block(rows_, 0, size, rows_);
-    Eigen::Index at = 0;
-    for (const std::size_t c : chosen_) {
-      const Eigen::Index width = all_[c].measurement.residual.size();
-      below.middleCols(at, width) = cross(next, c);
-      at += width;
-    }
-    const auto before = factor_.topLeftCorner(rows_, rows_).triangularView<Eigen::Lower>();
-    if (rows_ > 0) below.transpose() = before.solve(Eigen::MatrixXd(below.transpose()));
-    const LocalMatrix own = cross(next, next) + measurement.noise - below * below.transpose();
-    const Eigen::LLT<LocalMatrix> factor(own);
-    if (factor.info() != Eigen::Success) return std::nullopt;
-    const LocalVector rest = factor.matrixL().solve(measurement.residual - below * whitened_.head(rows_));
-    const double joint = distance + rest.squaredNorm();
-    if (joint >= gates_(rows_ + size)) return std::nullopt;
-    factor_.block(rows_, rows_, size, size) = factor.matrixL();
-    whitened_.segment(rows_, size) = rest;
-    rows_ += size;
+    const double bound = gates_(joint_.rows() + measurement.residual.size()) - distance;
+    const LocalMatrix own = cross(next, next) + measurement.noise;
+    const auto added =
+        joint_.append(measurement.residual, own, bound,
+                      [&](std::size_t k) -> const LocalMatrix& { return cross(next, chosen_[k]); });
+    if (!added) return std::nullopt;
     chosen_.push_back(next);
-    return joint;
+    return distance + *added;
   }
 
   const Eigen::MatrixXd& covariance_;
@@ -98,9 +81,7 @@ class Search {
   const Gates& gates_;
   std::vector<std::vector<std::size_t>> levels_;
   std::vector<std::optional<LocalMatrix>> cross_;
-  Eigen::MatrixXd factor_;
-  Eigen::VectorXd whitened_;
-  Eigen::Index rows_ = 0;
+  JointFactor joint_;
   std::vector<std::size_t> chosen_, best_;
   double best_distance_ = 0;
   std::size_t steps_ = 0;

@@ -1,0 +1,188 @@
+#include "server/features/fusion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <nanoflann.hpp>
+#include <set>
+#include <utility>
+
+#include "server/features/growth.hpp"
+#include "server/features/measurement.hpp"
+
+namespace isthmus {
+namespace {
+
+/// Pairs that hold an alignment, from which on ambiguous ones wait; until then joint compatibility alone
+/// decides.
+constexpr std::size_t enough_to_wait_for = 3;
+
+/// Points along features of the first map, for the kd-tree: a segment has one each metre.
+struct Landmarks {
+  std::vector<Eigen::Vector2d> points;
+  std::vector<std::size_t> feature;  ///< index in the state, of each point
+
+  // As nanoflann asks for it.
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return points[i][static_cast<Eigen::Index>(axis)];
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+Landmarks landmarks_of(const FeatureState& state, std::size_t count) {
+  Landmarks all;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Feature& feature = state.features[i].feature;
+    const bool is_long = feature.kind == FeatureKind::segment;
+    const int pieces = is_long ? std::max(1, static_cast<int>(std::ceil(length_m(feature)))) : 0;
+    for (int k = 0; k <= pieces; ++k) {
+      const double share = is_long ? static_cast<double>(k) / pieces : 0;
+      all.points.push_back(is_long ? Eigen::Vector2d(feature.a + share * (feature.b - feature.a))
+                                   : feature.a);
+      all.feature.push_back(i);
+    }
+  }
+  return all;
+}
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Landmarks>, Landmarks,
+                                                 2, std::uint32_t>;
+
+/// The search for duplicates in an aligned state, which each one found corrects.
+class DuplicateSearch {
+ public:
+  DuplicateSearch(Fusion& fusion, std::size_t first_count, const FusionOptions& options)
+      : fusion_(fusion),
+        state_(fusion.state),
+        first_count_(first_count),
+        options_(options),
+        gates_(options.probability) {}
+
+  void run(const Eigen::Vector2d& rendezvous) {
+    std::vector<std::size_t> order;
+    for (std::size_t i = first_count_; i < state_.features.size(); ++i) order.push_back(i);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return (middle(a) - rendezvous).squaredNorm() < (middle(b) - rendezvous).squaredNorm();
+    });
+    pair_all(order);
+    pair_all(std::exchange(waiting_, {}));
+  }
+
+ private:
+  void pair_all(const std::vector<std::size_t>& order) {
+    for (std::size_t from = 0; from < order.size(); from += options_.at_once) {
+      const std::size_t to = std::min(order.size(), from + options_.at_once);
+      pair_group(std::span(order).subspan(from, to - from));
+    }
+  }
+
+  Eigen::Vector2d middle(std::size_t index) const {
+    const Feature& feature = state_.features[index].feature;
+    return feature.kind == FeatureKind::segment ? Eigen::Vector2d(0.5 * (feature.a + feature.b)) : feature.a;
+  }
+
+  /// Of its place, or of a segment's line and middle along it as far as known.
+  double largest_sigma(std::size_t index) const {
+    const LocalMatrix by = project_to_feature(state_.features[index].feature).topRows<2>();
+    return std::sqrt((by * feature_covariance(state_, index) * by.transpose()).trace());
+  }
+
+  void pair_group(std::span<const std::size_t> group) {
+    const Landmarks landmarks = landmarks_of(state_, first_count_);
+    Tree tree(2, landmarks);
+    tree.buildIndex();
+    double first_sigma = 0;
+    for (std::size_t i = 0; i < first_count_; ++i) first_sigma = std::max(first_sigma, largest_sigma(i));
+    std::vector<Candidate> all;
+    for (const std::size_t index : group) {
+      std::vector<Candidate> own = candidates_of(index, landmarks, tree, first_sigma);
+      const bool ambiguous =
+          own.size() > 1 && own[1].squared_distance < own[0].squared_distance + options_.ambiguity;
+      if (ambiguous && fusion_.duplicates.size() >= enough_to_wait_for) {
+        waiting_.push_back(index);
+        continue;
+      }
+      for (Candidate& one : own) all.push_back(std::move(one));
+    }
+    const std::vector<std::size_t> chosen =
+        most_compatible(state_.covariance, all, options_.association, gates_);
+    for (const std::size_t which : chosen) accept(all[which]);
+  }
+
+  std::vector<Candidate> candidates_of(std::size_t index, const Landmarks& landmarks, const Tree& tree,
+                                       double first_sigma) {
+    const Feature& feature = state_.features[index].feature;
+    const double half = feature.kind == FeatureKind::segment ? 0.5 * length_m(feature) + 1 : 0;
+    const double radius = std::sqrt(gates_(2)) * (largest_sigma(index) + first_sigma) + half;
+    const Eigen::Vector2d centre = middle(index);
+    std::vector<std::pair<std::uint32_t, double>> found;
+    tree.radiusSearch(centre.data(), radius * radius, found, nanoflann::SearchParams());
+    std::set<std::size_t> twins;
+    for (const auto& [point, squared] : found) twins.insert(landmarks.feature[point]);
+    std::vector<Candidate> all;
+    for (const std::size_t twin : twins) {
+      if (taken_.contains(twin) || !alike(twin, index)) continue;
+      auto measurement = measure_identity(state_, twin, index, options_.identity_sigma_m);
+      if (!measurement) continue;
+      const double distance = squared_distance(state_.covariance, *measurement);
+      if (distance < gates_(measurement->residual.size()))
+        all.push_back({index, twin, *std::move(measurement), distance, false});
+    }
+    std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
+      return std::pair(a.squared_distance, a.index) < std::pair(b.squared_distance, b.index);
+    });
+    return all;
+  }
+
+  bool alike(std::size_t twin, std::size_t index) const {
+    const Feature &one = state_.features[twin].feature, &other = state_.features[index].feature;
+    if (one.kind != other.kind) return false;
+    if (one.kind == FeatureKind::corner)
+      return std::abs(one.opening_rad - other.opening_rad) < options_.association.opening_tolerance_rad;
+    return one.kind != FeatureKind::segment ||
+           overlap(one, other, largest_sigma(index)) >= options_.association.least_overlap;
+  }
+
+  /// Measured anew, for those accepted before it have corrected the state.
+  void accept(const Candidate& pair) {
+    learn_from(state_, pair.index, state_.features[pair.seen].feature, options_.association.end_slack_m);
+    const auto identity = measure_identity(state_, pair.index, pair.seen, options_.identity_sigma_m);
+    if (!identity) return;
+    const double distance = squared_distance(state_.covariance, *identity);
+    if (distance >= gates_(identity->residual.size()) || !correct(state_, {&*identity, 1})) return;
+    fusion_.squared_distance += distance;
+    fusion_.degrees_of_freedom += static_cast<int>(identity->residual.size());
+    fusion_.duplicates.push_back({state_.features[pair.index].id, state_.features[pair.seen].id});
+    state_.features[pair.index].seen += state_.features[pair.seen].seen;
+    reach_to(state_, pair.index, state_.features[pair.seen].feature);
+    taken_.insert(pair.index);
+  }
+
+  Fusion& fusion_;
+  FeatureState& state_;
+  std::size_t first_count_;
+  const FusionOptions& options_;
+  Gates gates_;
+  std::set<std::size_t> taken_;
+  std::vector<std::size_t> waiting_;
+};
+
+}  // namespace
+
+Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
+            const RobotAlignment& alignment, const FusionOptions& options) {
+  Fusion fusion;
+  fusion.state = aligned(one, robot_1, two, robot_2, alignment);
+  const std::size_t met = one.robots.size() + static_cast<std::size_t>(robot_2);
+  DuplicateSearch(fusion, one.features.size(), options)
+      .run(position(fusion.state.robots[met].map_from_robot));
+  for (const Fusion::Duplicate& pair : fusion.duplicates)
+    remove_feature(fusion.state, *index_of(fusion.state, pair.gone));
+  return fusion;
+}
+
+}  // namespace isthmus

@@ -1,0 +1,185 @@
+#include "server/features/fusion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <random>
+
+#include "server/features/feature_filter.hpp"
+
+namespace isthmus {
+namespace {
+
+/// Two robots in a hall of posts, each with a frame of its own, driving towards one another.
+struct TwoMaps {
+  std::vector<Eigen::Vector2d> posts;
+  FeatureState one, two;
+  std::vector<int> post_of_one, post_of_two;  ///< by feature id
+  Pose truth_one, truth_two;                  ///< of the robots at the end
+  Pose start_one{0, 0, 0}, start_two{40, 2, 3};
+  std::mt19937 random;
+
+  explicit TwoMaps(std::uint32_t seed, double spacing_m = 3) : random(seed) {
+    for (double x = -6; x <= 46; x += spacing_m)
+      for (double y : {-6.0, -2.5, 4.5, 8.0}) posts.emplace_back(x + 0.7 * normal(), y + 0.5 * normal());
+    truth_one = drive(start_one, 0.02, one, post_of_one);
+    truth_two = drive(start_two, -0.02, two, post_of_two);
+  }
+
+  double normal() { return std::normal_distribution<double>()(random); }
+
+  Pose drive(const Pose& start, double turn_rad, FeatureState& state, std::vector<int>& post_of) {
+    FeatureFilter filter;
+    filter.add_robot({}, Eigen::Matrix3d::Zero());
+    std::vector<int> ids(posts.size(), -1);
+    Pose truth = start;
+    for (int step = 0; step < 45; ++step) {
+      const Pose move{0.5, 0, step < 5 ? 0 : turn_rad * std::sin(0.3 * step)};
+      truth = truth * move;
+      filter.move(0, {move.x + 0.01 * normal(), 0.01 * normal(), move.yaw + 0.01 * normal()},
+                  1e-4 * Eigen::Matrix3d::Identity());
+      std::vector<ObservedFeature> seen;
+      std::vector<int> which, known;
+      for (std::size_t i = 0; i < posts.size(); ++i) {
+        const Eigen::Vector2d there = inverse(truth) * posts[i];
+        if (there.norm() > 8 || there.x() < 0) continue;
+        const Eigen::Vector2d noise(0.05 * normal(), 0.05 * normal());
+        seen.push_back({point_feature(there + noise), 0.0025 * LocalMatrix::Identity(2, 2)});
+        which.push_back(static_cast<int>(i));
+        known.push_back(ids[i]);
+      }
+      const std::vector<int> now = filter.observe_known(0, seen, known);
+      for (std::size_t k = 0; k < now.size(); ++k) ids[static_cast<std::size_t>(which[k])] = now[k];
+    }
+    state = filter.state();
+    post_of.assign(state.features.size(), -1);
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      if (ids[i] >= 0) post_of[static_cast<std::size_t>(ids[i])] = static_cast<int>(i);
+    return truth;
+  }
+
+  RobotAlignment meet(double range_sigma_m = 0.02, double bearing_sigma_rad = 0.07) {
+    const Pose one_from_two = ominus(truth_two, truth_one);
+    const Pose back = inverse(one_from_two);
+    const double range = std::hypot(one_from_two.x, one_from_two.y);
+    return align_robots({range + range_sigma_m * normal(), range + range_sigma_m * normal(),
+                         std::atan2(one_from_two.y, one_from_two.x) + bearing_sigma_rad * normal(),
+                         std::atan2(back.y, back.x) + bearing_sigma_rad * normal(), range_sigma_m,
+                         range_sigma_m, bearing_sigma_rad, bearing_sigma_rad});
+  }
+
+  std::size_t true_duplicates() const {
+    std::size_t count = 0;
+    for (const int post : post_of_two)
+      count += static_cast<std::size_t>(std::count(post_of_one.begin(), post_of_one.end(), post));
+    return count;
+  }
+  bool is_true(const Fusion::Duplicate& pair) const {
+    const auto second = static_cast<std::size_t>(pair.gone - one.next_id);
+    return post_of_one[static_cast<std::size_t>(pair.kept)] == post_of_two[second];
+  }
+};
+
+TEST(Fusion, FindsTheDuplicatesAndNoOthers) {
+  std::size_t found = 0, true_ones = 0;
+  for (std::uint32_t seed = 1; seed <= 30; ++seed) {
+    TwoMaps maps(seed);
+    const Fusion fusion = fuse(maps.one, 0, maps.two, 0, maps.meet());
+    for (const Fusion::Duplicate& pair : fusion.duplicates)
+      EXPECT_TRUE(maps.is_true(pair)) << "seed " << seed;
+    found += fusion.duplicates.size();
+    true_ones += maps.true_duplicates();
+    EXPECT_EQ(fusion.state.features.size(),
+              maps.one.features.size() + maps.two.features.size() - fusion.duplicates.size());
+  }
+  EXPECT_GT(true_ones, 300U);
+  EXPECT_GE(static_cast<double>(found), 0.95 * static_cast<double>(true_ones));
+}
+
+TEST(Fusion, IsConsistentAndTellsTheSecondRobotFarBetterThanTheSightingDid) {
+  double nees = 0, before = 0, after = 0;
+  constexpr int seeds = 30;
+  for (std::uint32_t seed = 1; seed <= seeds; ++seed) {
+    TwoMaps maps(seed);
+    const RobotAlignment alignment = maps.meet();
+    const FeatureState plain = aligned(maps.one, 0, maps.two, 0, alignment);
+    const Fusion fusion = fuse(maps.one, 0, maps.two, 0, alignment);
+    const Pose truth = ominus(maps.truth_two, maps.start_one);
+    nees += pose_nees(fusion.state, 1, truth) / 3 / seeds;
+    before += std::sqrt(pose_covariance(plain, 1)(2, 2)) / seeds;
+    after += std::sqrt(pose_covariance(fusion.state, 1)(2, 2)) / seeds;
+  }
+  EXPECT_GT(nees, 0.7);
+  EXPECT_LT(nees, 1.3);
+  EXPECT_LT(after, 0.5 * before);
+}
+
+TEST(Fusion, MapsWithNothingInCommonAreOnlyAligned) {
+  TwoMaps maps(1);
+  for (FeatureInState& entry : maps.two.features) entry.feature.a += Eigen::Vector2d(0, 200);
+  const Fusion fusion = fuse(maps.one, 0, maps.two, 0, maps.meet());
+  EXPECT_TRUE(fusion.duplicates.empty());
+  EXPECT_EQ(fusion.state.features.size(), maps.one.features.size() + maps.two.features.size());
+}
+
+TEST(Fusion, AWallKnownInPartsByBothIsWhollyKnownAfterwards) {
+  const auto map_of = [](bool end_a, bool end_b, double from, double to) {
+    FilterOptions options;
+    options.tentative.confirm_after = 1;
+    FeatureFilter filter(options);
+    filter.add_robot({}, Eigen::Matrix3d::Zero());
+    const Feature wall = segment_feature({4, from}, {4, to}, end_a, end_b);
+    filter.observe(0, std::vector{ObservedFeature{wall, 1e-4 * LocalMatrix::Identity(3, 3)}});
+    return filter.state();
+  };
+  const FeatureState one = map_of(true, false, -2, 1), two = map_of(false, true, -1, 3);
+  const RobotAlignment alignment{{0, 0, 0}, 1e-4 * Eigen::Matrix3d::Identity()};
+  const Fusion fusion = fuse(one, 0, two, 0, alignment);
+  ASSERT_EQ(fusion.state.features.size(), 1U);
+  const Feature& wall = fusion.state.features[0].feature;
+  EXPECT_EQ(dimension(wall), 4);
+  EXPECT_NEAR(wall.a.y(), -2, 0.01);
+  EXPECT_NEAR(wall.b.y(), 3, 0.01);
+}
+
+TEST(Fusion, AHundredMeetingsCountAsAHundredMeasurementsAndNoMore) {
+  TwoMaps maps(1);
+  FeatureFilter filter;
+  filter.state() = aligned(maps.one, 0, maps.two, 0, maps.meet(0.1, 0.005));
+  const Pose between = ominus(maps.truth_two, maps.truth_one);
+  const double range = std::hypot(between.x, between.y), bearing = std::atan2(between.y, between.x);
+  // Information adds: the state's own about the offset of the two, and a hundred times the sighting's.
+  const auto measurement = measure_robot(filter.state(), {0, 1, range, bearing, 0.1, 0.005});
+  const Eigen::Matrix2d before = cross_covariance(filter.state().covariance, *measurement, *measurement);
+  for (int meeting = 0; meeting < 100; ++meeting)
+    ASSERT_TRUE(filter.observe_robot(
+        {0, 1, range + 0.1 * maps.normal(), bearing + 0.005 * maps.normal(), 0.1, 0.005}));
+  const auto again = measure_robot(filter.state(), {0, 1, range, bearing, 0.1, 0.005});
+  const Eigen::Matrix2d after = cross_covariance(filter.state().covariance, *again, *again);
+  const Eigen::Matrix2d expected = (before.inverse() + 100 * measurement->noise.inverse()).inverse();
+  EXPECT_TRUE(after.isApprox(expected, 0.1)) << after << "\n" << expected;
+}
+
+TEST(Fusion, AfterAHundredMeetingsTheRobotsStillErrAsTheySay) {
+  double nees = 0;
+  constexpr int seeds = 30;
+  for (std::uint32_t seed = 1; seed <= seeds; ++seed) {
+    TwoMaps maps(seed);
+    FeatureFilter filter;
+    filter.state() = fuse(maps.one, 0, maps.two, 0, maps.meet()).state;
+    for (int meeting = 0; meeting < 100; ++meeting) {
+      const int observer = meeting % 2;
+      const Pose seen =
+          observer == 0 ? ominus(maps.truth_two, maps.truth_one) : ominus(maps.truth_one, maps.truth_two);
+      filter.observe_robot({observer, 1 - observer, std::hypot(seen.x, seen.y) + 0.02 * maps.normal(),
+                            std::atan2(seen.y, seen.x) + 0.07 * maps.normal(), 0.02, 0.07});
+    }
+    nees += pose_nees(filter.state(), 1, ominus(maps.truth_two, maps.start_one)) / 3 / seeds;
+  }
+  EXPECT_GT(nees, 0.7);
+  EXPECT_LT(nees, 1.3);
+}
+
+}  // namespace
+}  // namespace isthmus
