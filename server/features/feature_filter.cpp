@@ -117,6 +117,9 @@ ScanOutcome FeatureFilter::observe(int robot, std::span<const ObservedFeature> s
     place.push_back(i);
   }
   outcome.unsound = seen.size() - sound.size();
+  // The robot's own start is known to itself: what it sees there is what it finds its heading by.
+  const bool is_first_scan = std::none_of(state_.features.begin(), state_.features.end(),
+                                          [&](const FeatureInState& entry) { return entry.robot == robot; });
   std::vector<bool> known(sound.size(), false), used(sound.size(), false);
   const std::vector<Candidate> chosen = choose(robot, sound, known);
   if (use(robot, chosen, sound)) {
@@ -129,7 +132,7 @@ ScanOutcome FeatureFilter::observe(int robot, std::span<const ObservedFeature> s
     if (used[i]) continue;
     if (known[i]) {
       ++outcome.undecided;
-    } else if (!is_confirmed(robot, sound[i].feature)) {
+    } else if (!is_first_scan && !is_confirmed(robot, sound[i].feature)) {
       ++outcome.tentative;
     } else if (state_.features.size() >= options_.most_features) {
       ++outcome.too_many;

@@ -34,6 +34,7 @@ FilterOptions at_once() {
 
 TEST(FeatureFilter, WhatIsSeenOnceStaysOutOfTheState) {
   FeatureFilter filter = at_origin();
+  filter.observe(0, std::vector{point_at(0, 5)});
   const std::vector<ObservedFeature> clutter{point_at(3, 1)};
   EXPECT_EQ(filter.observe(0, clutter).tentative, 1U);
   for (int scan = 0; scan < 12; ++scan) filter.observe(0, {});
@@ -79,6 +80,24 @@ TEST(FeatureFilter, ALineWithoutEndsStillCorrectsTheRobot) {
   filter.observe(0, std::vector{wall({3.3, -1}, {3.3, 1}, false, false)});  // it came 0.7 m nearer
   EXPECT_NEAR(filter.state().robots[0].map_from_robot.x, 0.7, 0.01);
   EXPECT_NEAR(pose_covariance(filter.state(), 0)(1, 1), 0.04, 0.001);  // nothing along the wall
+}
+
+TEST(FeatureFilter, AnUnknownEndStaysWhenItsRobotIsCorrectedAlongTheWall) {
+  FeatureFilter filter = at_origin(at_once());
+  const std::vector<ObservedFeature> both{wall({-1, 3}, {1, 3}, false, false), point_at(2, 0)};
+  filter.observe(0, both);
+  const Feature before = filter.state().features[0].feature;
+  filter.move(0, {1, 0, 0}, Eigen::Vector3d(1, 1e-6, 1e-8).asDiagonal());
+  filter.observe(0, std::vector{point_at(2, 0)});  // it did not move at all
+  EXPECT_NEAR(filter.state().robots[0].map_from_robot.x, 0, 0.05);
+  EXPECT_NEAR((filter.state().features[0].feature.a - before.a).norm(), 0, 1e-3);
+  EXPECT_NEAR((filter.state().features[0].feature.b - before.b).norm(), 0, 1e-3);
+}
+
+TEST(FeatureFilter, WhatTheFirstScanShowsEntersTheStateAtOnce) {
+  FeatureFilter filter = at_origin();
+  EXPECT_EQ(filter.observe(0, std::vector{point_at(2, 0)}).added.size(), 1U);
+  EXPECT_EQ(filter.observe(0, std::vector{point_at(2, 3)}).tentative, 1U);
 }
 
 TEST(FeatureFilter, WallsOnBothSidesOfADoorAreTwo) {
