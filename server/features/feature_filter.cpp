@@ -107,8 +107,8 @@ void FeatureFilter::forget(int robot) {
   });
 }
 
-ScanOutcome FeatureFilter::observe(int robot, std::span<const ObservedFeature> seen) {
-  ScanOutcome outcome;
+FeatureScanOutcome FeatureFilter::observe(int robot, std::span<const ObservedFeature> seen) {
+  FeatureScanOutcome outcome;
   std::vector<ObservedFeature> sound;
   std::vector<std::size_t> place;
   for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -168,15 +168,16 @@ bool FeatureFilter::observe_robot(const RelativeSighting& sighting) {
   return measurement && correct(state_, {&*measurement, 1});
 }
 
-std::vector<int> FeatureFilter::contradict(int robot, const ScanOutcome& outcome,
+std::vector<int> FeatureFilter::contradict(int robot, const FeatureScanOutcome& outcome,
                                            const std::function<bool(const Eigen::Vector2d&)>& is_free) {
   const Pose robot_from_map = inverse(state_.robots[static_cast<std::size_t>(robot)].map_from_robot);
-  const ContradictionOptions& options = options_.contradiction;
+  const SeenThroughOptions& options = options_.contradiction;
   std::vector<int> gone;
   for (std::size_t i = state_.features.size(); i-- > 0;) {
     FeatureInState& entry = state_.features[i];
-    const bool paired = std::any_of(outcome.paired.begin(), outcome.paired.end(),
-                                    [&](const ScanOutcome::Pair& pair) { return pair.id == entry.id; });
+    const bool paired =
+        std::any_of(outcome.paired.begin(), outcome.paired.end(),
+                    [&](const FeatureScanOutcome::Pair& pair) { return pair.id == entry.id; });
     if (paired || !all_of_it_is_free(robot_from_map * entry.feature, is_free)) continue;
     ++entry.contradicted;
     if (entry.contradicted < options.drop_after || entry.contradicted < options.share_of_seen * entry.seen)

@@ -8,7 +8,7 @@
 namespace isthmus {
 
 /// What became of one scan's features.
-struct ScanOutcome {
+struct FeatureScanOutcome {
   struct Pair {
     std::size_t seen = 0;  ///< its place in the scan
     int id = 0;            ///< of the feature
@@ -41,7 +41,7 @@ class FeatureFilter {
 
   /// What the robot sees where it is, in its frame: paired with the map, the rest waits on the tentative
   /// list.
-  ScanOutcome observe(int robot, std::span<const ObservedFeature> seen);
+  FeatureScanOutcome observe(int robot, std::span<const ObservedFeature> seen);
 
   /// The same where it is known which feature each is; -1 for a new one, which enters the state at once.
   /// Returns the ids, -1 for those refused.
@@ -53,7 +53,7 @@ class FeatureFilter {
   /// Features that the robot's laser sees through count as contradicted, but for those of `paired`; those
   /// contradicted often enough go. `is_free` tells whether a point of the robot's frame lies well within the
   /// free space seen. Returns the ids that went.
-  std::vector<int> contradict(int robot, const ScanOutcome& outcome,
+  std::vector<int> contradict(int robot, const FeatureScanOutcome& outcome,
                               const std::function<bool(const Eigen::Vector2d&)>& is_free);
 
  private:

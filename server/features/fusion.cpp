@@ -13,10 +13,6 @@
 namespace isthmus {
 namespace {
 
-/// Pairs that hold an alignment, from which on ambiguous ones wait; until then joint compatibility alone
-/// decides.
-constexpr std::size_t enough_to_wait_for = 3;
-
 /// Points along features of the first map, for the kd-tree: a segment has one each metre.
 struct Landmarks {
   std::vector<Eigen::Vector2d> points;
@@ -102,7 +98,7 @@ class DuplicateSearch {
       std::vector<Candidate> own = candidates_of(index, landmarks, tree, first_sigma);
       const bool ambiguous =
           own.size() > 1 && own[1].squared_distance < own[0].squared_distance + options_.ambiguity;
-      if (ambiguous && fusion_.duplicates.size() >= enough_to_wait_for) {
+      if (ambiguous) {
         waiting_.push_back(index);
         continue;
       }
@@ -171,6 +167,38 @@ class DuplicateSearch {
   std::vector<std::size_t> waiting_;
 };
 
+/// A prior so wide says a hundredth of what the sighting says.
+constexpr double wide = 100;
+
+/// The same duplicates in maps aligned where the first pass found them to lie, the sighting being one
+/// measurement among those: nothing is compared by an alignment that is degrees off. False where that cannot
+/// be solved.
+bool fuse_again(Fusion& fusion, const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
+                const RobotAlignment& alignment, const FusionOptions& options) {
+  const int met = static_cast<int>(one.robots.size()) + robot_2;
+  const Pose found = ominus(fusion.state.robots[static_cast<std::size_t>(met)].map_from_robot,
+                            fusion.state.robots[static_cast<std::size_t>(robot_1)].map_from_robot);
+  FeatureState state = aligned(one, robot_1, two, robot_2, {found, wide * alignment.covariance});
+  for (const Fusion::Duplicate& pair : fusion.duplicates)
+    learn_from(state, *index_of(state, pair.kept), state.features[*index_of(state, pair.gone)].feature,
+               options.association.end_slack_m);
+  std::vector<LinearMeasurement> all{
+      measure_relative_pose(state, robot_1, met, alignment.one_from_two, alignment.covariance)};
+  for (const Fusion::Duplicate& pair : fusion.duplicates) {
+    auto identity = measure_identity(state, *index_of(state, pair.kept), *index_of(state, pair.gone),
+                                     options.identity_sigma_m);
+    if (identity) all.push_back(*std::move(identity));
+  }
+  if (!correct(state, all)) return false;
+  for (const Fusion::Duplicate& pair : fusion.duplicates) {
+    const std::size_t kept = *index_of(state, pair.kept), gone = *index_of(state, pair.gone);
+    state.features[kept].seen += state.features[gone].seen;
+    reach_to(state, kept, state.features[gone].feature);
+  }
+  fusion.state = std::move(state);
+  return true;
+}
+
 }  // namespace
 
 Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
@@ -180,6 +208,7 @@ Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int r
   const std::size_t met = one.robots.size() + static_cast<std::size_t>(robot_2);
   DuplicateSearch(fusion, one.features.size(), options)
       .run(position(fusion.state.robots[met].map_from_robot));
+  if (!fusion.duplicates.empty()) fuse_again(fusion, one, robot_1, two, robot_2, alignment, options);
   for (const Fusion::Duplicate& pair : fusion.duplicates)
     remove_feature(fusion.state, *index_of(fusion.state, pair.gone));
   return fusion;

@@ -75,6 +75,19 @@ std::optional<LinearMeasurement> measure_robot(const FeatureState& state, const 
   return measurement;
 }
 
+LinearMeasurement measure_relative_pose(const FeatureState& state, int one, int two, const Pose& one_from_two,
+                                        const Eigen::Matrix3d& covariance) {
+  const RobotInState& first = state.robots[static_cast<std::size_t>(one)];
+  const RobotInState& second = state.robots[static_cast<std::size_t>(two)];
+  const OminusJacobians by = ominus_jacobians(second.map_from_robot, first.map_from_robot);
+  LinearMeasurement measurement;
+  measurement.residual =
+      wrapped_difference(one_from_two, ominus(second.map_from_robot, first.map_from_robot));
+  measurement.noise = covariance;
+  measurement.blocks = {{first.offset, by.by_pi}, {second.offset, by.by_q}};
+  return measurement;
+}
+
 std::optional<LinearMeasurement> measure_identity(const FeatureState& state, std::size_t one,
                                                   std::size_t other, double sigma_m) {
   const FeatureInState &kept = state.features[one], &double_of = state.features[other];

@@ -26,6 +26,10 @@ struct RelativeSighting {
 /// positive.
 std::optional<LinearMeasurement> measure_robot(const FeatureState& state, const RelativeSighting& sighting);
 
+/// Where one robot is as seen from another, (x, y, yaw) with its covariance.
+LinearMeasurement measure_relative_pose(const FeatureState& state, int one, int two, const Pose& one_from_two,
+                                        const Eigen::Matrix3d& covariance);
+
 /// Two features of the state are one (Zhou and Roumeliotis 2006, eq. 20): the implicit measurement that what
 /// both know of x_p does not differ; as exact as `sigma_m` (m, rad).
 std::optional<LinearMeasurement> measure_identity(const FeatureState& state, std::size_t one,

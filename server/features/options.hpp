@@ -43,7 +43,7 @@ struct TentativeOptions {
   std::size_t most = 500;  ///< entries; the oldest goes
 };
 
-struct ContradictionOptions {
+struct SeenThroughOptions {
   int drop_after = 5;          ///< scans that see through a feature: fewer are people's legs and glass
   double share_of_seen = 0.5;  ///< and this share of the times it was seen
 };
@@ -52,7 +52,7 @@ struct FilterOptions {
   FilterForm form = FilterForm::invariant;
   AssociationOptions association;
   TentativeOptions tentative;
-  ContradictionOptions contradiction;
+  SeenThroughOptions contradiction;
   std::size_t most_features = 5'000;  ///< in the state, for a step costs its square; further ones are counted
 };
 

@@ -65,9 +65,9 @@ void observe(FeatureFilter& filter, const LandmarkStep& step, LandmarkAssociatio
       if (used[i] >= 0) books.note(landmark(i), used[i]);
     return;
   }
-  const ScanOutcome outcome = filter.observe(0, seen);
-  for (const ScanOutcome::Pair& pair : outcome.paired) books.note(landmark(pair.seen), pair.id);
-  for (const ScanOutcome::Pair& pair : outcome.added) books.note(landmark(pair.seen), pair.id);
+  const FeatureScanOutcome outcome = filter.observe(0, seen);
+  for (const FeatureScanOutcome::Pair& pair : outcome.paired) books.note(landmark(pair.seen), pair.id);
+  for (const FeatureScanOutcome::Pair& pair : outcome.added) books.note(landmark(pair.seen), pair.id);
 }
 
 PatchId patch(std::size_t index) { return {static_cast<std::int32_t>(index)}; }

@@ -3,11 +3,13 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
 #include "tools/simulate/closures_campaign.hpp"
 #include "tools/simulate/confidence_campaign.hpp"
+#include "tools/simulate/features_campaign.hpp"
 #include "tools/simulate/hostile_campaign.hpp"
 #include "tools/simulate/scenario_file.hpp"
 #include "tools/simulate/sightings_campaign.hpp"
@@ -27,6 +29,7 @@ struct Arguments {
   std::string output;
   unsigned jobs = 1;
   bool keep_failed = false;
+  isthmus::FeatureCampaignOptions features;
 };
 
 constexpr const char* seed_mark = "{seed}";
@@ -246,6 +249,41 @@ void wild_campaign(const Arguments& arguments) {
     throw std::runtime_error("not every seed could be mapped");
 }
 
+void print(const std::string& what, const isthmus::FeatureColumn& c) {
+  std::printf("%-10s %8.3f %8.3f %7.2f %8.3f %7.3f %7.3f %8.1f %8.1f %7.1f\n", what.c_str(), c.position_m,
+              c.orientation_deg, c.nees, c.alpha_deg, c.rho_m, c.endpoint_m, c.features, c.endpoints,
+              c.cpu_s);
+  std::fflush(stdout);
+}
+
+/// A run in which a robot is a metre off on average, as after a wrong pairing.
+bool is_odd(const isthmus::FeatureTrial& trial) {
+  return std::ranges::any_of(trial.columns,
+                             [](const auto& column) { return column && column->position_m > 1; });
+}
+
+void features_campaign(const Arguments& arguments) {
+  std::printf("%-10s %8s %8s %7s %8s %7s %7s %8s %8s %7s\n", "", "pos. m", "ori. deg", "NEES/3", "alpha d.",
+              "rho m", "ends m", "features", "ends", "CPU s");
+  std::vector<isthmus::FeatureTrial> trials;
+  for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
+    isthmus::Scenario scenario = load(arguments.scenarios.front(), arguments, seed);
+    scenario.robots.resize(std::min<std::size_t>(2, scenario.robots.size()));
+    trials.push_back(
+        isthmus::try_features(isthmus::simulate(scenario, seed), scenario.plan, seed, arguments.features));
+    const isthmus::FeatureTrial& trial = trials.back();
+    std::printf("seed %llu: met at %.0f s, %zu duplicates%s\n", static_cast<unsigned long long>(seed),
+                trial.met_s.value_or(-1), trial.duplicates, is_odd(trial) ? ", odd" : "");
+    for (std::size_t k = 0; k < trial.columns.size(); ++k)
+      if (trial.columns[k]) print(std::string("  ") + isthmus::feature_column_names[k], *trial.columns[k]);
+  }
+  std::printf("mean of %zu runs, %zu of them odd\n", trials.size(),
+              static_cast<std::size_t>(std::ranges::count_if(trials, is_odd)));
+  for (std::size_t k = 0; k < isthmus::feature_column_names.size(); ++k)
+    print(isthmus::feature_column_names[k],
+          isthmus::mean_of(trials, static_cast<isthmus::FeatureColumnId>(k)));
+}
+
 std::vector<std::string> campaign_scenarios() {
   std::vector<std::string> names;
   for (const auto& scenario : isthmus::list_scenarios()) {
@@ -327,6 +365,34 @@ void add_wild(CLI::App& app, Arguments& arguments) {
       ->needs(output);
 }
 
+void add_features(CLI::App& app, Arguments& arguments) {
+  CLI::App* features = app.add_subcommand(
+      "features",
+      "Maps runs of two robots by segments, alone and joined at their first rendezvous: tables 2 and 3 of\n"
+      "Benedettelli, Garulli and Giannitrapani (2012), courtyards being a building of that kind.");
+  features->add_option("--scenario", arguments.scenarios, "Scenario to run; its first two robots")
+      ->required()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+  features->add_option("--seeds", arguments.seeds, "Runs")->check(CLI::PositiveNumber)->capture_default_str();
+  features->add_option("--from", arguments.first_seed, "Seed of the first run")->capture_default_str();
+  features->add_option("--set", arguments.overrides, "Override a setting of the scenario: roughness_m=0")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  features
+      ->add_option("--surface-sigma", arguments.features.surface_sigma_m,
+                   "How rough robots take walls to be, m")
+      ->check(isthmus::finite_number & CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  features
+      ->add_option("--form", arguments.features.form, "invariant or printed (the EKF as the paper has it)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, isthmus::FilterForm>{
+          {"invariant", isthmus::FilterForm::invariant}, {"printed", isthmus::FilterForm::printed}}));
+  features->add_option("--pairing", arguments.features.pairing, "joint or nearest")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, isthmus::Pairing>{
+          {"joint", isthmus::Pairing::joint}, {"nearest", isthmus::Pairing::nearest}}));
+}
+
 void add_confidence(CLI::App& app, Arguments& arguments) {
   app.add_option("--scenario", arguments.scenarios, "Scenarios to run (default: all named campaign_...)")
       ->allow_extra_args(false);
@@ -352,6 +418,7 @@ int main(int argc, char** argv) {
   add_closures(app, arguments);
   add_hostile(app, arguments);
   add_wild(app, arguments);
+  add_features(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
     if (app.got_subcommand("sightings")) {
@@ -362,6 +429,8 @@ int main(int argc, char** argv) {
       hostile_campaign(arguments);
     } else if (app.got_subcommand("wild")) {
       wild_campaign(arguments);
+    } else if (app.got_subcommand("features")) {
+      features_campaign(arguments);
     } else {
       if (arguments.scenarios.empty()) arguments.scenarios = campaign_scenarios();
       campaign(arguments);

@@ -103,6 +103,7 @@ Site read_site(Fields& fields, const fs::path& file) {
   const auto* name = std::get_if<std::string>(&setting.value);
   std::tie(site.building, site.clutter) =
       read_building(name == nullptr ? setting : read_toml((file.parent_path() / *name).string()));
+  fields.read_within("roughness_m", site.building.roughness_m, 0, 0.1);  // instead of the building's own
   return site;
 }
 

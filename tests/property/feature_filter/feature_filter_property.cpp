@@ -170,7 +170,7 @@ TEST(FeatureFilterProperty, TheCovarianceStaysPositiveDefiniteUnderAnySequence) 
                   Eigen::Vector3d(1e-4, 0, 1e-4).asDiagonal());
       std::vector<ObservedFeature> seen;
       for (int i = 0; i < 4; ++i) seen.push_back(any_seen(random));
-      const ScanOutcome outcome = filter.observe(robot, seen);
+      const FeatureScanOutcome outcome = filter.observe(robot, seen);
       filter.contradict(robot, outcome, [&](const Eigen::Vector2d&) { return coin(random); });
       if (step % 10 == 0)
         filter.observe_robot({0, 1, uniform(random, 1, 5), uniform(random, -3, 3), 0.5, 0.5});

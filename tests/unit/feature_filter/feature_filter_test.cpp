@@ -103,7 +103,7 @@ TEST(FeatureFilter, WhatTheFirstScanShowsEntersTheStateAtOnce) {
 TEST(FeatureFilter, WallsOnBothSidesOfADoorAreTwo) {
   FeatureFilter filter = at_origin(at_once());
   filter.observe(0, std::vector{wall({4, -3}, {4, -0.5}, false, true), wall({4, 0.5}, {4, 3}, true, false)});
-  const ScanOutcome outcome = filter.observe(
+  const FeatureScanOutcome outcome = filter.observe(
       0, std::vector{wall({4, -3}, {4, -0.5}, false, true), wall({4, 0.5}, {4, 3}, true, false)});
   ASSERT_EQ(outcome.paired.size(), 2U);
   EXPECT_NE(outcome.paired[0].id, outcome.paired[1].id);
@@ -114,7 +114,7 @@ TEST(FeatureFilter, AThinWallsTwoSidesAreTwoFeatures) {
   FeatureFilter filter = at_origin(at_once());
   filter.observe(0, std::vector{wall({4, -1}, {4, 1}, true, true)});
   filter.move(0, {8, 0, std::numbers::pi}, 1e-4 * Eigen::Matrix3d::Identity());
-  const ScanOutcome outcome = filter.observe(0, std::vector{wall({3.95, -1}, {3.95, 1}, true, true)});
+  const FeatureScanOutcome outcome = filter.observe(0, std::vector{wall({3.95, -1}, {3.95, 1}, true, true)});
   EXPECT_EQ(outcome.added.size(), 1U);
 }
 
@@ -127,7 +127,7 @@ TEST(FeatureFilter, JointCompatibilityPairsWhereTheNearestIsWrong) {
     FeatureFilter filter = at_origin(options);
     filter.observe(0, std::vector{point_at(4, 2, 0.01), point_at(5, 2, 0.01), point_at(6, 2, 0.01)});
     filter.move(0, {0, 0, 0}, Eigen::Vector3d(0.4, 1e-4, 1e-6).asDiagonal());
-    const ScanOutcome outcome = filter.observe(
+    const FeatureScanOutcome outcome = filter.observe(
         0, std::vector{point_at(3.2, 2, 0.01), point_at(4.2, 2, 0.01), point_at(5.2, 2, 0.01)});
     const bool right = outcome.paired.size() == 3 && outcome.paired[0].id == 0 && outcome.paired[2].id == 2;
     EXPECT_EQ(right, pairing == Pairing::joint);
@@ -157,7 +157,7 @@ TEST(FeatureFilter, WhatWasSeenOftenOutlivesAFewContradictions) {
 
 TEST(FeatureFilter, RefusesWhatIsNoFeatureAndCountsIt) {
   FeatureFilter filter = at_origin(at_once());
-  const ScanOutcome outcome =
+  const FeatureScanOutcome outcome =
       filter.observe(0, std::vector{point_at(3, 0, 0), wall({4, 1}, {4, 1}, true, true), point_at(2, 1)});
   EXPECT_EQ(outcome.unsound, 2U);
   EXPECT_EQ(outcome.added.size(), 1U);
@@ -192,7 +192,7 @@ TEST(FeatureFilter, ClutterIsBounded) {
   for (int i = 0; i < 40; ++i) many.push_back(point_at(3 + 0.05 * (i % 8), 0.05 * (i / 8), 0.05));
   filter.observe(0, many);
   filter.move(0, {}, 0.01 * Eigen::Matrix3d::Identity());
-  const ScanOutcome outcome = filter.observe(0, many);  // the search ends, and what it found is used
+  const FeatureScanOutcome outcome = filter.observe(0, many);  // the search ends, and what it found is used
   EXPECT_GT(outcome.paired.size(), 0U);
 }
 

@@ -1,0 +1,79 @@
+#include "tools/simulate/features_campaign.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tools/simulate/scenario_file.hpp"
+
+namespace isthmus {
+namespace {
+
+/// A room of 4 m by 3 m, its surfaces as lines.
+FloorPlan room() {
+  Building building;
+  building.walls = {{{{0, 0}, {4, 0}, {4, 3}, {0, 3}}, true, {}}};
+  building.wall_thickness_m = 0;
+  return build_floor_plan(building);
+}
+
+FeatureState map_with(const Feature& wall) {
+  FeatureState state;
+  add_robot(state, {}, Eigen::Matrix3d::Zero());
+  const int q = dimension(wall);
+  add_feature(state, 0, {wall, 1e-4 * LocalMatrix::Identity(q, q)});
+  return state;
+}
+
+TEST(FeaturesCampaign, ATrueWallHasNoError) {
+  FeatureColumn column;
+  const Pose world_from_map{1, 1, 0.7};
+  judge_walls(map_with(inverse(world_from_map) * segment_feature({4, 0}, {4, 2}, true, false)), room(),
+              world_from_map, column);
+  EXPECT_EQ(column.features, 1);
+  EXPECT_EQ(column.endpoints, 1);
+  EXPECT_EQ(column.matched, 1);
+  EXPECT_NEAR(column.alpha_deg + column.rho_m + column.endpoint_m, 0, 1e-6);
+}
+
+TEST(FeaturesCampaign, AWallThatIsOffIsToldByHowMuch) {
+  FeatureColumn column;
+  judge_walls(map_with(segment_feature({4.1, 0.2}, {4.1, 3}, true, true)), room(), {}, column);
+  EXPECT_NEAR(column.rho_m, 0.1, 1e-9);
+  EXPECT_NEAR(column.alpha_deg, 0, 1e-6);
+  EXPECT_NEAR(column.endpoint_m, 0.5 * (std::hypot(0.1, 0.2) + 0.1), 1e-9);
+}
+
+TEST(FeaturesCampaign, AWallWhereNoneIsCountsAsNotMatched) {
+  FeatureColumn column;
+  judge_walls(map_with(segment_feature({2, 1}, {2, 2}, false, false)), room(), {}, column);
+  EXPECT_EQ(column.features, 1);
+  EXPECT_EQ(column.matched, 0);
+}
+
+/// Three minutes of the courtyards: both robots map their way, meet, and go on in one map.
+TEST(FeaturesCampaign, RobotsThatMeetMapTheCourtyardsToADecimetre) {
+  Scenario scenario = load_scenario("courtyards", {"roughness_m=0", "duration_s=180"});
+  scenario.robots.resize(2);
+  FeatureCampaignOptions options;
+  options.surface_sigma_m = 0.001;
+  const FeatureTrial trial = try_features(simulate(scenario, 1), scenario.plan, 1, options);
+  ASSERT_TRUE(trial.met_s.has_value());
+  EXPECT_GT(trial.duplicates, 0U);
+  for (std::size_t k = 0; k < trial.columns.size(); ++k) {
+    ASSERT_TRUE(trial.columns[k].has_value()) << feature_column_names[k];
+    EXPECT_LT(trial.columns[k]->position_m, 0.12) << feature_column_names[k];
+    EXPECT_LT(trial.columns[k]->orientation_deg, 0.25) << feature_column_names[k];
+    EXPECT_GT(trial.columns[k]->features, 60) << feature_column_names[k];
+    EXPECT_LT(trial.columns[k]->nees, 2) << feature_column_names[k];
+  }
+  EXPECT_GT(trial.columns[2]->features, 1.3 * trial.columns[0]->features);
+  EXPECT_EQ(mean_of({trial}, FeatureColumnId::s1).position_m, trial.columns[0]->position_m);
+}
+
+TEST(FeaturesCampaign, OneRobotAloneIsAnError) {
+  Scenario scenario = load_scenario("courtyards", {"duration_s=2"});
+  scenario.robots.resize(1);
+  EXPECT_THROW(try_features(simulate(scenario, 1), scenario.plan, 1, {}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace isthmus
