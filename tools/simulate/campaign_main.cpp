@@ -11,6 +11,7 @@
 #include "tools/simulate/confidence_campaign.hpp"
 #include "tools/simulate/features_campaign.hpp"
 #include "tools/simulate/hostile_campaign.hpp"
+#include "tools/simulate/rendezvous_experiment.hpp"
 #include "tools/simulate/scenario_file.hpp"
 #include "tools/simulate/sightings_campaign.hpp"
 #include "tools/simulate/wild/campaign.hpp"
@@ -284,6 +285,24 @@ void features_campaign(const Arguments& arguments) {
           isthmus::mean_of(trials, static_cast<isthmus::FeatureColumnId>(k)));
 }
 
+void print(const std::string& what, const isthmus::RendezvousScore& s) {
+  std::printf("%-10s %7zu %7zu %7zu %7zu %6zu %9.2f %9.3f %8.2f %8.2f %8.1f\n", what.c_str(), s.corners_1,
+              s.corners_2, s.duplicates, s.found, s.wrong, s.before_3_sigma_m, s.after_3_sigma_m,
+              s.nees_before, s.nees_after, s.fusion_cpu_ms);
+  std::fflush(stdout);
+}
+
+void rendezvous_campaign(const Arguments& arguments) {
+  std::printf("%-10s %7s %7s %7s %7s %6s %9s %9s %8s %8s %8s\n", "seed", "map 1", "map 2", "twins", "found",
+              "wrong", "3 sigma m", "fused m", "NEES/3", "fused", "CPU ms");
+  std::vector<isthmus::RendezvousScore> scores;
+  for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
+    scores.push_back(isthmus::judge_fusion(isthmus::run_rendezvous_experiment(seed)));
+    print(std::to_string(seed), scores.back());
+  }
+  print("all", isthmus::mean_of(scores));
+}
+
 std::vector<std::string> campaign_scenarios() {
   std::vector<std::string> names;
   for (const auto& scenario : isthmus::list_scenarios()) {
@@ -393,6 +412,16 @@ void add_features(CLI::App& app, Arguments& arguments) {
           {"joint", isthmus::Pairing::joint}, {"nearest", isthmus::Pairing::nearest}}));
 }
 
+void add_rendezvous(CLI::App& app, Arguments& arguments) {
+  CLI::App* rendezvous = app.add_subcommand("rendezvous",
+                                            "Fuses two maps of corners at a rendezvous: the experiment of "
+                                            "Zhou and Roumeliotis (2006), 4,800 square metres.");
+  rendezvous->add_option("--seeds", arguments.seeds, "Runs")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  rendezvous->add_option("--from", arguments.first_seed, "Seed of the first run")->capture_default_str();
+}
+
 void add_confidence(CLI::App& app, Arguments& arguments) {
   app.add_option("--scenario", arguments.scenarios, "Scenarios to run (default: all named campaign_...)")
       ->allow_extra_args(false);
@@ -419,6 +448,7 @@ int main(int argc, char** argv) {
   add_hostile(app, arguments);
   add_wild(app, arguments);
   add_features(app, arguments);
+  add_rendezvous(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
     if (app.got_subcommand("sightings")) {
@@ -431,6 +461,8 @@ int main(int argc, char** argv) {
       wild_campaign(arguments);
     } else if (app.got_subcommand("features")) {
       features_campaign(arguments);
+    } else if (app.got_subcommand("rendezvous")) {
+      rendezvous_campaign(arguments);
     } else {
       if (arguments.scenarios.empty()) arguments.scenarios = campaign_scenarios();
       campaign(arguments);
