@@ -1,9 +1,11 @@
 #include "server/features/fusion.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <nanoflann.hpp>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -170,26 +172,77 @@ class DuplicateSearch {
 /// A prior so wide says a hundredth of what the sighting says.
 constexpr double wide = 100;
 
-/// The same duplicates in maps aligned where the first pass found them to lie, the sighting being one
-/// measurement among those: nothing is compared by an alignment that is degrees off. False where that cannot
-/// be solved.
-bool fuse_again(Fusion& fusion, const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
-                const RobotAlignment& alignment, const FusionOptions& options) {
+/// Both maps aligned where a first pass found them to lie, and all that is known of how they do: the sighting
+/// as one measurement, then each pair.
+struct Joined {
+  FeatureState state;
+  std::vector<LinearMeasurement> measurements;
+};
+Joined join(const Fusion& fusion, const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
+            const RobotAlignment& alignment, const Pose& found, const FusionOptions& options) {
   const int met = static_cast<int>(one.robots.size()) + robot_2;
-  const Pose found = ominus(fusion.state.robots[static_cast<std::size_t>(met)].map_from_robot,
-                            fusion.state.robots[static_cast<std::size_t>(robot_1)].map_from_robot);
-  FeatureState state = aligned(one, robot_1, two, robot_2, {found, wide * alignment.covariance});
+  Joined joined{aligned(one, robot_1, two, robot_2, {found, wide * alignment.covariance}), {}};
+  FeatureState& state = joined.state;
   for (const Fusion::Duplicate& pair : fusion.duplicates)
     learn_from(state, *index_of(state, pair.kept), state.features[*index_of(state, pair.gone)].feature,
                options.association.end_slack_m);
-  std::vector<LinearMeasurement> all{
-      measure_relative_pose(state, robot_1, met, alignment.one_from_two, alignment.covariance)};
+  joined.measurements.push_back(
+      measure_relative_pose(state, robot_1, met, alignment.one_from_two, alignment.covariance));
   for (const Fusion::Duplicate& pair : fusion.duplicates) {
     auto identity = measure_identity(state, *index_of(state, pair.kept), *index_of(state, pair.gone),
                                      options.identity_sigma_m);
-    if (identity) all.push_back(*std::move(identity));
+    if (identity) joined.measurements.push_back(*std::move(identity));
   }
-  if (!correct(state, all)) return false;
+  return joined;
+}
+
+/// The pair that all other measurements contradict most, beyond its gate: its squared distance given them.
+std::optional<std::size_t> contradicted_pair(const Joined& joined, const Gates& gates) {
+  const auto& all = joined.measurements;
+  std::vector<Eigen::Index> at{0};
+  for (const LinearMeasurement& one : all) at.push_back(at.back() + one.residual.size());
+  Eigen::MatrixXd s(at.back(), at.back());
+  Eigen::VectorXd residual(at.back());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    residual.segment(at[i], all[i].residual.size()) = all[i].residual;
+    for (std::size_t k = 0; k < all.size(); ++k)
+      s.block(at[i], at[k], all[i].residual.size(), all[k].residual.size()) =
+          cross_covariance(joined.state.covariance, all[i], all[k]);
+    s.block(at[i], at[i], all[i].residual.size(), all[i].residual.size()) += all[i].noise;
+  }
+  const Eigen::MatrixXd inverse = s.llt().solve(Eigen::MatrixXd::Identity(s.rows(), s.cols()));
+  const Eigen::VectorXd pull = inverse * residual;
+  std::optional<std::size_t> worst;
+  double most = 1;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    const Eigen::Index size = all[i].residual.size();
+    const LocalMatrix own = inverse.block(at[i], at[i], size, size);
+    const LocalVector by = pull.segment(at[i], size);
+    const double share = by.dot(own.llt().solve(by)) / gates(size);
+    if (share <= most) continue;
+    most = share;
+    worst = i - 1;
+  }
+  return worst;
+}
+
+/// The duplicates once more in maps aligned where the first pass found them to lie: nothing is compared by an
+/// alignment that is degrees off. Pairs that all others contradict go. False where that cannot be solved.
+bool fuse_again(Fusion& fusion, const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
+                const RobotAlignment& alignment, const FusionOptions& options) {
+  const std::size_t met = one.robots.size() + static_cast<std::size_t>(robot_2);
+  const Pose found = ominus(fusion.state.robots[met].map_from_robot,
+                            fusion.state.robots[static_cast<std::size_t>(robot_1)].map_from_robot);
+  const Gates gates(options.probability, 4);
+  Joined joined = join(fusion, one, robot_1, two, robot_2, alignment, found, options);
+  while (joined.measurements.size() == fusion.duplicates.size() + 1) {
+    const std::optional<std::size_t> worst = contradicted_pair(joined, gates);
+    if (!worst) break;
+    fusion.duplicates.erase(fusion.duplicates.begin() + static_cast<std::ptrdiff_t>(*worst));
+    joined = join(fusion, one, robot_1, two, robot_2, alignment, found, options);
+  }
+  FeatureState& state = joined.state;
+  if (!correct(state, joined.measurements)) return false;
   for (const Fusion::Duplicate& pair : fusion.duplicates) {
     const std::size_t kept = *index_of(state, pair.kept), gone = *index_of(state, pair.gone);
     state.features[kept].seen += state.features[gone].seen;
@@ -206,8 +259,16 @@ Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int r
   Fusion fusion;
   fusion.state = aligned(one, robot_1, two, robot_2, alignment);
   const std::size_t met = one.robots.size() + static_cast<std::size_t>(robot_2);
-  DuplicateSearch(fusion, one.features.size(), options)
-      .run(position(fusion.state.robots[met].map_from_robot));
+  const Eigen::Vector2d rendezvous = position(fusion.state.robots[met].map_from_robot);
+  const FeatureState start = fusion.state;
+  for (const std::size_t times : {1U, 2U, 4U}) {
+    Fusion other;
+    other.state = start;
+    FusionOptions larger = options;
+    larger.at_once *= times;
+    DuplicateSearch(other, one.features.size(), larger).run(rendezvous);
+    if (other.duplicates.size() > fusion.duplicates.size()) fusion = std::move(other);
+  }
   if (!fusion.duplicates.empty()) fuse_again(fusion, one, robot_1, two, robot_2, alignment, options);
   for (const Fusion::Duplicate& pair : fusion.duplicates)
     remove_feature(fusion.state, *index_of(fusion.state, pair.gone));

@@ -32,7 +32,9 @@ struct Fusion {
 /// compatibility decides; each pair is told to be one (eq. 20), the nearest first, which corrects the whole
 /// second map. Where another twin is nearly as likely it waits for the others, and stays a feature of its own
 /// if that does not settle it.
-/// Then the same once more, linear about where the maps were found to lie.
+/// A first pairing that is wrong leads the others astray, and then few are found: so all is tried with groups
+/// of twice and four times the size too, and the search that finds the most twins holds. Then the same once
+/// more, linear about where the maps were found to lie.
 ///
 /// Afterwards there is one state for all robots: further meetings are measurements in it
 /// (FeatureFilter::observe_robot), and nothing is counted twice. The inputs are unchanged: a fusion that
