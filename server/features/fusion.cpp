@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <nanoflann.hpp>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
@@ -108,7 +109,13 @@ class DuplicateSearch {
     }
     const std::vector<std::size_t> chosen =
         most_compatible(state_.covariance, all, options_.association, gates_);
-    for (const std::size_t which : chosen) accept(all[which]);
+    const Fusion before = fusion_;
+    const std::set<std::size_t> taken_before = taken_;
+    bool is_supported = chosen.empty();
+    for (const std::size_t which : chosen) is_supported = accept(all[which], tree) || is_supported;
+    if (is_supported) return;
+    fusion_ = before;  // no pair that chance may not have made
+    taken_ = taken_before;
   }
 
   std::vector<Candidate> candidates_of(std::size_t index, const Landmarks& landmarks, const Tree& tree,
@@ -145,19 +152,37 @@ class DuplicateSearch {
            overlap(one, other, largest_sigma(index)) >= options_.association.least_overlap;
   }
 
-  /// Measured anew, for those accepted before it have corrected the state.
-  void accept(const Candidate& pair) {
+  /// Measured anew, for those accepted before it have corrected the state. Whether it is one that chance
+  /// would hardly have made.
+  bool accept(const Candidate& pair, const Tree& tree) {
     learn_from(state_, pair.index, state_.features[pair.seen].feature, options_.association.end_slack_m);
     const auto identity = measure_identity(state_, pair.index, pair.seen, options_.identity_sigma_m);
-    if (!identity) return;
+    if (!identity) return false;
     const double distance = squared_distance(state_.covariance, *identity);
-    if (distance >= gates_(identity->residual.size()) || !correct(state_, {&*identity, 1})) return;
+    const double by_chance = expected_by_chance(pair, *identity, tree);
+    if (distance >= gates_(identity->residual.size()) || !correct(state_, {&*identity, 1})) return false;
     fusion_.squared_distance += distance;
     fusion_.degrees_of_freedom += static_cast<int>(identity->residual.size());
     fusion_.duplicates.push_back({state_.features[pair.index].id, state_.features[pair.seen].id});
     state_.features[pair.index].seen += state_.features[pair.seen].seen;
     reach_to(state_, pair.index, state_.features[pair.seen].feature);
     taken_.insert(pair.index);
+    return by_chance < options_.most_by_chance;
+  }
+
+  /// How many landmarks of the first map would lie within the gate by chance: their density within 5 m, times
+  /// its area. A segment's direction and line are seldom met by chance.
+  double expected_by_chance(const Candidate& pair, const LinearMeasurement& identity,
+                            const Tree& tree) const {
+    if (state_.features[pair.seen].feature.kind == FeatureKind::segment) return 0;
+    constexpr double around_m = 5;
+    std::vector<std::pair<std::uint32_t, double>> found;
+    const Eigen::Vector2d place = state_.features[pair.index].feature.a;
+    tree.radiusSearch(place.data(), around_m * around_m, found, nanoflann::SearchParams());
+    const double density = static_cast<double>(found.size()) / (std::numbers::pi * around_m * around_m);
+    const LocalMatrix s = innovation_covariance(state_.covariance, identity);
+    const double area = std::numbers::pi * gates_(2) * std::sqrt(s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0));
+    return density * area;
   }
 
   Fusion& fusion_;
