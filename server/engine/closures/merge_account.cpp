@@ -11,18 +11,8 @@ using Entry = ClosureLedger::Entry;
 
 // A loop of sightings that agree with one another, but not with the map as it is.
 bool is_contradiction(const Entry& entry) {
-  if (entry.record.kind != ClosureKind::loop || entry.record.state != ClosureState::refused ||
-      entry.from_scans)
-    return false;
-  switch (entry.record.reason) {
-    case Reason::implausible_jump:
-    case Reason::sightings_disagree:
-    case Reason::walls_in_free_space:
-    case Reason::scans_disagree:
-      return true;
-    default:
-      return false;
-  }
+  return entry.record.kind == ClosureKind::loop && entry.record.state == ClosureState::refused &&
+         !entry.from_scans && is_refusal_by_trial(entry.record.reason);
 }
 
 RelationGraph without(const RelationGraph& graph, const Dependencies& dependencies, ClosureId closure) {

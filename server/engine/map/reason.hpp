@@ -91,4 +91,10 @@ inline constexpr auto words_of<Reason> = std::to_array<std::string_view>({
 static_assert(has_word(Reason::nothing_beyond_the_seam) &&
               word(Reason::nothing_beyond_the_seam) == words_of<Reason>.back());
 
+/// Whether sightings were tried out on the map and did not fit it.
+constexpr bool is_refusal_by_trial(Reason reason) {
+  return reason == Reason::implausible_jump || reason == Reason::sightings_disagree ||
+         reason == Reason::walls_in_free_space || reason == Reason::scans_disagree;
+}
+
 }  // namespace isthmus

@@ -10,18 +10,8 @@ namespace {
 
 // Of what a sighting was refused for: whether another map might not have.
 bool is_refusal_by_map(Reason reason) {
-  switch (reason) {
-    case Reason::contradicts_map:
-    case Reason::unsupported:
-    case Reason::too_little_support:
-    case Reason::implausible_jump:
-    case Reason::sightings_disagree:
-    case Reason::walls_in_free_space:
-    case Reason::scans_disagree:
-      return true;
-    default:
-      return false;
-  }
+  return reason == Reason::contradicts_map || reason == Reason::unsupported ||
+         reason == Reason::too_little_support || is_refusal_by_trial(reason);
 }
 
 }  // namespace
