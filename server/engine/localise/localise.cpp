@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scanmatch/correlative.hpp"
+#include "server/engine/localise/weighing.hpp"
 
 namespace isthmus {
 namespace {
@@ -16,16 +17,6 @@ Eigen::Matrix3d symmetric(const Eigen::Matrix3d& m) { return 0.5 * (m + m.transp
 Eigen::Matrix3d covariance_after(const Eigen::Matrix3d& before, const ComposeJacobians& j,
                                  const Eigen::Matrix3d& step) {
   return symmetric(j.by_left * before * j.by_left.transpose() + j.by_right * step * j.by_right.transpose());
-}
-
-// A match that ends far from where the robot was expected is doubted: squared distance in sigmas, where
-// sigma is never smaller than what matching itself errs by.
-double surprise(const Pose& pose, const Expectation& expectation, const LocaliseOptions& options) {
-  const Eigen::Vector3d innovation = wrapped_difference(pose, expectation.local_from_robot);
-  Eigen::Matrix3d covariance = expectation.tracking_covariance;
-  covariance.diagonal() +=
-      Eigen::Vector3d(options.match_variance_m2, options.match_variance_m2, options.match_variance_rad2);
-  return innovation.dot(covariance.inverse() * innovation);
 }
 
 // Odometry that is back at its origin: the robot was switched off and on, perhaps elsewhere.
@@ -156,6 +147,10 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
         search_window(local_map, points, window_of(expectation, its), options.correlative);
     if (found.score > 0) try_from(found.local_from_robot, its.other_start_gain);
   }
+  if (fits(best) && !doubtful)
+    if (std::optional<Match> held =
+            held_by_odometry(local_map, points, expectation, best, match_options, options))
+      if (fits(*held)) best = *std::move(held);
   if (fits(best)) return placement_of(std::move(best), expectation, 1, options);
   placement.reason = best.ok ? Unmatched::low_score : Unmatched::few_pairs;
   placement.match = std::move(best);

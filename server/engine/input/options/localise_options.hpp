@@ -27,6 +27,10 @@ struct LocaliseOptions {
   double match_variance_rad2 = 1e-4;
   ChiSquaredBound far_surprise{0.999985, 3};
   ChiSquaredBound doubted_surprise{0.999, 3};
+  ChiSquaredBound weighed_surprise{0.5, 3};
+  double slip_log_odds = 10;
+  double thing_gap_m = 0.4;
+  double moving_thing_m = 1.2;
   double loose_share = 0.04;
   double loose_gain = 0.02;
   double other_start_gain = 0.05;
@@ -65,6 +69,14 @@ struct LocaliseOptions {
            "χ² of 3 beyond which a match is far from where it was expected");
     option(doubted_surprise, "doubted_surprise", "probability",
            "χ² of 3 beyond which other beginnings are tried");
+    option(weighed_surprise, "weighed_surprise", "probability",
+           "χ² of 3 beyond which a match is weighed against odometry's account of the step");
+    option(slip_log_odds, "slip_log_odds", "log-odds",
+           "that wheels do not slip between two scans: so much worse must a scan fit where odometry puts the "
+           "robot that a match far from there is believed, however far");
+    option(thing_gap_m, "thing_gap_m", "m", "between neighbouring points of a scan on different things");
+    option(moving_thing_m, "moving_thing_m", "m",
+           "wider than this, a thing does not move along with the robot as people and robots do");
     option(loose_share, "loose_share", "factor", "on the information of the prediction from there");
     option(loose_gain, "loose_gain", "share",
            "that the score must be better by from the same beginning, held loosely");

@@ -1,0 +1,115 @@
+#include "server/engine/localise/weighing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/walls.hpp"
+
+namespace isthmus {
+namespace {
+
+using namespace isthmus::testing;
+
+// What a robot at the origin saw, what it sees now, and what its wheels say of the way between.
+struct Step {
+  LocalMap before;
+  std::vector<ScanPoint> now;
+  Expectation expectation;
+
+  Match matched(const EngineOptions& options = {}) const {
+    return match_scan(before, now, {{}, Eigen::Matrix3d::Identity()}, options.match);
+  }
+  std::optional<Match> held(const EngineOptions& options = {}) const {
+    return held_by_odometry(before, now, expectation, matched(options), options.match, options);
+  }
+};
+
+Step step_of(const Walls& walls_before, const Walls& walls_now, const Pose& truth, const Pose& expected,
+             double sigma_m = 0.02) {
+  Step step;
+  step.before = {PatchId{0}, {{patch_from(walls_before, PatchId{0}, {}), {}}}};
+  step.now = to_points(scan_from(walls_now, truth), laser_of(), {});
+  step.expectation.local_from_robot = expected;
+  step.expectation.tracking_covariance =
+      Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, 1e-4).asDiagonal();
+  step.expectation.covariance = step.expectation.tracking_covariance;
+  return step;
+}
+
+// A corridor with somebody in it, half a metre wide.
+Walls corridor_with_somebody_at(double x) {
+  Walls walls = corridor();
+  add_box(walls, x, -0.25, x + 0.3, 0.25);
+  return walls;
+}
+
+// A corridor that ends: a wall across, wider than anybody.
+Walls corridor_to(double x) {
+  Walls walls = corridor();
+  walls.push_back({{x, -1}, {x, 1}});
+  return walls;
+}
+
+//  |=====================|
+//     robot ->  somebody ->       who keeps the distance: the scan is the same as before.
+//  |=====================|
+TEST(HeldByOdometry, WhereSomebodyWalksAheadThroughACorridor) {
+  const Step step =
+      step_of(corridor_with_somebody_at(1.5), corridor_with_somebody_at(1.7), {0.2, 0, 0}, {0.2, 0, 0});
+  ASSERT_NEAR(step.matched().local_from_robot.x, 0, 0.03) << "held back by them";
+  const std::optional<Match> held = step.held();
+  ASSERT_TRUE(held);
+  EXPECT_NEAR(held->local_from_robot.x, 0.2, 0.01);
+  EXPECT_NEAR(held->local_from_robot.y, 0, 0.01);
+}
+
+TEST(HeldByOdometry, SaysNothingOfTheDirectionInWhichItIsHeld) {
+  const Step step =
+      step_of(corridor_with_somebody_at(1.5), corridor_with_somebody_at(1.7), {0.2, 0, 0}, {0.2, 0, 0});
+  const std::optional<Match> held = step.held();
+  ASSERT_TRUE(held);
+  EXPECT_LT(held->beam_information(0, 0), 1e-3 * held->beam_information(1, 1));
+  EXPECT_LT((held->direction_trust * Eigen::Vector2d::UnitX()).norm(), 0.1);
+  EXPECT_GT((held->direction_trust * Eigen::Vector2d::UnitY()).norm(), 0.9);
+}
+
+// Also where odometry is known so badly that its step is no surprise.
+TEST(HeldByOdometry, WhereOnlyWhatMayMoveSpeaksForTheMatch) {
+  const Step step =
+      step_of(corridor_with_somebody_at(1.5), corridor_with_somebody_at(1.7), {0.2, 0, 0}, {0.2, 0, 0}, 0.09);
+  ASSERT_LT(surprise(step.matched().local_from_robot, step.expectation, {}),
+            LocaliseOptions{}.doubted_surprise.value());
+  EXPECT_TRUE(step.held());
+}
+
+// Wheels that turn at a wall: no wall moves along.
+TEST(HeldByOdometry, NotWhereWhatStandsSaysThatWheelsSlip) {
+  EXPECT_FALSE(step_of(corridor_to(2), corridor_to(2), {}, {0.2, 0, 0}).held());
+  EXPECT_FALSE(step_of(corridor_to(2), corridor_to(2), {}, {0.2, 0, 0}, 0.004).held())
+      << "however sure odometry is of itself: wheels do slip";
+  EXPECT_FALSE(step_of(furnished_room(), furnished_room(), {}, {0.2, 0.1, 0}).held());
+}
+
+TEST(HeldByOdometry, NotWhereAMatchIsNoSurprise) {
+  EXPECT_FALSE(step_of(furnished_room(), furnished_room(), {0.2, 0, 0}, {0.21, 0, 0}).held());
+}
+
+// Where nothing in view is large, all of it is weighed.
+TEST(HeldByOdometry, NotByWhatMayMoveWhereThatIsAllThereIs) {
+  Walls pillars;
+  for (const auto& [x, y] :
+       {std::pair{2.0, 0.3}, {2.5, -1.5}, {1.2, 1.8}, {3.0, 2.5}, {0.4, -2.2}, {1.5, -3.0}})
+    add_box(pillars, x, y, x + 0.5, y + 0.5);
+  EXPECT_FALSE(step_of(pillars, pillars, {}, {0.25, 0.1, 0}).held());
+}
+
+TEST(Surprise, IsAsManySigmasAsOdometryAndMatchingErrBy) {
+  const Step step = step_of(corridor(), corridor(), {}, {0.2, 0, 0}, 0.03);
+  LocaliseOptions options;
+  options.match_variance_m2 = 0.0016;
+  EXPECT_NEAR(surprise({0.3, 0, 0}, step.expectation, options), 0.01 / (0.0009 + 0.0016), 1e-9);
+}
+
+}  // namespace
+}  // namespace isthmus
