@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "server/engine/places/place_candidates.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -32,7 +34,7 @@ double way_between_m(const Map& map, const Find& first_find, const std::vector<c
 
 /// What finds that agree say together.
 ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<const Find*>& finds,
-                         const HypothesisOptions& options) {
+                         const EngineOptions& options) {
   ScanProposal proposal;
   proposal.first = first.anchor;
   proposal.second = first.query;
@@ -41,11 +43,15 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
     std::swap(proposal.first, proposal.second);
     proposal.first_from_second = inverse(first.anchor_from_query);
   }
+  if (map.graph().island(first.query) == map.graph().island(first.anchor))
+    proposal.revisit_log_odds =
+        revisit_log_odds(ominus(first.anchor_from_query, map.relative_pose(first.anchor, first.query)),
+                         first.way_m, first.sigma_m, options.place_candidates);
   proposal.finds = static_cast<int>(finds.size());
   std::set<std::string> robots;
   for (const Find* find : finds) {
     proposal.way_m = std::max(proposal.way_m, find->way_m);
-    proposal.cautious = proposal.cautious || find->sigma_m > options.known_sigma_m;
+    proposal.cautious = proposal.cautious || find->sigma_m > options.hypotheses.known_sigma_m;
     std::ranges::copy(find->relations, std::back_inserter(proposal.relations));
     robots.insert(map.manifold().patch(find->query).robot);
     robots.insert(map.manifold().patch(find->anchor).robot);
@@ -119,7 +125,7 @@ bool HypothesisPool::propose(World world, Closures& closures, const std::vector<
     const auto tried = static_cast<std::size_t>(before->second.tried);
     if (tried > 0 && set.size() < tried + std::max(options.more_finds, tried / 2)) return false;
   }
-  ScanProposal proposal = proposal_of(world.map, first, finds, options);
+  ScanProposal proposal = proposal_of(world.map, first, finds, world.options);
   proposal.id = id;
   id = closures.propose_from_scans(world, proposal);
   for (const std::size_t i : set) pool_[i].hypothesis = id;

@@ -125,6 +125,17 @@ Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& option
   return {position * position, position * position, yaw * yaw};
 }
 
+double revisit_log_odds(const Pose& off, double way_m, double sigma_m, const PlaceCandidateOptions& options) {
+  const double variance = 0.5 * sigma_m * sigma_m;
+  const double yaw_variance = systematic_variance(way_m, options).z();
+  const double squared = (off.x * off.x + off.y * off.y) / variance + off.yaw * off.yaw / yaw_variance;
+  const double density = std::exp(-0.5 * squared) /
+                         (2 * std::numbers::pi * variance * std::sqrt(2 * std::numbers::pi * yaw_variance));
+  const Eigen::Vector3d half = options.window_sigmas * drift_variance(way_m, options).cwiseSqrt();
+  const double volume = 4 * half.x() * half.y() * 2 * std::min(std::numbers::pi, half.z());
+  return std::log((1 - options.slip_probability) * density * volume + options.slip_probability);
+}
+
 std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
                                                  const PlaceCandidateOptions& options) {
   std::vector<Rough> rough = rough_places(map, query, options);

@@ -29,6 +29,12 @@ Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& o
 /// other: variances that make the bounds of drift `window_sigmas` standard deviations.
 Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& options);
 
+/// Log-odds that a robot came back to where it was found, rather than that another place looks like it: had
+/// it come back, the map is off by what maps err by, and once in a while, where wheels slipped, by anything;
+/// a place that only looks alike may be anywhere in the window that was searched. `off`: where it was found,
+/// as seen from where the map has it.
+double revisit_log_odds(const Pose& off, double way_m, double sigma_m, const PlaceCandidateOptions& options);
+
 /// Places of the patch's own island that are far from it over the map's relations, but whose projection could
 /// come to lie on it within the relative covariance. Those so well determined that a find could only be what
 /// the map says are left out: local loops are for local_loop.hpp. The likeliest first.

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "scanmatch/match_relations.hpp"
+#include "scanmatch/score_profile.hpp"
 #include "server/engine/map/contradiction.hpp"
 
 namespace isthmus {
@@ -91,6 +92,43 @@ Match match_at(const RigidPiece& place, std::span<const ScanPoint> points, const
   const Eigen::Vector3d weak(1 / options.prediction_variance_m2, 1 / options.prediction_variance_m2,
                              1 / options.prediction_variance_rad2);
   return match_scan(place.local, points, {place_from_points, weak.asDiagonal()}, match_options);
+}
+
+/// The scan of a patch of the way that says in full where the way lies.
+struct Carrier {
+  const Patch* patch = nullptr;
+  Match match;
+};
+
+// How far the scan may be off along the direction that few of its beams hold; what is farther off than the
+// profile looks would be another answer of the search.
+bool holds_all_directions(const RigidPiece& place, Carrier& carrier, const EngineOptions& options) {
+  const double weak_sigma_m =
+      sigma_along_weak_direction(place.local, carrier.patch->points, carrier.match,
+                                 options.place_search.apart_m, options.match, options.weak_direction);
+  widen(carrier.match, weak_sigma_m, relation_sigma_m(carrier.match.quality, options.relations),
+        options.match);
+  return weak_sigma_m < options.place_search.max_weak_sigma_m;
+}
+
+// The newest patches may look where the place does not reach, or along a bare corridor: the one that fits
+// best of those that hold all directions.
+std::optional<Carrier> best_carrier(const RigidPiece& place, const RigidPiece& piece,
+                                    const Pose& place_from_piece, const EngineOptions& options) {
+  const PlaceSearchOptions& its = options.place_search;
+  std::vector<Carrier> carriers;
+  for (std::size_t i = 0; i < std::min(its.max_carriers, piece.local.patches.size()); ++i) {
+    const LocalPatch& seen = piece.local.patches[i];
+    Match match =
+        match_at(place, seen.patch->points, place_from_piece * seen.local_from_patch, options.match, its);
+    if (match.ok && match.quality.score >= its.min_score)
+      carriers.push_back({seen.patch.get(), std::move(match)});
+  }
+  std::ranges::stable_sort(carriers, std::ranges::greater{},
+                           [](const Carrier& carrier) { return carrier.match.quality.score; });
+  for (Carrier& carrier : carriers)
+    if (holds_all_directions(place, carrier, options)) return std::move(carrier);
+  return std::nullopt;
 }
 
 }  // namespace
@@ -180,30 +218,19 @@ std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, con
   match_options.max_points = its.max_points;
   match_options.kernel_m = its.bent_kernel_m;
   const Match whole = match_at(place, piece.points, answer.anchor_from_piece, match_options, its);
-  if (!whole.ok || whole.quality.degenerate || whole.quality.score < its.min_bent_score) return std::nullopt;
+  if (!whole.ok || whole.quality.score < its.min_bent_score) return std::nullopt;
   if (mean_contradiction(place, piece, whole.local_from_robot, options.contradiction) > its.max_contradiction)
     return std::nullopt;
-  // The newest patches may look where the place does not reach: the one that fits best carries the relations.
-  std::optional<Match> best;
-  const LocalPatch* carrier = nullptr;
-  for (std::size_t i = 0; i < std::min(its.max_carriers, piece.local.patches.size()); ++i) {
-    const LocalPatch& seen = piece.local.patches[i];
-    Match match = match_at(place, seen.patch->points, whole.local_from_robot * seen.local_from_patch,
-                           options.match, its);
-    if (!match.ok || match.quality.degenerate || match.quality.score < its.min_score) continue;
-    if (best && match.quality.score <= best->quality.score) continue;
-    best = std::move(match);
-    carrier = &seen;
-  }
-  if (!best || (whole.quality.score < its.min_score && best->quality.score < its.min_carrier_score))
+  const std::optional<Carrier> best = best_carrier(place, piece, whole.local_from_robot, options);
+  if (!best || (whole.quality.score < its.min_score && best->match.quality.score < its.min_carrier_score))
     return std::nullopt;
   Find find;
-  find.query = carrier->patch->id;
+  find.query = best->patch->id;
   find.anchor = answer.anchor;
-  find.anchor_from_query = best->local_from_robot;
+  find.anchor_from_query = best->match.local_from_robot;
   find.way_m = answer.way_m;
   find.sigma_m = answer.sigma_m;
-  find.relations = match_relations(place.local, carrier->patch->points, *best, find.query,
+  find.relations = match_relations(place.local, best->patch->points, best->match, find.query,
                                    {OriginKind::hypothesis, {}}, options.relations);
   if (find.relations.empty()) return std::nullopt;
   return find;

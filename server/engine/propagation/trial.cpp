@@ -219,6 +219,13 @@ void Trial::judge() {
   }
 }
 
+// That a cautious loop is true: by where the map had its ends, and by how much of the building matches there.
+double Trial::loop_log_odds(const SharedPart& shared) const {
+  const TrialOptions& its = options_.trial;
+  return proposal_.revisit_log_odds + its.log_odds_per_way_m * shared.way_m +
+         its.log_odds_per_width_m * shared.width_m;
+}
+
 // Without sightings, guard against perceptual aliasing: many buildings repeat themselves.
 void Trial::judge_scans() {
   const std::vector<PatchId>& matched = propagation_.matched();
@@ -243,12 +250,14 @@ void Trial::judge_scans() {
     const SharedPart shared = isthmus::shared_part(map_, island, is_younger, matched, options_);
     if (proposal_.merge && shared.border_contradiction > its.max_contradiction + own_contradiction()) {
       refusal_ = Reason::walls_in_free_space;
-    } else if (count < its.min_matched ||
-               shared.way_m < (proposal_.merge ? its.min_way_m : its.min_loop_way_m)) {
+    } else if (!proposal_.merge) {
+      if (loop_log_odds(shared) < its.min_loop_log_odds)
+        undecided(shared.width_m < its.min_width_m ? Reason::one_corridor : Reason::too_little_support);
+    } else if (count < its.min_matched || shared.way_m < its.min_way_m) {
       undecided(Reason::too_little_support);
     } else if (shared.width_m < its.min_width_m && shared.way_m < its.min_corridor_m) {
       undecided(Reason::one_corridor);
-    } else if (proposal_.merge && std::min(shared.own_first_m, shared.own_second_m) < its.min_own_m) {
+    } else if (std::min(shared.own_first_m, shared.own_second_m) < its.min_own_m) {
       undecided(Reason::nothing_beyond_the_seam);
     }
   }

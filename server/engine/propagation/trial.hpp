@@ -11,6 +11,8 @@
 
 namespace isthmus {
 
+struct SharedPart;
+
 /// What the map may err by beyond its covariance where sightings close a loop: variances of x, y, yaw.
 inline Eigen::Vector3d slip_variances(const TrialOptions& options) {
   return {options.slip_variance_m2, options.slip_variance_m2, options.slip_variance_rad2};
@@ -30,12 +32,13 @@ struct Proposal {
   bool from_scans = false;  ///< relations are of scans that agree, nobody has seen anybody
   /// What the map may err by beyond its covariance, where the loop closes: variances of x, y, yaw.
   Eigen::Vector3d beyond_covariance = slip_variances({});
-  bool cautious = false;  ///< only where much agrees, and not along one corridor
-  bool measured = false;  ///< placed by the operators themselves: no test can refuse it
+  bool cautious = false;        ///< only where much agrees
+  double revisit_log_odds = 0;  ///< that scans found a place again, by where the map had it
+  bool measured = false;        ///< placed by the operators themselves: no test can refuse it
 
   auto members() {
     return std::tie(id, merge, older, younger, older_from_younger, relations, supporters, two_way, from_scans,
-                    beyond_covariance, cautious, measured);
+                    beyond_covariance, cautious, revisit_log_odds, measured);
   }
 };
 
@@ -85,6 +88,7 @@ class Trial {
   bool refits() const;
   void judge();
   void judge_scans();
+  double loop_log_odds(const SharedPart& shared) const;
   /// Mean share of hits of one side deep in the other's free space.
   double mean_contradiction() const;
   /// Mean χ² per residual of the sightings that proposed it, after the fit.

@@ -23,6 +23,7 @@ struct PlaceCandidateOptions {
   double systematic_m = 0.2;
   double systematic_rad_per_m = 0.0004;
   double systematic_rad = 0.03;
+  double slip_probability = 0.05;
   std::size_t max_places = 40;
   std::size_t min_island = 6;
   std::int64_t us_per_patch = 3'000;
@@ -47,6 +48,8 @@ struct PlaceCandidateOptions {
     option(systematic_m, "systematic_m", "m", "and however short the way");
     option(systematic_rad_per_m, "systematic_rad_per_m", "rad/m", "the same of the yaw");
     option(systematic_rad, "systematic_rad", "rad", "and however short the way");
+    option(slip_probability, "slip_probability", "probability",
+           "of a way that wheels slipped on it and the map may be off by anything");
     option(max_places, "max_places", "count", "of one island that are searched");
     option(min_island, "min_island", "count", "of patches: less is no place");
     option(us_per_patch, "us_per_patch", "µs",
@@ -72,6 +75,7 @@ struct PlaceSearchOptions {
   double min_score = 0.45;
   double min_bent_score = 0.33;
   double min_carrier_score = 0.6;
+  double max_weak_sigma_m = 0.25;
   double max_contradiction = 0.2;
   double bent_kernel_m = 0.08;
   int max_points = 250;
@@ -98,6 +102,8 @@ struct PlaceSearchOptions {
     option(min_score, "min_score", "share", "of a match of one scan and of the whole piece");
     option(min_bent_score, "min_bent_score", "share", "of the whole piece, where one scan of it");
     option(min_carrier_score, "min_carrier_score", "share", "fits as well as this");
+    option(max_weak_sigma_m, "max_weak_sigma_m", "m",
+           "standard deviation of that scan along the direction that its beams determine least");
     option(max_contradiction, "max_contradiction", "share",
            "of hits in the other's free space before the trial has laid the two together");
     option(bent_kernel_m, "bent_kernel_m", "m",

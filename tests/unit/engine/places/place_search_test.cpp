@@ -110,6 +110,19 @@ TEST(Refine, ACorridorTellsNotHowFarAlong) {
                       piece_of_way(ways.map, ways.second_newest_first, {}), answer, {}));
 }
 
+// One door frame: few beams hold the direction along the corridor, but there is no other such place near.
+TEST(Refine, ADoorFrameTellsHowFarAlongACorridor) {
+  Walls walls = corridor();
+  for (const double side : {-1.0, 1.0}) add_box(walls, 6, side - 0.3, 6.2, side + 0.3);
+  const TwoWays ways = two_ways(walls, {{0, 0, 0}, {2, 0, 0}, {4, 0, 0}}, {{1, 0.1, 0}, {3, 0, 0}});
+  const PlaceAnswer answer{PatchId{1}, Pose{1.05, 0, 0}, 1, 0, 0};
+  const auto find = refine(place_around(ways.map, PatchId{1}, {}, {}),
+                           piece_of_way(ways.map, ways.second_newest_first, {}), answer, {});
+  ASSERT_TRUE(find);
+  const double truth_m = find->query == PatchId{4} ? 1 : -1;
+  EXPECT_NEAR(find->anchor_from_query.x, truth_m, 0.06);
+}
+
 TEST(SharedPart, OneCorridorHasNoWidth) {
   const TwoWays ways = two_ways(corridor(), {{0, 0, 0}, {4, 0.1, 0}, {8, -0.1, 0}, {12, 0, 0}}, {});
   const std::vector<PatchId> all = {PatchId{0}, PatchId{1}, PatchId{2}, PatchId{3}};

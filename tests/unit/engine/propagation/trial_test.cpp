@@ -300,13 +300,23 @@ TEST(TrialByScans, OfALoopAlongOneCorridorWaitsWhereTheMapIsUnsure) {
   }
 }
 
-// Ten patches over ten metres: few, however far apart.
-TEST(TrialByScans, OfALoopByFewPatchesWaitsWhereTheMapIsUnsure) {
-  Case its = by_scans(loop_of(long_corridor(), along(0, 9, 0, 2), long_corridor(), along(1, 10, 0.1, 2)));
-  its.proposal.cautious = true;
-  its.say(PatchId{2}, PatchId{7});
+// The same, found where the map had it: another corridor that looks alike would hardly lie just there.
+TEST(TrialByScans, OfALoopAlongOneCorridorIsAcceptedWhereTheMapHadItsEnds) {
+  for (const double revisit_log_odds : {2.0, 8.0}) {
+    Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
+    its.proposal.cautious = true;
+    its.proposal.revisit_log_odds = revisit_log_odds;
+    its.say(PatchId{5}, PatchId{17});
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.accepted(), revisit_log_odds > 5) << word(trial.refusal());
+  }
+}
+
+// Ten patches over twenty metres: few, however far apart.
+TEST(TrialByScans, OfAMergeByFewPatchesWaits) {
+  Case its = by_scans(merge_of(long_corridor(), along(0, 30, 0, 5), long_corridor(), along(9, 40, 0.1, 5)));
+  its.say(PatchId{3}, PatchId{9});
   const Trial trial = its.tried();
-  EXPECT_GE(trial.patches_touched(), 8);
   EXPECT_LT(trial.patches_touched(), 12);
   EXPECT_EQ(trial.refusal(), Reason::too_little_support);
 }
