@@ -130,8 +130,7 @@ bool HypothesisPool::propose(World world, Closures& closures, const std::vector<
   id = closures.propose_from_scans(world, proposal);
   for (const std::size_t i : set) pool_[i].hypothesis = id;
   Hypothesis& hypothesis = hypotheses_[id];
-  hypothesis.says = {id, proposal.first, proposal.second, proposal.first_from_second, 0};
-  hypothesis.undecided = false;
+  hypothesis.says = {id, proposal.first, proposal.second, proposal.first_from_second, hypothesis.says.value};
   hypothesis.tried = proposal.finds;
   return true;
 }

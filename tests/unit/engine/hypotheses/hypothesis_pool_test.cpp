@@ -113,6 +113,20 @@ TEST(HypothesisPool, TellsWhatScansAloneDoNotDecide) {
   EXPECT_EQ(its.pool.waiting(), 3U);
 }
 
+// Two robots may be on their way to meet because of it.
+TEST(HypothesisPool, StaysUndecidedWhileItIsTriedAgain) {
+  Pooling its;
+  for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
+  ASSERT_TRUE(its.propose());
+  its.hear();
+  ASSERT_EQ(its.pool.undecided().size(), 1U);
+  const double value = its.pool.undecided()[0].value;
+  its.pool.try_all_again();
+  ASSERT_TRUE(its.propose());
+  ASSERT_EQ(its.pool.undecided().size(), 1U);
+  EXPECT_EQ(its.pool.undecided()[0].value, value);
+}
+
 TEST(HypothesisPool, ForgetsFindsThatAreDecided) {
   Pooling its;
   its.believe_little();
