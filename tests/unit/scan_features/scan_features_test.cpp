@@ -20,6 +20,9 @@ ScanFeatures seen(const Walls& walls, const Pose& pose, NoisyLaser laser = {}) {
   return find_features(laser.scan(walls, pose, random), laser.laser(), exact());
 }
 
+const ScanSegment* nearest_to(ScanFeatures&&,
+                              const Eigen::Vector2d&) = delete;  // it would not outlive the call
+
 const ScanSegment* nearest_to(const ScanFeatures& features, const Eigen::Vector2d& point) {
   const ScanSegment* nearest = nullptr;
   double least = 1e9;
@@ -52,7 +55,8 @@ TEST(ScanFeatures, AWallEndsInBothCornersOfTheRoom) {
 
 TEST(ScanFeatures, ADoorwaysPostIsAnEdge) {
   const Walls walls{{{3, -4}, {3, 1}}, {{6, -9}, {6, 9}}};
-  const ScanSegment* near = nearest_to(seen(walls, {}), {3, -1.5});
+  const ScanFeatures features = seen(walls, {});
+  const ScanSegment* near = nearest_to(features, {3, -1.5});
   ASSERT_NE(near, nullptr);
   EXPECT_EQ(near->end_b, EndKind::edge);
   EXPECT_NEAR(near->observed.feature.b.y(), 1, 0.06);
