@@ -189,7 +189,8 @@ TEST(FeatureFilter, ClutterIsBounded) {
   options.association.most_steps = 2'000;
   FeatureFilter filter = at_origin(options);
   std::vector<ObservedFeature> many;
-  for (int i = 0; i < 40; ++i) many.push_back(point_at(3 + 0.05 * (i % 8), 0.05 * (i / 8), 0.05));
+  for (int row = 0; row < 5; ++row)
+    for (int column = 0; column < 8; ++column) many.push_back(point_at(3 + 0.05 * column, 0.05 * row, 0.05));
   filter.observe(0, many);
   filter.move(0, {}, 0.01 * Eigen::Matrix3d::Identity());
   const FeatureScanOutcome outcome = filter.observe(0, many);  // the search ends, and what it found is used
