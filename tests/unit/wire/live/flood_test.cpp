@@ -37,7 +37,10 @@ InboxLimits small_limits() {
 class Flood {
  public:
   Flood() : server_(quick_options(), inbox_, [this](const auto& channel, const auto&) { note(channel); }) {
-    for (const std::string name : {"R1", "R2"}) push(inbox_, name, BoxRoomRobot(name).introduction());
+    for (const std::string name : {"R1", "R2"}) {
+      inbox_.introduce(name);  // as whoever receives does: what follows does not wait for the engine
+      push(inbox_, name, BoxRoomRobot(name).introduction());
+    }
   }
 
   /// R1 drives while the flooder's act is repeated as fast as it goes. It was done `before` times before the
