@@ -28,7 +28,7 @@ class JointFactor {
     make_room(rows_ + size);
     auto below = factor_.block(rows_, 0, size, rows_);
     for (std::size_t k = 0; k < starts_.size(); ++k) {
-      const LocalMatrix block = cross(k);
+      const LocalMatrix& block = cross(k);
       below.middleCols(starts_[k], block.cols()) = block;
     }
     if (rows_ > 0)

@@ -138,7 +138,7 @@ Scenario read_scenario(const Setting& root, const fs::path& file) {
 fs::path scenario_directory() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path installed = program.parent_path().parent_path() / "share" / "isthmus" / "scenarios";
+  fs::path installed = program.parent_path().parent_path() / "share" / "isthmus" / "scenarios";
   if (!error && fs::is_directory(installed)) return installed;
   return ISTHMUS_SCENARIO_DIRECTORY;
 }
