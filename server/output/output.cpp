@@ -2,16 +2,16 @@
 
 #include <utility>
 
-#include "server/output/atomic_file.hpp"
-#include "server/output/graph_g2o.hpp"
-#include "server/output/grid.hpp"
-#include "server/output/grid_files.hpp"
-#include "server/output/islands.hpp"
-#include "server/output/picture.hpp"
+#include "server/output/format/atomic_file.hpp"
+#include "server/output/grid/grid.hpp"
+#include "server/output/grid/grid_files.hpp"
+#include "server/output/grid/picture.hpp"
 #include "server/output/report.hpp"
 #include "server/output/stale.hpp"
-#include "server/output/tables.hpp"
-#include "server/output/trajectories.hpp"
+#include "server/output/tables/graph_g2o.hpp"
+#include "server/output/tables/islands.hpp"
+#include "server/output/tables/tables.hpp"
+#include "server/output/tables/trajectories.hpp"
 
 namespace isthmus {
 namespace {

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "server/output/atomic_file.hpp"
-#include "server/output/trajectories.hpp"
+#include "server/output/format/atomic_file.hpp"
+#include "server/output/tables/trajectories.hpp"
 
 namespace isthmus {
 namespace {

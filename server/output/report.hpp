@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "server/output/islands.hpp"
 #include "server/output/output.hpp"
+#include "server/output/tables/islands.hpp"
 
 namespace isthmus {
 

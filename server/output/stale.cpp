@@ -5,7 +5,7 @@
 #include <set>
 #include <string_view>
 
-#include "server/output/trajectories.hpp"
+#include "server/output/tables/trajectories.hpp"
 
 namespace isthmus {
 namespace {

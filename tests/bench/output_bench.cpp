@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/output/grid.hpp"
+#include "server/output/grid/grid.hpp"
 #include "server/output/output.hpp"
 
 namespace isthmus {

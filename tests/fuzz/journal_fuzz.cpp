@@ -14,7 +14,7 @@
 
 #include "server/wire/journal/journal.hpp"
 #include "server/wire/journal/journal_files.hpp"
-#include "server/wire/journal/recovery.hpp"
+#include "server/wire/journal/recovery/recovery.hpp"
 
 namespace {
 

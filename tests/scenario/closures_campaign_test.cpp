@@ -1,9 +1,9 @@
 // Buildings of which one place looks like another: no relation may say that they are one.
 
-#include "tools/simulate/closures_campaign.hpp"
+#include "tools/simulate/campaigns/closures.hpp"
 
 #include "tests/scenario/simulated_maps.hpp"
-#include "tools/simulate/sightings_campaign.hpp"
+#include "tools/simulate/campaigns/sightings.hpp"
 
 namespace isthmus {
 namespace {

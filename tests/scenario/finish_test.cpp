@@ -6,11 +6,11 @@
 #include <algorithm>
 
 #include "server/engine/engine.hpp"
-#include "server/output/graph_g2o.hpp"
-#include "server/output/islands.hpp"
+#include "server/output/tables/graph_g2o.hpp"
+#include "server/output/tables/islands.hpp"
 #include "tests/support/temporary_directory.hpp"
-#include "tools/simulate/scenario_file.hpp"
-#include "tools/simulate/simulation.hpp"
+#include "tools/simulate/run/simulation.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 #include "tools/text/g2o.hpp"
 
 namespace isthmus {

@@ -1,7 +1,7 @@
 #include <numbers>
 
 #include "tests/scenario/event_sequences.hpp"
-#include "tools/simulate/scenario_file.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 
 // What the report says of robots whose data is wrong. The map may be poor; it must not crash or grow without
 // bound.

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/simulate/hostile_campaign.hpp"
-#include "tools/simulate/scenario_file.hpp"
+#include "tools/simulate/campaigns/hostile.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "server/engine/engine.hpp"
 #include "tests/scenario/event_sequences.hpp"
-#include "tools/simulate/true_patches.hpp"
+#include "tools/simulate/truth/true_patches.hpp"
 
 // Two wings of one plan, one turned by half a circle against the other, and two robots that have mapped. A
 // hypothesis says how their islands lie to one another; the engine is asked where a meeting would settle it,

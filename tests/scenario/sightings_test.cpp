@@ -4,8 +4,8 @@
 //    ==========  corridor  ===   drive on to rooms they do not know, and pass again.
 //      ^ R1
 
+#include "tools/simulate/campaigns/sightings.hpp"
 #include "tests/scenario/event_sequences.hpp"
-#include "tools/simulate/sightings_campaign.hpp"
 
 namespace isthmus {
 namespace {

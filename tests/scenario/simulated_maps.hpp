@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "tools/simulate/confidence_campaign.hpp"
-#include "tools/simulate/scenario_file.hpp"
-#include "tools/simulate/truth_files.hpp"
+#include "tools/simulate/campaigns/confidence.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
+#include "tools/simulate/truth/truth_files.hpp"
 
 namespace isthmus {
 

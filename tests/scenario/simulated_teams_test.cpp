@@ -2,7 +2,7 @@
 // though three sightings in ten are false.
 
 #include "tests/scenario/event_sequences.hpp"
-#include "tools/simulate/sightings_campaign.hpp"
+#include "tools/simulate/campaigns/sightings.hpp"
 
 namespace isthmus {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "server/wire/journal/journal_entry.hpp"
-#include "server/wire/journal/log_frame.hpp"
+#include "server/wire/journal/frames/journal_entry.hpp"
+#include "server/wire/journal/frames/log_frame.hpp"
 #include "server/wire/message/message.hpp"
 
 namespace isthmus {

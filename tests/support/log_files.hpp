@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/wire/journal/event_log.hpp"
-#include "server/wire/journal/journal_entry.hpp"
+#include "server/wire/journal/frames/journal_entry.hpp"
 
 namespace isthmus {
 

@@ -8,96 +8,73 @@
 #include <optional>
 #include <random>
 
-#include "tools/text/lines.hpp"
-#include "tools/text/numbers.hpp"
+#include "tools/text/words.hpp"
 
 namespace isthmus {
 namespace {
 
 class LandmarkReader {
  public:
-  explicit LandmarkReader(const std::string& file) : lines_(file) {}
+  explicit LandmarkReader(const std::string& file) : words_(file) {}
 
   LandmarkLog read() {
-    while (const auto line = lines_.next()) {
-      split_words(*line, words_);
-      if (words_.empty() || words_[0].front() == '#') continue;
-      if (words_[0] == "ODOMETRY" || words_[0] == "EDGE2") {
+    while (words_.next()) {
+      if (words_.word(0) == "ODOMETRY" || words_.word(0) == "EDGE2") {
         take_odometry();
-      } else if (words_[0] == "LANDMARK") {
+      } else if (words_.word(0) == "LANDMARK") {
         take_landmark();
       } else {
-        fail("unknown line '" + std::string(words_[0]) + "'");
+        words_.fail("unknown line '" + std::string(words_.word(0)) + "'");
       }
     }
-    if (log_.steps.empty()) fail("no ODOMETRY, EDGE2 or LANDMARK line");
+    if (log_.steps.empty()) words_.fail("no ODOMETRY, EDGE2 or LANDMARK line");
     return std::move(log_);
   }
 
  private:
   void take_odometry() {
-    expect_words(12);
+    words_.expect_words(12);
     require_last_pose();
-    const long to = id_at(2);
-    if (to == last_pose_) fail("a step from a pose to itself");
+    const long to = words_.integer(2);
+    if (to == last_pose_) words_.fail("a step from a pose to itself");
     last_pose_ = to;
-    log_.steps.push_back({{number_at(3), number_at(4), wrap_angle(number_at(5))}, covariance_at<3>(6), {}});
+    log_.steps.push_back(
+        {{words_.number(3), words_.number(4), wrap_angle(words_.number(5))}, covariance_at<3>(6), {}});
   }
 
   void take_landmark() {
-    expect_words(8);
+    words_.expect_words(8);
     require_last_pose();
-    const long id = id_at(2);
+    const long id = words_.integer(2);
     const auto [place, is_new] = landmarks_.try_emplace(id, static_cast<int>(landmarks_.size()));
     if (is_new) log_.landmark_ids.push_back(id);
-    log_.steps.back().sightings.push_back({place->second, {number_at(3), number_at(4)}, covariance_at<2>(5)});
+    log_.steps.back().sightings.push_back(
+        {place->second, {words_.number(3), words_.number(4)}, covariance_at<2>(5)});
   }
 
   /// The first line's pose begins the log; from then on lines are of the pose reached last.
   void require_last_pose() {
-    const long from = id_at(1);
+    const long from = words_.integer(1);
     if (!last_pose_) {
       last_pose_ = from;
       log_.steps.emplace_back();
     }
     if (from != last_pose_)
-      fail("from pose " + std::to_string(from) + ", but the pose reached last is " +
-           std::to_string(*last_pose_));
+      words_.fail("from pose " + std::to_string(from) + ", but the pose reached last is " +
+                  std::to_string(*last_pose_));
   }
 
   template <int size>
   Eigen::Matrix<double, size, size> covariance_at(std::size_t word) const {
     Eigen::Matrix<double, size, size> root = Eigen::Matrix<double, size, size>::Zero();
     for (int row = 0; row < size; ++row)
-      for (int column = row; column < size; ++column) root(row, column) = number_at(word++);
+      for (int column = row; column < size; ++column) root(row, column) = words_.number(word++);
     if (!(root.diagonal().cwiseAbs().minCoeff() > 1e-9))
-      fail("a square root of information with a zero on its diagonal");
+      words_.fail("a square root of information with a zero on its diagonal");
     return (root.transpose() * root).inverse();
   }
 
-  long id_at(std::size_t word) const {
-    const auto id = parse_integer(words_[word]);
-    if (!id) fail("'" + std::string(words_[word]) + "' is no id");
-    return static_cast<long>(*id);
-  }
-
-  double number_at(std::size_t word) const {
-    const auto value = parse_double(words_[word]);
-    if (!value || !std::isfinite(*value)) fail("'" + std::string(words_[word]) + "' is not a finite number");
-    return *value;
-  }
-
-  void expect_words(std::size_t count) const {
-    if (words_.size() != count)
-      fail("expected " + std::to_string(count) + " fields, found " + std::to_string(words_.size()));
-  }
-
-  [[noreturn]] void fail(const std::string& reason) const {
-    throw FileError(lines_.file(), lines_.number(), reason);
-  }
-
-  LineReader lines_;
-  std::vector<std::string_view> words_;
+  WordReader words_;
   LandmarkLog log_;
   std::map<long, int> landmarks_;
   std::optional<long> last_pose_;

@@ -3,7 +3,7 @@
 #include <exception>
 #include <vector>
 
-#include "server/output/atomic_file.hpp"
+#include "server/output/format/atomic_file.hpp"
 #include "tools/replay/read_map.hpp"
 #include "tools/text/finite_number.hpp"
 #include "tools/text/progress.hpp"

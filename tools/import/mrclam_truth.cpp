@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include "server/output/atomic_file.hpp"
-#include "server/output/csv.hpp"
-#include "server/output/number.hpp"
+#include "server/output/format/atomic_file.hpp"
+#include "server/output/format/csv.hpp"
+#include "server/output/format/number.hpp"
 #include "tools/import/mrclam.hpp"
 #include "tools/text/lines.hpp"
 

@@ -1,6 +1,6 @@
 #include "tools/inspect/pose_graph.hpp"
 
-#include "server/output/graph_g2o.hpp"
+#include "server/output/tables/graph_g2o.hpp"
 #include "tools/text/g2o.hpp"
 #include "tools/text/lines.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "server/engine/input/tuning.hpp"
-#include "server/output/csv.hpp"
+#include "server/output/format/csv.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/text/finite_number.hpp"
 #include "tools/text/progress.hpp"

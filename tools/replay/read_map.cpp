@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "server/wire/journal/journal_files.hpp"
-#include "server/wire/journal/recovery.hpp"
+#include "server/wire/journal/recovery/recovery.hpp"
 
 namespace isthmus {
 namespace {

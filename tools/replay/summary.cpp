@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "server/output/islands.hpp"
+#include "server/output/tables/islands.hpp"
 
 namespace isthmus {
 namespace {

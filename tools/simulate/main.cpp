@@ -4,9 +4,9 @@
 #include <stdexcept>
 
 #include "server/wire/journal/event_log.hpp"
-#include "tools/simulate/scenario_file.hpp"
-#include "tools/simulate/simulation.hpp"
-#include "tools/simulate/truth_files.hpp"
+#include "tools/simulate/run/simulation.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
+#include "tools/simulate/truth/truth_files.hpp"
 #include "tools/simulate/wild/campaign.hpp"
 
 namespace {

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "server/wire/journal/snapshots.hpp"
+#include "server/wire/journal/recovery/snapshots.hpp"
 
 namespace {
 

@@ -2,28 +2,25 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <string_view>
 
-#include "tools/text/lines.hpp"
-#include "tools/text/numbers.hpp"
+#include "tools/text/words.hpp"
 
 namespace isthmus {
 namespace {
 
 class G2oReader {
  public:
-  explicit G2oReader(const std::string& file) : lines_(file) {}
+  explicit G2oReader(const std::string& file) : words_(file) {}
 
   G2oFile read() {
-    while (const auto line = lines_.next()) {
-      split_words(*line, words_);
-      if (words_.empty() || words_[0].front() == '#' || words_[0] == "FIX") continue;
-      if (words_[0] == "VERTEX_SE2") {
+    while (words_.next()) {
+      if (words_.word(0) == "FIX") continue;
+      if (words_.word(0) == "VERTEX_SE2") {
         take_vertex();
-      } else if (words_[0] == "EDGE_SE2") {
+      } else if (words_.word(0) == "EDGE_SE2") {
         take_edge();
       } else {
-        fail("unknown line '" + std::string(words_[0]) + "'");
+        words_.fail("unknown line '" + std::string(words_.word(0)) + "'");
       }
     }
     return std::move(result_);
@@ -31,60 +28,38 @@ class G2oReader {
 
  private:
   void take_vertex() {
-    expect_words(5);
-    std::optional<Pose>& vertex = result_.vertices[id_at(1)];
-    if (vertex) fail("vertex " + std::string(words_[1]) + " is given twice");
+    words_.expect_words(5);
+    std::optional<Pose>& vertex = result_.vertices[words_.integer(1)];
+    if (vertex) words_.fail("vertex " + std::string(words_.word(1)) + " is given twice");
     vertex = pose_at(2);
   }
 
   void take_edge() {
-    expect_words(12);
-    G2oFileEdge edge{id_at(1), id_at(2), pose_at(3), information_at(6), lines_.number()};
-    if (edge.from == edge.to) fail("an edge from a vertex to itself");
+    words_.expect_words(12);
+    G2oFileEdge edge{words_.integer(1), words_.integer(2), pose_at(3), information_at(6), words_.line()};
+    if (edge.from == edge.to) words_.fail("an edge from a vertex to itself");
     result_.vertices.try_emplace(edge.from);
     result_.vertices.try_emplace(edge.to);
     result_.edges.push_back(edge);
   }
 
-  std::int64_t id_at(std::size_t word) const {
-    const auto id = parse_integer(words_[word]);
-    if (!id) fail("'" + std::string(words_[word]) + "' is no vertex id");
-    return *id;
-  }
-
   Pose pose_at(std::size_t word) const {
-    return {number_at(word), number_at(word + 1), wrap_angle(number_at(word + 2))};
+    return {words_.number(word), words_.number(word + 1), wrap_angle(words_.number(word + 2))};
   }
 
   Eigen::Matrix3d information_at(std::size_t word) const {
     Eigen::Matrix3d information;
     for (int row = 0; row < 3; ++row) {
       for (int column = row; column < 3; ++column)
-        information(row, column) = information(column, row) = number_at(word++);
+        information(row, column) = information(column, row) = words_.number(word++);
     }
     if (information(2, 2) <= 0 || information(0, 0) <= 0 ||
         information.topLeftCorner<2, 2>().determinant() <= 0)
-      fail("information is not positive definite");
+      words_.fail("information is not positive definite");
     return information;
   }
 
-  double number_at(std::size_t word) const {
-    const auto value = parse_double(words_[word]);
-    if (!value || !std::isfinite(*value)) fail("'" + std::string(words_[word]) + "' is not a finite number");
-    return *value;
-  }
-
-  void expect_words(std::size_t count) const {
-    if (words_.size() != count)
-      fail("expected " + std::to_string(count) + " fields, found " + std::to_string(words_.size()));
-  }
-
-  [[noreturn]] void fail(const std::string& reason) const {
-    throw FileError(lines_.file(), lines_.number(), reason);
-  }
-
-  LineReader lines_;
-  std::vector<std::string_view> words_;
+  WordReader words_;
   G2oFile result_;
 };
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "server/output/atomic_file.hpp"
+#include "server/output/format/atomic_file.hpp"
 #include "server/wire/file/file_bytes.hpp"
 
 namespace isthmus {

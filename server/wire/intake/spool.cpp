@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "server/wire/journal/spool_file.hpp"
+#include "server/wire/journal/frames/spool_file.hpp"
 
 namespace isthmus {
 

@@ -14,9 +14,9 @@
 
 #include "server/wire/file/file_bytes.hpp"
 #include "server/wire/journal/drop_record.hpp"
+#include "server/wire/journal/frames/log_frame.hpp"
+#include "server/wire/journal/frames/segment_reader.hpp"
 #include "server/wire/journal/log_file.hpp"
-#include "server/wire/journal/log_frame.hpp"
-#include "server/wire/journal/segment_reader.hpp"
 
 namespace isthmus {
 namespace {

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "server/wire/journal/event_log.hpp"
-#include "server/wire/journal/journal_entry.hpp"
+#include "server/wire/journal/frames/journal_entry.hpp"
+#include "server/wire/journal/frames/log_frame.hpp"
 #include "server/wire/journal/journal_files.hpp"
-#include "server/wire/journal/log_frame.hpp"
 
 namespace isthmus {
 namespace {

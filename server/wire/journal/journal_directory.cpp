@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "server/engine/record/uninterrupted.hpp"
+#include "server/wire/journal/frames/segment_reader.hpp"
 #include "server/wire/journal/journal_files.hpp"
-#include "server/wire/journal/segment_reader.hpp"
 
 namespace isthmus {
 namespace {

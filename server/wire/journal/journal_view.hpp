@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/wire/journal/segment_header.hpp"
+#include "server/wire/journal/frames/segment_header.hpp"
 #include "server/wire/journal/set_aside.hpp"
 
 namespace isthmus {

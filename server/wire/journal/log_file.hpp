@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "server/wire/file/file_bytes.hpp"
-#include "server/wire/journal/log_damage.hpp"
-#include "server/wire/journal/log_frame.hpp"
+#include "server/wire/journal/frames/log_damage.hpp"
+#include "server/wire/journal/frames/log_frame.hpp"
 #include "server/wire/message/message.hpp"
 
 namespace isthmus {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "server/output/csv.hpp"
+#include "server/output/format/csv.hpp"
 
 namespace isthmus {
 namespace {

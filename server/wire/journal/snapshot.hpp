@@ -7,7 +7,7 @@
 
 #include "server/engine/engine.hpp"
 #include "server/wire/file/digest.hpp"
-#include "server/wire/journal/segment_header.hpp"
+#include "server/wire/journal/frames/segment_header.hpp"
 #include "server/wire/message/server_configuration.hpp"
 #include "server/wire/watch/robot_monitor.hpp"
 

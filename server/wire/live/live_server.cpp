@@ -7,8 +7,8 @@
 
 #include "server/output/output.hpp"
 #include "server/wire/journal/drop_record.hpp"
+#include "server/wire/journal/frames/spool_file.hpp"
 #include "server/wire/journal/journal_files.hpp"
-#include "server/wire/journal/spool_file.hpp"
 #include "server/wire/message/channel.hpp"
 #include "server/wire/message/encoded.hpp"
 #include "server/wire/message/message.hpp"

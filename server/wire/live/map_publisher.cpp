@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/output/grid.hpp"
+#include "server/output/grid/grid.hpp"
 #include "server/wire/message/encoded.hpp"
 
 namespace isthmus {

@@ -7,7 +7,7 @@
 #include "isthmus/grid_t.hpp"
 #include "isthmus/map_t.hpp"
 #include "server/engine/record/map_copy.hpp"
-#include "server/output/grid.hpp"
+#include "server/output/grid/grid.hpp"
 
 namespace isthmus {
 

@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <string>
 
-#include "server/output/csv.hpp"
-#include "server/output/graph_g2o.hpp"
-#include "server/output/grid.hpp"
+#include "server/output/format/csv.hpp"
+#include "server/output/grid/grid.hpp"
 #include "server/output/latency.hpp"
+#include "server/output/tables/graph_g2o.hpp"
 
 namespace isthmus {
 namespace {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <vector>
 
-#include "tools/simulate/floor_layout.hpp"
-#include "tools/simulate/ray_caster.hpp"
-#include "tools/simulate/scenario_file.hpp"
-#include "tools/simulate/traffic.hpp"
-#include "tools/simulate/unicycle.hpp"
+#include "tools/simulate/plan/floor_layout.hpp"
+#include "tools/simulate/run/ray_caster.hpp"
+#include "tools/simulate/run/traffic.hpp"
+#include "tools/simulate/run/unicycle.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/simulate/ray_caster.hpp"
-#include "tools/simulate/scenario_file.hpp"
-#include "tools/simulate/simulation.hpp"
-#include "tools/simulate/unicycle.hpp"
+#include "tools/simulate/run/ray_caster.hpp"
+#include "tools/simulate/run/simulation.hpp"
+#include "tools/simulate/run/unicycle.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "relations/confidence.hpp"
-#include "server/output/tables.hpp"
+#include "server/output/tables/tables.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/inspect/confidence_text.hpp"
 #include "tools/inspect/meeting_counts.hpp"

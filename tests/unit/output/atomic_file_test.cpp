@@ -1,4 +1,4 @@
-#include "server/output/atomic_file.hpp"
+#include "server/output/format/atomic_file.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

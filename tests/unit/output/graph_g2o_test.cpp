@@ -1,4 +1,4 @@
-#include "server/output/graph_g2o.hpp"
+#include "server/output/tables/graph_g2o.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/output/grid.hpp"
+#include "server/output/grid/grid.hpp"
 
 #include <gtest/gtest.h>
 

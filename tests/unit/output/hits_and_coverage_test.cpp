@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "server/output/coverage.hpp"
-#include "server/output/hits.hpp"
+#include "server/output/grid/coverage.hpp"
+#include "server/output/grid/hits.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/output/tables.hpp"
+#include "server/output/tables/tables.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "relations/confidence.hpp"
-#include "server/output/csv.hpp"
+#include "server/output/format/csv.hpp"
 #include "tests/unit/output/room.hpp"
 
 namespace isthmus {

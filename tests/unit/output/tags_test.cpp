@@ -4,13 +4,13 @@
 #include <sstream>
 
 #include "relations/confidence.hpp"
-#include "server/output/graph_g2o.hpp"
-#include "server/output/grid.hpp"
-#include "server/output/islands.hpp"
-#include "server/output/number.hpp"
+#include "server/output/format/number.hpp"
+#include "server/output/grid/grid.hpp"
 #include "server/output/output.hpp"
 #include "server/output/report.hpp"
-#include "server/output/tables.hpp"
+#include "server/output/tables/graph_g2o.hpp"
+#include "server/output/tables/islands.hpp"
+#include "server/output/tables/tables.hpp"
 #include "tests/unit/output/room.hpp"
 
 namespace isthmus {

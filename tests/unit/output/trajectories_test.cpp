@@ -1,4 +1,4 @@
-#include "server/output/trajectories.hpp"
+#include "server/output/tables/trajectories.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,9 +9,9 @@
 #include <set>
 #include <sstream>
 
-#include "server/output/atomic_file.hpp"
+#include "server/output/format/atomic_file.hpp"
+#include "server/output/grid/picture.hpp"
 #include "server/output/output.hpp"
-#include "server/output/picture.hpp"
 #include "tests/unit/output/room.hpp"
 
 namespace isthmus {

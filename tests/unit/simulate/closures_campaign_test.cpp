@@ -1,4 +1,4 @@
-#include "tools/simulate/closures_campaign.hpp"
+#include "tools/simulate/campaigns/closures.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "tools/simulate/confidence_campaign.hpp"
+#include "tools/simulate/campaigns/confidence.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/plan/random.hpp"
 
 namespace isthmus {
 namespace {

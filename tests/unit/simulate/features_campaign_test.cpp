@@ -1,8 +1,8 @@
-#include "tools/simulate/features_campaign.hpp"
+#include "tools/simulate/campaigns/features.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tools/simulate/scenario_file.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "tests/support/temporary_directory.hpp"
-#include "tools/simulate/scenario_file.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/simulate/floor_plan.hpp"
+#include "tools/simulate/plan/floor_plan.hpp"
 
 #include <gtest/gtest.h>
 

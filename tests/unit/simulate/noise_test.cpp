@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "tools/simulate/laser_model.hpp"
-#include "tools/simulate/odometry_model.hpp"
-#include "tools/simulate/sighting_model.hpp"
+#include "tools/simulate/run/laser_model.hpp"
+#include "tools/simulate/run/odometry_model.hpp"
+#include "tools/simulate/run/sighting_model.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/simulate/ray_caster.hpp"
+#include "tools/simulate/run/ray_caster.hpp"
 
 #include <gtest/gtest.h>
 

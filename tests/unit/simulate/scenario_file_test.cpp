@@ -1,9 +1,9 @@
-#include "tools/simulate/scenario_file.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 
 #include <gtest/gtest.h>
 
 #include "tests/support/temporary_directory.hpp"
-#include "tools/simulate/scenario_settings.hpp"
+#include "tools/simulate/scenario/scenario_settings.hpp"
 
 namespace isthmus {
 namespace {

@@ -5,9 +5,9 @@
 #include <map>
 #include <set>
 
-#include "tools/simulate/scenario_file.hpp"
-#include "tools/simulate/simulation.hpp"
-#include "tools/simulate/unicycle.hpp"
+#include "tools/simulate/run/simulation.hpp"
+#include "tools/simulate/run/unicycle.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
 namespace {

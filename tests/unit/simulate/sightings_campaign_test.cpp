@@ -1,4 +1,4 @@
-#include "tools/simulate/sightings_campaign.hpp"
+#include "tools/simulate/campaigns/sightings.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 
 #include "tests/support/temporary_directory.hpp"
-#include "tools/simulate/scenario_file.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
 namespace {

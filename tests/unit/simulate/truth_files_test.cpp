@@ -1,4 +1,4 @@
-#include "tools/simulate/truth_files.hpp"
+#include "tools/simulate/truth/truth_files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "tests/support/temporary_directory.hpp"
-#include "tools/simulate/scenario_file.hpp"
+#include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/simulate/unicycle.hpp"
+#include "tools/simulate/run/unicycle.hpp"
 
 #include <gtest/gtest.h>
 

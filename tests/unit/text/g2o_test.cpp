@@ -45,7 +45,7 @@ TEST(G2o, ErrorsNameFileLineAndReason) {
   EXPECT_EQ(error_in("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1 7\n"), ":1: expected 12 fields, found 13");
   EXPECT_EQ(error_in("EDGE_SE2 0 1 1 0 zero 1 0 0 1 0 1\n"), ":1: 'zero' is not a finite number");
   EXPECT_EQ(error_in("EDGE_SE2 0 1 1 0 nan 1 0 0 1 0 1\n"), ":1: 'nan' is not a finite number");
-  EXPECT_EQ(error_in("EDGE_SE2 0 1.5 1 0 0 1 0 0 1 0 1\n"), ":1: '1.5' is no vertex id");
+  EXPECT_EQ(error_in("EDGE_SE2 0 1.5 1 0 0 1 0 0 1 0 1\n"), ":1: '1.5' is not an integer");
   EXPECT_EQ(error_in("EDGE_SE2 3 3 1 0 0 1 0 0 1 0 1\n"), ":1: an edge from a vertex to itself");
   EXPECT_EQ(error_in("EDGE_SE2 0 1 1 0 0 1 2 0 1 0 1\n"), ":1: information is not positive definite");
   EXPECT_EQ(error_in("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 0\n"), ":1: information is not positive definite");

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "patches/pose.hpp"
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/plan/random.hpp"
 
 namespace isthmus {
 namespace {

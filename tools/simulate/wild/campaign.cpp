@@ -13,10 +13,10 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include "server/output/csv.hpp"
+#include "server/output/format/csv.hpp"
 #include "server/output/output.hpp"
 #include "server/wire/journal/event_log.hpp"
-#include "tools/simulate/confidence_campaign.hpp"
+#include "tools/simulate/campaigns/confidence.hpp"
 #include "tools/simulate/wild/site.hpp"
 
 namespace isthmus {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/engine/input/words.hpp"
-#include "tools/simulate/scenario.hpp"
+#include "tools/simulate/scenario/scenario.hpp"
 #include "tools/simulate/wild/wheel_faults.hpp"
 
 namespace isthmus {

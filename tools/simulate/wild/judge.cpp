@@ -5,10 +5,10 @@
 #include <map>
 #include <utility>
 
-#include "tools/simulate/closures_campaign.hpp"
-#include "tools/simulate/ray_caster.hpp"
-#include "tools/simulate/sightings_campaign.hpp"
-#include "tools/simulate/trajectory_errors.hpp"
+#include "tools/simulate/campaigns/closures.hpp"
+#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/run/ray_caster.hpp"
+#include "tools/simulate/truth/trajectory_errors.hpp"
 
 namespace isthmus {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "server/engine/record/map_copy.hpp"
-#include "tools/simulate/truth_files.hpp"
+#include "tools/simulate/truth/truth_files.hpp"
 
 namespace isthmus {
 

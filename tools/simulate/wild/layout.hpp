@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/simulate/floor_layout.hpp"
+#include "tools/simulate/plan/floor_layout.hpp"
 #include "tools/simulate/wild/draw.hpp"
 
 namespace isthmus {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/simulate/unicycle.hpp"
+#include "tools/simulate/run/unicycle.hpp"
 #include "tools/simulate/wild/bend.hpp"
 #include "tools/simulate/wild/layout.hpp"
 #include "tools/simulate/wild/surfaces.hpp"

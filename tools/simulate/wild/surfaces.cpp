@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/simulate/clutter.hpp"
-#include "tools/simulate/floor_furniture.hpp"
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/plan/clutter.hpp"
+#include "tools/simulate/plan/floor_furniture.hpp"
+#include "tools/simulate/plan/random.hpp"
 
 namespace isthmus {
 namespace {

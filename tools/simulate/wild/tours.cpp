@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/simulate/floor_legs.hpp"
-#include "tools/simulate/floor_routes.hpp"
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/plan/floor_legs.hpp"
+#include "tools/simulate/plan/floor_routes.hpp"
+#include "tools/simulate/plan/random.hpp"
 
 namespace isthmus {
 namespace {

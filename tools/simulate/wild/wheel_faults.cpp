@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/plan/random.hpp"
 
 namespace isthmus {
 namespace {

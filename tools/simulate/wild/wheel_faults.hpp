@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "tools/simulate/simulation.hpp"
+#include "tools/simulate/run/simulation.hpp"
 
 namespace isthmus {
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "tools/simulate/ray_caster.hpp"
-#include "tools/simulate/unicycle.hpp"
+#include "tools/simulate/run/ray_caster.hpp"
+#include "tools/simulate/run/unicycle.hpp"
 #include "tools/simulate/wild/bend.hpp"
 #include "tools/simulate/wild/layout.hpp"
 #include "tools/simulate/wild/site.hpp"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "server/wire/journal/spool_file.hpp"
+#include "server/wire/journal/frames/spool_file.hpp"
 #include "tests/support/failing_disk.hpp"
 #include "tests/support/log_files.hpp"
 #include "tests/support/temporary_directory.hpp"

@@ -1,4 +1,4 @@
-#include "server/wire/journal/crash_guard.hpp"
+#include "server/wire/journal/recovery/crash_guard.hpp"
 
 #include <gtest/gtest.h>
 

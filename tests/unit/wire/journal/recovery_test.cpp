@@ -1,4 +1,4 @@
-#include "server/wire/journal/recovery.hpp"
+#include "server/wire/journal/recovery/recovery.hpp"
 
 #include <gtest/gtest.h>
 

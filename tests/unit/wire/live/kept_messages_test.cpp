@@ -14,8 +14,8 @@
 #include <thread>
 
 #include "isthmus/received_t.hpp"
+#include "server/wire/journal/frames/spool_file.hpp"
 #include "server/wire/journal/set_aside.hpp"
-#include "server/wire/journal/spool_file.hpp"
 #include "server/wire/live/live_server.hpp"
 #include "server/wire/trust/envelope.hpp"
 #include "tests/support/box_room.hpp"

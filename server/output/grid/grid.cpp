@@ -1,0 +1,120 @@
+#include "server/output/grid/grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <tuple>
+
+#include "server/output/grid/coverage.hpp"
+#include "server/output/grid/hits.hpp"
+#include "server/output/grid/lattice.hpp"
+
+namespace isthmus {
+namespace {
+
+/// Cells around everything seen, so that a picture does not end at a wall.
+constexpr double margin_cells = 4;
+
+/// A cell with hits stays occupied until more than so many times as many patches see free space there: a wall
+/// is hit by many and grazed by some, a passer-by is hit once and seen through ever after.
+constexpr int contradiction = 4;
+
+/// Poses farther out than this are no places.
+constexpr double farthest_m = 1e7;
+
+struct Placed {
+  const Patch& patch;
+  Pose map_from_patch;
+};
+
+std::vector<Placed> place(const MapCopy& map, const std::vector<PatchId>& ids) {
+  std::vector<Placed> placed;
+  for (const PatchId id : ids) {
+    const Pose& pose = map.poses[static_cast<std::size_t>(id.value)];
+    const Patch& patch = *map.patches[static_cast<std::size_t>(id.value)];
+    if (patch.tag >= 0 || !is_finite(pose) || std::hypot(pose.x, pose.y) > farthest_m) continue;
+    placed.push_back({patch, pose});
+  }
+  return placed;
+}
+
+struct Bounds {
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
+
+  void include(const Eigen::Vector2d& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+};
+
+Bounds bounds_of(std::span<const Placed> placed) {
+  Bounds bounds;
+  for (const auto& [patch, map_from_patch] : placed) {
+    bounds.include(position(map_from_patch));
+    for (const PolygonWithHoles& polygon : patch.free_space.polygons()) {
+      for (const Eigen::Vector2d& corner : polygon.outer) bounds.include(map_from_patch * corner);
+    }
+    for (const ScanPoint& point : patch.points) {
+      if (within_free_space_range(patch, point)) bounds.include(map_from_patch * point.position);
+    }
+  }
+  if (placed.empty()) bounds.include(Eigen::Vector2d::Zero());
+  return bounds;
+}
+
+Lattice lattice_over(const Bounds& bounds, double resolution_m, std::size_t max_pixels) {
+  const auto cut = [&bounds](double cell_m) {
+    const Eigen::Vector2d low = (bounds.low / cell_m).array().floor() - margin_cells;
+    const Eigen::Vector2d high = (bounds.high / cell_m).array().floor() + (margin_cells + 1);
+    return std::tuple<Eigen::Vector2d, Eigen::Vector2d>(low, high - low);
+  };
+  const auto most = static_cast<double>(max_pixels);
+  auto [low, size] = cut(resolution_m);
+  while (size.x() * size.y() > most) {
+    resolution_m *= std::max(1.01, std::sqrt(size.x() * size.y() / most));
+    std::tie(low, size) = cut(resolution_m);
+  }
+  return {resolution_m, low.x(), low.y(), static_cast<int>(size.x()), static_cast<int>(size.y())};
+}
+
+std::uint8_t pixel(int hits, int covering) {
+  if (hits > 0 && contradiction * hits >= covering) return OccupancyGrid::occupied;
+  return covering > 0 ? OccupancyGrid::free : OccupancyGrid::unknown;
+}
+
+}  // namespace
+
+OccupancyGrid render_island(const MapCopy& map, const std::vector<PatchId>& island_patches,
+                            double resolution_m, std::size_t max_pixels) {
+  const std::vector<Placed> placed = place(map, island_patches);
+  const Lattice lattice =
+      lattice_over(bounds_of(placed), resolution_m, std::max<std::size_t>(max_pixels, 400));
+
+  Coverage coverage(lattice);
+  Hits hits(lattice);
+  for (const auto& [patch, map_from_patch] : placed) {
+    coverage.add(patch.free_space, map_from_patch);
+    hits.add(patch, map_from_patch);
+  }
+
+  OccupancyGrid grid{lattice.resolution_m,
+                     lattice.column0 * lattice.resolution_m,
+                     lattice.row0 * lattice.resolution_m,
+                     lattice.width,
+                     lattice.height,
+                     {}};
+  grid.pixels.reserve(lattice.size());
+  for (int row = lattice.height - 1; row >= 0; --row) {
+    const std::span<const std::int32_t> steps = coverage.steps_of_row(row);
+    int covering = 0;
+    for (int column = 0; column < lattice.width; ++column) {
+      covering += steps[static_cast<std::size_t>(column)];
+      grid.pixels.push_back(pixel(hits.count(column, row), covering));
+    }
+  }
+  return grid;
+}
+
+}  // namespace isthmus

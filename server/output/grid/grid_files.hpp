@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "server/output/grid/grid.hpp"
+
+namespace isthmus {
+
+/// Writes `stem`.pgm, .yaml and .png, the grid in map_server's convention (mode trinary).
+void write_grid(const OccupancyGrid& grid, const std::string& stem);
+
+}  // namespace isthmus

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/simulate/scenario/scenario.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace isthmus {
+
+/// The runs that a campaign asks for.
+struct CampaignRuns {
+  std::vector<std::string> scenarios;
+  std::uint64_t seeds = 100;
+  std::uint64_t first_seed = 1;
+  std::vector<std::string> overrides;  ///< "{seed}" in them stands for the run's seed: floor.seed={seed}
+
+  /// Throws as load_scenario does.
+  Scenario load(const std::string& name, std::uint64_t seed) const;
+
+  /// Options of a subcommand.
+  void add_seeds(CLI::App& command);      ///< --seeds, --first-seed
+  void add_runs(CLI::App& command);       ///< those and --set
+  void add_scenario(CLI::App& command);   ///< one --scenario, required
+  void add_scenarios(CLI::App& command);  ///< one or more
+};
+
+/// Each adds a subcommand that runs its campaign and prints a row for each run as it ends.
+/// @{
+void add_confidence_command(CLI::App& app);
+void add_sightings_command(CLI::App& app);
+void add_closures_command(CLI::App& app);
+void add_hostile_command(CLI::App& app);
+void add_features_command(CLI::App& app);
+void add_rendezvous_command(CLI::App& app);
+/// @}
+
+}  // namespace isthmus

@@ -1,0 +1,190 @@
+#include "tools/simulate/campaigns/rendezvous_experiment.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <numbers>
+
+#include "server/features/feature_filter.hpp"
+#include "server/features/unicycle_noise.hpp"
+#include "tools/simulate/campaigns/meeting.hpp"
+#include "tools/simulate/plan/random.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr double width_m = 80, depth_m = 60, round_m = 2 * (width_m + depth_m);
+constexpr int corner_count = 124;
+constexpr double reach_m = 8;            // as the laser's
+constexpr double corner_sigma_m = 0.03;  // of a corner from a scan
+constexpr double step_m = 0.5;
+
+/// Where the corridor is after s metres eastwards from (0, 0), and which way it goes there.
+Pose on_corridor(double s) {
+  s = std::fmod(std::fmod(s, round_m) + round_m, round_m);
+  if (s < width_m) return {s, 0, 0};
+  if (s < width_m + depth_m) return {width_m, s - width_m, 0.5 * std::numbers::pi};
+  if (s < 2 * width_m + depth_m) return {2 * width_m + depth_m - s, depth_m, std::numbers::pi};
+  return {0, round_m - s, -0.5 * std::numbers::pi};
+}
+
+struct Corner {
+  double along_m = 0;  ///< along the corridor
+  Eigen::Vector2d position;
+};
+
+std::vector<Corner> corners(Random& random) {
+  std::vector<Corner> all;
+  for (int i = 0; i < corner_count; ++i) {
+    const double s = (i + 0.5 + random.uniform(-0.3, 0.3)) * round_m / corner_count;
+    const double side = (random.chance(0.5) ? 1 : -1) * random.uniform(1, 2);
+    all.push_back({s, on_corridor(s) * Eigen::Vector2d(0, side)});
+  }
+  return all;
+}
+
+/// One robot's map of its way; which corner is which is known to it, as section IV has it for each robot
+/// alone.
+class Mapper {
+ public:
+  Mapper(const std::vector<Corner>& corners, Random random)
+      : corners_(corners), random_(random), ids_(corners.size(), -1) {
+    filter_.add_robot({}, Eigen::Matrix3d::Zero());
+  }
+
+  /// Along the corridor from s to s, the robot looking where it goes.
+  void drive(double from, double to) {
+    const bool forward = to > from;
+    const int steps = static_cast<int>(std::abs(to - from) / step_m);
+    for (int i = 0; i <= steps; ++i) {
+      const double s = from + (forward ? 1 : -1) * i * step_m;
+      const Pose there = forward ? on_corridor(s) : on_corridor(s) * Pose{0, 0, std::numbers::pi};
+      if (begun_)
+        move(ominus(there, truth_));
+      else
+        start_ = there;
+      begun_ = true;
+      truth_ = there;
+      look(s);
+    }
+  }
+
+  const FeatureState& state() const { return filter_.state(); }
+  const Pose& truth() const { return truth_; }
+  const Pose& start() const { return start_; }
+  std::vector<int> corner_of_id() const {
+    std::vector<int> corner_of(state().features.size(), -1);
+    for (std::size_t i = 0; i < ids_.size(); ++i)
+      if (ids_[i] >= 0) corner_of[static_cast<std::size_t>(ids_[i])] = static_cast<int>(i);
+    return corner_of;
+  }
+
+ private:
+  void move(const Pose& old_from_new) {
+    OdometryStep step = unicycle_step(std::hypot(old_from_new.x, old_from_new.y), old_from_new.yaw, 1, {});
+    step.covariance(1, 1) = 1e-6;
+    const Pose noise{random_.normal(std::sqrt(step.covariance(0, 0))), random_.normal(1e-3),
+                     random_.normal(std::sqrt(step.covariance(2, 2)))};
+    filter_.move(
+        0, {old_from_new.x + noise.x, old_from_new.y + noise.y, wrap_angle(old_from_new.yaw + noise.yaw)},
+        step.covariance);
+  }
+
+  void look(double s) {
+    std::vector<ObservedFeature> seen;
+    std::vector<int> known;
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      const double along = std::remainder(corners_[i].along_m - s, round_m);
+      const Eigen::Vector2d there = inverse(truth_) * corners_[i].position;
+      if (std::abs(along) > reach_m || there.norm() > reach_m || there.x() < 0) continue;
+      const Eigen::Vector2d noise(random_.normal(corner_sigma_m), random_.normal(corner_sigma_m));
+      seen.push_back(
+          {point_feature(there + noise), corner_sigma_m * corner_sigma_m * LocalMatrix::Identity(2, 2)});
+      known.push_back(ids_[i]);
+      which.push_back(i);
+    }
+    const std::vector<int> now = filter_.observe_known(0, seen, known);
+    for (std::size_t k = 0; k < now.size(); ++k) ids_[which[k]] = now[k];
+  }
+
+  const std::vector<Corner>& corners_;
+  Random random_;
+  FeatureFilter filter_;
+  std::vector<int> ids_;
+  Pose truth_, start_;
+  bool begun_ = false;
+};
+
+double largest_3_sigma_m(const FeatureState& state) {
+  double largest = 0;
+  for (std::size_t i = 0; i < state.features.size(); ++i) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(Eigen::Matrix2d(feature_covariance(state, i)));
+    largest = std::max(largest, axes.eigenvalues()(1));
+  }
+  return 3 * std::sqrt(largest);
+}
+
+}  // namespace
+
+RendezvousExperiment run_rendezvous_experiment(std::uint64_t seed) {
+  Random building(seed, "corners");
+  const std::vector<Corner> all = corners(building);
+  Mapper one(all, Random(seed, "robot 1")), two(all, Random(seed, "robot 2"));
+  one.drive(0, 208);    // east, north, and west along the far side
+  one.drive(208, 150);  // and back
+  two.drive(280, 154);  // north, and east along the far side, until they see one another
+  RendezvousExperiment experiment;
+  experiment.one = one.state();
+  experiment.two = two.state();
+  experiment.corner_of_one = one.corner_of_id();
+  experiment.corner_of_two = two.corner_of_id();
+  experiment.truth_of_two = ominus(two.truth(), one.start());
+  experiment.alignment = align_at_meeting(ominus(two.truth(), one.truth()), Random(seed, "rendezvous"));
+  return experiment;
+}
+
+RendezvousScore judge_fusion(const RendezvousExperiment& experiment) {
+  const FeatureState plain = aligned(experiment.one, 0, experiment.two, 0, experiment.alignment);
+  const std::clock_t start = std::clock();
+  const Fusion fusion = fuse(experiment.one, 0, experiment.two, 0, experiment.alignment);
+  RendezvousScore score;
+  score.fusion_cpu_ms = 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  score.corners_1 = experiment.one.features.size();
+  score.corners_2 = experiment.two.features.size();
+  for (const int corner : experiment.corner_of_two)
+    score.duplicates += static_cast<std::size_t>(
+        std::count(experiment.corner_of_one.begin(), experiment.corner_of_one.end(), corner));
+  for (const Fusion::Duplicate& pair : fusion.duplicates) {
+    const auto second = static_cast<std::size_t>(pair.gone - experiment.one.next_id);
+    const bool right =
+        experiment.corner_of_one[static_cast<std::size_t>(pair.kept)] == experiment.corner_of_two[second];
+    ++(right ? score.found : score.wrong);
+  }
+  score.before_3_sigma_m = largest_3_sigma_m(plain);
+  score.after_3_sigma_m = largest_3_sigma_m(fusion.state);
+  score.nees_before = pose_nees(plain, 1, experiment.truth_of_two) / 3;
+  score.nees_after = pose_nees(fusion.state, 1, experiment.truth_of_two) / 3;
+  return score;
+}
+
+RendezvousScore mean_of(const std::vector<RendezvousScore>& scores) {
+  RendezvousScore mean;
+  const double share = 1 / static_cast<double>(std::max<std::size_t>(1, scores.size()));
+  for (const RendezvousScore& one : scores) {
+    mean.corners_1 += one.corners_1;
+    mean.corners_2 += one.corners_2;
+    mean.duplicates += one.duplicates;
+    mean.found += one.found;
+    mean.wrong += one.wrong;
+    mean.before_3_sigma_m += share * one.before_3_sigma_m;
+    mean.after_3_sigma_m += share * one.after_3_sigma_m;
+    mean.nees_before += share * one.nees_before;
+    mean.nees_after += share * one.nees_after;
+    mean.fusion_cpu_ms += share * one.fusion_cpu_ms;
+  }
+  return mean;
+}
+
+}  // namespace isthmus

@@ -1,0 +1,100 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tools/simulate/wild/campaign.hpp"
+#include "tools/simulate/wild/command.hpp"
+
+namespace isthmus {
+namespace {
+
+struct Arguments {
+  std::uint64_t seeds = 100;
+  std::uint64_t first_seed = 1;
+  unsigned jobs = 1;
+  std::string output;
+  bool keep_failed = false;
+};
+
+void print(const WildTrial& t) {
+  const WildScore& s = t.score;
+  std::printf("%-6llu %7zu %9.4f %8.3f %4s %6zu %7zu %7.1f  %s\n", static_cast<unsigned long long>(t.seed),
+              s.islands, s.mean_m, s.max_m,
+              !t.finished  ? "none"
+              : s.is_off() ? "OFF"
+                           : "",
+              s.wrong_merges, s.missed_merges, t.cpu_s + t.simulation_cpu_s,
+              describe(draw_wild(t.seed)).c_str());
+  std::fflush(stdout);
+}
+
+void summarise(const std::vector<WildTrial>& trials) {
+  std::size_t off = 0, wrong = 0, missed = 0, none = 0;
+  double cpu_s = 0;
+  for (const WildTrial& t : trials) {
+    none += t.finished ? 0U : 1U;
+    off += t.score.is_off() ? 1U : 0U;
+    wrong += t.score.wrong_merges > 0 ? 1U : 0U;
+    missed += t.score.missed_merges > 0 ? 1U : 0U;
+    cpu_s += t.cpu_s + t.simulation_cpu_s;
+  }
+  const auto runs = static_cast<double>(trials.size());
+  std::printf(
+      "%zu runs: %zu (%.1f %%) with a relation over 1 m off, %zu with wrong merges, %zu with missed ones, "
+      "%zu without a map; %.1f CPU s a run\n",
+      trials.size(), off, 100 * static_cast<double>(off) / runs, wrong, missed, none, cpu_s / runs);
+  std::printf("%-18s %8s %8s\n", "drawn", "failed %", "others %");
+  for (const WildTraitShare& trait : compare_traits(trials))
+    std::printf("%-18s %8.0f %8.0f\n", trait.name.c_str(), 100 * trait.of_failed, 100 * trait.of_others);
+}
+
+void wild_campaign(const Arguments& arguments) {
+  if (!arguments.output.empty()) std::filesystem::create_directories(arguments.output);
+  std::printf("%-6s %7s %9s %8s %4s %6s %7s %7s  %s\n", "seed", "islands", "mean m", "max m", "", "wrong",
+              "missed", "CPU s", "drawn");
+  std::vector<WildTrial> trials;
+  const std::string kept = arguments.keep_failed ? arguments.output : std::string();
+  try_seeds(
+      arguments.first_seed, arguments.seeds, arguments.jobs,
+      [&](std::uint64_t seed) { return try_wild(seed, kept); },
+      [&](const WildTrial& trial) {
+        print(trial);
+        trials.push_back(trial);
+      });
+  summarise(trials);
+  if (!arguments.output.empty()) write_wild_trials(trials, arguments.output + "/wild.csv");
+  if (!std::ranges::all_of(trials, &WildTrial::finished))
+    throw std::runtime_error("not every seed could be mapped");
+}
+
+}  // namespace
+
+void add_wild_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* wild = app.add_subcommand(
+      "wild",
+      "Maps runs in buildings that nobody has seen: building, furniture, people, lasers, wheels, tours and "
+      "team\n"
+      "are drawn from the seed. Tells which maps have a relation over 1 m off, a wrong merge, a true merge\n"
+      "missed, and what the runs that failed have in common.");
+  wild->add_option("--seeds", arguments->seeds, "Runs")->check(CLI::PositiveNumber)->capture_default_str();
+  wild->add_option("--first-seed,--from", arguments->first_seed, "Seed of the first run")
+      ->capture_default_str();
+  wild->add_option("--jobs", arguments->jobs, "Runs at a time")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  CLI::Option* output =
+      wild->add_option("--output", arguments->output, "Where to write wild.csv, a row for each seed")
+          ->type_name("DIR");
+  wild->add_flag("--keep-failed", arguments->keep_failed,
+                 "Keep log and truth of each run that failed there too")
+      ->needs(output);
+  wild->callback([arguments] { wild_campaign(*arguments); });
+}
+
+}  // namespace isthmus
