@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "server/features/feature_filter.hpp"
 #include "server/features/invariance.hpp"
@@ -234,6 +235,9 @@ TEST(FeatureFilterProperty, TheSearchFindsTheLargestCompatibleSet) {
     const std::vector<std::size_t> found = most_compatible(state.covariance, all, options, gates);
     const std::vector<std::size_t> best = by_trying_all(state.covariance, all, gates);
     RC_ASSERT(found.size() + 1 >= best.size());
+    std::set<std::size_t> twins;
+    for (const std::size_t which : found) twins.insert(all[which].index);
+    RC_ASSERT(twins.size() == found.size());
     RC_CLASSIFY(found == best);
   }));
 }

@@ -74,6 +74,26 @@ TEST(HeldByOdometry, SaysNothingOfTheDirectionInWhichItIsHeld) {
   EXPECT_GT((held->direction_trust * Eigen::Vector2d::UnitY()).norm(), 0.9);
 }
 
+// Two who walk side by side hold as many beams as a wall.
+TEST(HeldByOdometry, IsNotTrustedInTheDirectionInWhichItIsHeld) {
+  const auto with_two_at = [](double x) {
+    Walls walls = corridor();
+    add_box(walls, x, -0.7, x + 0.3, -0.1);
+    add_box(walls, x + 0.45, 0.1, x + 0.75, 0.7);
+    return walls;
+  };
+  EngineOptions options;
+  options.localise.match_variance_m2 = 1e-6;  // so that a step as small is a surprise
+  const Step step = step_of(with_two_at(1.1), with_two_at(1.15), {0.05, 0, 0}, {0.05, 0, 0}, 0.004);
+  MatchOptions as_it_is = options.match;
+  as_it_is.max_iterations = 0;
+  const Match there = match_scan(step.before, step.now, {{0.05, 0, 0}, Eigen::Matrix3d::Zero()}, as_it_is);
+  ASSERT_GT((there.direction_trust * Eigen::Vector2d::UnitX()).norm(), 0.4);
+  const std::optional<Match> held = step.held(options);
+  ASSERT_TRUE(held);
+  EXPECT_LT((held->direction_trust * Eigen::Vector2d::UnitX()).norm(), 0.01);
+}
+
 // Also where odometry is known so badly that its step is no surprise.
 TEST(HeldByOdometry, WhereOnlyWhatMayMoveSpeaksForTheMatch) {
   const Step step =
