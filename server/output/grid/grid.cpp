@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <tuple>
 
@@ -23,48 +22,28 @@ constexpr int contradiction = 4;
 /// Poses farther out than this are no places.
 constexpr double farthest_m = 1e7;
 
-struct Placed {
-  const Patch& patch;
-  Pose map_from_patch;
-};
-
-std::vector<Placed> place(const MapCopy& map, const std::vector<PatchId>& ids) {
-  std::vector<Placed> placed;
+std::vector<PlacedPatch> place(const MapCopy& map, const std::vector<PatchId>& ids) {
+  std::vector<PlacedPatch> placed;
   for (const PatchId id : ids) {
-    const Pose& pose = map.poses[static_cast<std::size_t>(id.value)];
-    const Patch& patch = *map.patches[static_cast<std::size_t>(id.value)];
-    if (patch.tag >= 0 || !is_finite(pose) || std::hypot(pose.x, pose.y) > farthest_m) continue;
-    placed.push_back({patch, pose});
+    const auto i = static_cast<std::size_t>(id.value);
+    const PlacedPatch one{*map.patches[i], map.poses[i]};
+    if (is_on_grid(one)) placed.push_back(one);
   }
   return placed;
 }
 
-struct Bounds {
-  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector2d high = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
-
-  void include(const Eigen::Vector2d& point) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
-};
-
-Bounds bounds_of(std::span<const Placed> placed) {
-  Bounds bounds;
-  for (const auto& [patch, map_from_patch] : placed) {
-    bounds.include(position(map_from_patch));
-    for (const PolygonWithHoles& polygon : patch.free_space.polygons()) {
-      for (const Eigen::Vector2d& corner : polygon.outer) bounds.include(map_from_patch * corner);
-    }
-    for (const ScanPoint& point : patch.points) {
-      if (within_free_space_range(patch, point)) bounds.include(map_from_patch * point.position);
-    }
+MapBox bounds_of(std::span<const PlacedPatch> placed) {
+  MapBox bounds;
+  for (const PlacedPatch& one : placed) {
+    const MapBox box = box_on_grid(one);
+    bounds.include(box.low);
+    bounds.include(box.high);
   }
   if (placed.empty()) bounds.include(Eigen::Vector2d::Zero());
   return bounds;
 }
 
-Lattice lattice_over(const Bounds& bounds, double resolution_m, std::size_t max_pixels) {
+Lattice lattice_over(const MapBox& bounds, double resolution_m, std::size_t max_pixels) {
   const auto cut = [&bounds](double cell_m) {
     const Eigen::Vector2d low = (bounds.low / cell_m).array().floor() - margin_cells;
     const Eigen::Vector2d high = (bounds.high / cell_m).array().floor() + (margin_cells + 1);
@@ -86,35 +65,55 @@ std::uint8_t pixel(int hits, int covering) {
 
 }  // namespace
 
-OccupancyGrid render_island(const MapCopy& map, const std::vector<PatchId>& island_patches,
-                            double resolution_m, std::size_t max_pixels) {
-  const std::vector<Placed> placed = place(map, island_patches);
-  const Lattice lattice =
-      lattice_over(bounds_of(placed), resolution_m, std::max<std::size_t>(max_pixels, 400));
+bool is_on_grid(const PlacedPatch& placed) {
+  const Pose& pose = placed.map_from_patch;
+  return placed.patch.tag < 0 && is_finite(pose) && std::hypot(pose.x, pose.y) <= farthest_m;
+}
 
+MapBox box_on_grid(const PlacedPatch& placed) {
+  const auto& [patch, map_from_patch] = placed;
+  MapBox box;
+  box.include(position(map_from_patch));
+  for (const PolygonWithHoles& polygon : patch.free_space.polygons()) {
+    for (const Eigen::Vector2d& corner : polygon.outer) box.include(map_from_patch * corner);
+  }
+  for (const ScanPoint& point : patch.points) {
+    if (within_free_space_range(patch, point)) box.include(map_from_patch * point.position);
+  }
+  return box;
+}
+
+std::vector<std::uint8_t> render_cells(std::span<const PlacedPatch> placed, const Lattice& lattice) {
   Coverage coverage(lattice);
   Hits hits(lattice);
   for (const auto& [patch, map_from_patch] : placed) {
     coverage.add(patch.free_space, map_from_patch);
     hits.add(patch, map_from_patch);
   }
-
-  OccupancyGrid grid{lattice.resolution_m,
-                     lattice.column0 * lattice.resolution_m,
-                     lattice.row0 * lattice.resolution_m,
-                     lattice.width,
-                     lattice.height,
-                     {}};
-  grid.pixels.reserve(lattice.size());
+  std::vector<std::uint8_t> pixels;
+  pixels.reserve(lattice.size());
   for (int row = lattice.height - 1; row >= 0; --row) {
     const std::span<const std::int32_t> steps = coverage.steps_of_row(row);
     int covering = 0;
     for (int column = 0; column < lattice.width; ++column) {
       covering += steps[static_cast<std::size_t>(column)];
-      grid.pixels.push_back(pixel(hits.count(column, row), covering));
+      pixels.push_back(pixel(hits.count(column, row), covering));
     }
   }
-  return grid;
+  return pixels;
+}
+
+OccupancyGrid render_island(const MapCopy& map, const std::vector<PatchId>& island_patches,
+                            double resolution_m, std::size_t max_pixels) {
+  const std::vector<PlacedPatch> placed = place(map, island_patches);
+  const Lattice lattice =
+      lattice_over(bounds_of(placed), resolution_m, std::max<std::size_t>(max_pixels, 400));
+  return {lattice.resolution_m,
+          lattice.column0 * lattice.resolution_m,
+          lattice.row0 * lattice.resolution_m,
+          lattice.width,
+          lattice.height,
+          render_cells(placed, lattice)};
 }
 
 }  // namespace isthmus

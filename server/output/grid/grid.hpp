@@ -1,10 +1,14 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "server/engine/record/map_copy.hpp"
+#include "server/output/grid/lattice.hpp"
 
 namespace isthmus {
 
@@ -21,6 +25,32 @@ struct OccupancyGrid {
   int height = 0;
   std::vector<std::uint8_t> pixels;  ///< row by row from the top
 };
+
+/// A patch, and where it is on its island.
+struct PlacedPatch {
+  const Patch& patch;
+  Pose map_from_patch;
+};
+
+/// A rectangle along the axes of an island's frame, in metres; empty at first.
+struct MapBox {
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
+
+  void include(const Eigen::Vector2d& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+};
+
+/// Whether a patch is drawn on grids: fixed tags are not, and nothing is at a pose that is no place.
+bool is_on_grid(const PlacedPatch& placed);
+
+/// Of all that a patch leaves on a grid.
+MapBox box_on_grid(const PlacedPatch& placed);
+
+/// The cells of a lattice row by row from the top, as `render_island` has them; patches may reach beyond it.
+std::vector<std::uint8_t> render_cells(std::span<const PlacedPatch> placed, const Lattice& lattice);
 
 /// Renders one island from its patches, at their poses in the map copy. Free is what the free space of some
 /// patch covers, by the very polygons of the patches; occupied is what scans hit, unless clearly contradicted

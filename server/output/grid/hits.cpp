@@ -50,9 +50,8 @@ void Hits::add(const Patch& patch, const Pose& map_from_patch) {
 
 void Hits::touch(const Eigen::Vector2d& map_point) {
   const Eigen::Vector2d cell = lattice_.cells(map_point);
-  const int column = std::clamp(static_cast<int>(cell.x()), 0, lattice_.width - 1);
-  const int row = std::clamp(static_cast<int>(cell.y()), 0, lattice_.height - 1);
-  touched_.push_back(lattice_.index(column, row));
+  if (!(cell.x() >= 0 && cell.x() < lattice_.width && cell.y() >= 0 && cell.y() < lattice_.height)) return;
+  touched_.push_back(lattice_.index(static_cast<int>(cell.x()), static_cast<int>(cell.y())));
 }
 
 void Hits::touch_between(const Eigen::Vector2d& map_from, const Eigen::Vector2d& map_to) {

@@ -13,6 +13,7 @@ namespace isthmus {
 bool within_free_space_range(const Patch& patch, const ScanPoint& point);
 
 /// For each cell, how many patches have a hit in it, or a wall there between two neighbouring hits.
+/// What lies beyond the lattice is left out.
 class Hits {
  public:
   explicit Hits(const Lattice& lattice) : lattice_(lattice), counts_(lattice.size()) {}
