@@ -42,27 +42,36 @@ bool Reception::wants(const std::string& channel) const {
   return channel == signed_channel || is_for_us(find_channel(configured_, channel));
 }
 
-void Reception::take(std::int64_t utime, const std::string& name,
-                     std::span<const std::uint8_t> bytes) noexcept {
+DropReason Reception::take(std::int64_t utime, const std::string& name,
+                           std::span<const std::uint8_t> bytes) noexcept {
   // Nothing may escape into liblcm, whose next handle() would abort.
   try {
-    if (name == signed_channel) {
-      const std::optional<Message> message = opened(utime, bytes);
-      if (!message) return;
-      if (const std::optional<Channel> channel = find_channel(configured_, message->channel))
-        push(*channel, message->utime, message->channel, message->bytes, message->signature);
-      return;
-    }
-    const std::optional<Channel> channel = find_channel(configured_, name);
-    if (!channel) return;
-    if (authenticator_.is_required()) {
-      inbox_.count_drop(channel->robot, DropReason::not_signed);
-    } else {
-      push(*channel, utime, name, bytes);
-    }
+    const std::lock_guard lock(mutex_);
+    return let_in(utime, name, bytes);
   } catch (const std::exception& error) {
     std::cerr << "isthmus-server: a message was lost on receipt: " << error.what() << "\n";
+    return DropReason::queue_full;
   }
+}
+
+DropReason Reception::let_in(std::int64_t utime, const std::string& name,
+                             std::span<const std::uint8_t> bytes) {
+  if (name == signed_channel) {
+    const Opened envelope = opened(utime, bytes);
+    if (!envelope.message) return envelope.reason;
+    const Message& message = *envelope.message;
+    if (const std::optional<Channel> channel = find_channel(configured_, message.channel))
+      push(*channel, message.utime, message.channel, message.bytes, message.signature);
+    return DropReason::none;
+  }
+  const std::optional<Channel> channel = find_channel(configured_, name);
+  if (!channel) return DropReason::none;
+  if (!authenticator_.is_required()) {
+    push(*channel, utime, name, bytes);
+    return DropReason::none;
+  }
+  inbox_.count_drop(channel->robot, DropReason::not_signed);
+  return DropReason::not_signed;
 }
 
 /// Strangers are refused here, where they have cost nothing yet. What comes right behind a robot's first
@@ -86,8 +95,11 @@ void Reception::refuse_stranger(const std::string& robot) {
 
 bool Reception::take_waiting(const Message& logged) {
   if (logged.channel == signed_channel) {
-    const std::optional<Message> message = opened(logged.utime, logged.bytes);
-    return !message || take_waiting(*message);
+    const Opened envelope = [&] {
+      const std::lock_guard lock(mutex_);
+      return opened(logged.utime, logged.bytes);
+    }();
+    return !envelope.message || take_waiting(*envelope.message);
   }
   const std::optional<Channel> channel = find_channel(configured_, logged.channel);
   if (!is_for_us(channel)) return true;
@@ -96,10 +108,10 @@ bool Reception::take_waiting(const Message& logged) {
 }
 
 /// What an envelope holds; counts those that are refused.
-std::optional<Message> Reception::opened(std::int64_t utime, std::span<const std::uint8_t> bytes) {
+Opened Reception::opened(std::int64_t utime, std::span<const std::uint8_t> bytes) {
   Opened envelope = authenticator_.open(configured_, utime, bytes);
   if (!envelope.message) inbox_.count_drop(envelope.robot, envelope.reason);
-  return std::move(envelope.message);
+  return envelope;
 }
 
 }  // namespace isthmus

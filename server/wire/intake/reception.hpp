@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <span>
@@ -15,14 +16,16 @@
 namespace isthmus {
 
 /// Decides which of the messages that were received are let into the inbox; the others are counted there by
-/// reason. Envelopes are opened. One thread.
+/// reason. Envelopes are opened. Any thread.
 class Reception {
  public:
   Reception(Inbox& inbox, ChannelNames configured, Authenticator authenticator = Authenticator(),
             Log log = {});
 
-  /// A network's message. Where keys are configured, those without an envelope are refused.
-  void take(std::int64_t utime, const std::string& channel, std::span<const std::uint8_t> bytes) noexcept;
+  /// A network's message. Where keys are configured, those without an envelope are refused. Returns why it
+  /// was refused; none where it is in the inbox, or was none of ours.
+  DropReason take(std::int64_t utime, const std::string& channel,
+                  std::span<const std::uint8_t> bytes) noexcept;
   /// The same for what joins datagrams. It refers to this.
   LcmSink sink();
 
@@ -32,7 +35,8 @@ class Reception {
 
  private:
   bool wants(const std::string& channel) const;
-  std::optional<Message> opened(std::int64_t utime, std::span<const std::uint8_t> bytes);
+  Opened opened(std::int64_t utime, std::span<const std::uint8_t> bytes);
+  DropReason let_in(std::int64_t utime, const std::string& name, std::span<const std::uint8_t> bytes);
   void push(const Channel& channel, std::int64_t utime, const std::string& name,
             std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature = std::nullopt);
   void refuse_stranger(const std::string& robot);
@@ -41,6 +45,7 @@ class Reception {
   ChannelNames configured_;
   Authenticator authenticator_;
   Log log_;
+  std::mutex mutex_;  ///< of what follows, and of the authenticator
   std::set<std::string> strangers_told_;
 };
 

@@ -76,8 +76,8 @@ LcmLink::LcmLink(const std::string& url, Log log) : log_(std::move(log)), log_fi
 LcmLink::~LcmLink() { stop(); }
 
 void LcmLink::receive_into(Inbox& inbox, ChannelNames configured, Authenticator authenticator) {
-  subscriber_ = std::make_unique<LcmSubscriber>(
-      LcmSubscriber{Reception(inbox, configured, std::move(authenticator), log_)});
+  // Made in place: what others call by reference is not moved.
+  subscriber_.reset(new LcmSubscriber{Reception(inbox, configured, std::move(authenticator), log_)});
   if (!lcm_) {
     thread_ = std::jthread([this](const std::stop_token& stop) { receive_log(stop); });
     return;
@@ -91,6 +91,10 @@ void LcmLink::receive_into(Inbox& inbox, ChannelNames configured, Authenticator 
   if (!subscription) throw std::runtime_error("cannot subscribe to the input channels");
   subscription->setQueueCapacity(queue_messages);
   thread_ = std::jthread([this](const std::stop_token& stop) { receive_queue(stop); });
+}
+
+DropReason LcmLink::take(const std::string& channel, std::span<const std::uint8_t> bytes) {
+  return subscriber_->reception.take(0, channel, bytes);  // the inbox's clock gives it its time
 }
 
 void LcmLink::stop() {

@@ -30,6 +30,10 @@ class LcmLink {
   /// log waits for the inbox; a network does not. Envelopes are opened; where keys are configured, a
   /// network's messages without one are refused; a log's are taken: who may write to it may do worse.
   void receive_into(Inbox& inbox, ChannelNames configured, Authenticator authenticator = Authenticator());
+  /// A message that came another way than by the network or log, taken as if from a network: the same keys,
+  /// the same queue. Returns why it was refused; none: it waits for its turn. After `receive_into`, any
+  /// thread.
+  DropReason take(const std::string& channel, std::span<const std::uint8_t> bytes);
   /// Whether the log's end has been reached.
   bool ended() const { return ended_; }
   /// Waits for the thread. A log that waits for room in the inbox goes on only when the inbox is closed or

@@ -275,11 +275,14 @@ void LiveServer::handle(Message message) {
   if (!decoded.event || is_own(*decoded.event))
     return drop(decoded.robot, decoded.event ? DropReason::bad_channel : decoded.reason, one);
   if (const DropReason reason = refusal(*decoded.event); reason != DropReason::none)
-    return drop(decoded.robot, reason, one);
+    return drop(decoded.robot, reason, one);  // never an order
   map_.last_utime = message.utime;
   map_.monitor.heard(decoded.robot, message.utime);
-  if (!journal(message)) return drop(decoded.robot, DropReason::journal_full, one);
-  take(*decoded.event);
+  if (!journal(message)) {
+    tell_sender(*decoded.event, DropReason::journal_full);
+    return drop(decoded.robot, DropReason::journal_full, one);
+  }
+  tell_sender(*decoded.event, take(*decoded.event));
   reserve_queue(*decoded.event);
   if (asks_for_map(*decoded.event)) map_publisher_->request_whole();
 }
@@ -294,13 +297,19 @@ void LiveServer::reserve_queue(const Event& event) {
   if (const auto* robot = std::get_if<RobotEvent>(&event.body)) inbox_.reserve(robot->robot);
 }
 
-void LiveServer::take(const Event& event) {
+void LiveServer::tell_sender(const Event& event, DropReason reason) const {
+  const auto* order = std::get_if<CommandEvent>(&event.body);
+  if (order && options_.viewers.order) options_.viewers.order(*order, reason);
+}
+
+DropReason LiveServer::take(const Event& event) {
   const Clock::time_point start = Clock::now();
   const Outcome outcome = handle_guarded(guard_.get(), journal_ ? journal_->last_sequence() : -1, map_.engine,
                                          event, options_.before_event);
   last_event_ = Clock::now();
   latency_.add(seconds(last_event_ - start));
   publish_poses(outcome);
+  return outcome.drop_reason;
 }
 
 /// False: the engine must not have the event, or its map would be another than a replay's.
@@ -330,6 +339,7 @@ std::string LiveServer::finish_journal() {
 void LiveServer::publish_poses(const Outcome& outcome) {
   for (const RobotPose& pose : outcome.poses) {
     map_.monitor.answered(pose);
+    if (options_.viewers.pose) options_.viewers.pose(pose);
     publish_(pose.robot + "_POSE", encoded(pose_message(pose)));
   }
 }
@@ -391,6 +401,7 @@ void LiveServer::publish_status_if_due() {
   const status_t status = map_.monitor.status(*map, server_counters(), utime, seconds(elapsed));
   publish_("ISTHMUS_STATUS", encoded(status));
   if (options_.metrics) options_.metrics(metrics_text(status));
+  if (options_.viewers.map) options_.viewers.map(map, status, latency_.quantile_s(0.99));
   if (const auto rendezvous = rendezvous_.due(*map, utime, last_status_))
     publish_("ISTHMUS_RENDEZVOUS", encoded(*rendezvous));
   closure_log_.tell(map->closures, options_.log);

@@ -27,6 +27,15 @@
 
 namespace isthmus {
 
+/// Who is shown what the server does. Called from its thread, which waits: they must be quick. Empty: nobody.
+struct Viewers {
+  std::function<void(const RobotPose&)> pose;
+  /// With each status. `latency_p99_s`: of the engine's events so far.
+  std::function<void(std::shared_ptr<const MapCopy>, const status_t&, double latency_p99_s)> map;
+  /// What became of an operator's order; none: it is done.
+  std::function<void(const CommandEvent&, DropReason)> order;
+};
+
 struct LiveOptions {
   std::string toml;               ///< the configuration's text; must parse; empty: that of a found journal
   std::string journal_directory;  ///< empty: no journal; one that holds a journal: it goes on
@@ -48,6 +57,7 @@ struct LiveOptions {
   std::function<std::int64_t()> publish_failures;
   /// Takes the metrics with each status; empty: nobody does.
   std::function<void(std::string metrics)> metrics;
+  Viewers viewers;
 };
 
 /// The engine at work on what arrives in an inbox: checks and decodes each message, journals it, lets the
@@ -92,7 +102,8 @@ class LiveServer {
   void refuse_strangers();
   void handle(Message message);
   DropReason refusal(const Event& event);
-  void take(const Event& event);
+  DropReason take(const Event& event);
+  void tell_sender(const Event& event, DropReason reason) const;
   bool journal(const Message& message);
   void reserve_queue(const Event& event);
   std::string finish_journal();

@@ -119,6 +119,36 @@ TEST(LiveServer, SendsTheWholeMapOnRequest) {
   engine_thread.join();
 }
 
+TEST(LiveServer, ShowsViewersPosesTheMapAndWhatBecameOfOrders) {
+  LiveOptions options = quick_options();
+  std::vector<RobotPose> poses;
+  std::shared_ptr<const MapCopy> newest;
+  std::vector<std::pair<std::int64_t, DropReason>> orders;
+  options.viewers.pose = [&](const RobotPose& pose) { poses.push_back(pose); };
+  options.viewers.map = [&](auto map, const status_t& status, double) {
+    newest = map;
+    EXPECT_EQ(status.patches, static_cast<int>(map->patches.size()));
+  };
+  options.viewers.order = [&](const CommandEvent& order, DropReason reason) {
+    orders.emplace_back(order.utime, reason);
+  };
+  Published published;
+  Inbox inbox;
+  LiveServer server(options, inbox, published.sink());
+  std::thread engine_thread([&] { server.run(); });
+  drive(inbox, "R1", 50, milliseconds(2));
+  push(inbox, "", encode({1, CommandEvent{5, Verb::withdraw, 3, ""}}));
+  push(inbox, "", encode({1, CommandEvent{6, Verb::refine, -1, ""}}));
+  EXPECT_TRUE(happens([&] { return published.of<status_t>("ISTHMUS_STATUS").size() > 2; }));
+  inbox.close();
+  engine_thread.join();
+  EXPECT_EQ(poses.size(), 50U);
+  ASSERT_TRUE(newest);
+  EXPECT_FALSE(newest->patches.empty());
+  EXPECT_EQ(orders, (std::vector<std::pair<std::int64_t, DropReason>>{{5, DropReason::no_such_closure},
+                                                                      {6, DropReason::none}}));
+}
+
 TEST(LiveServer, CountsBadMessagesAndKeepsThemOutOfTheJournal) {
   TemporaryDirectory directory;
   LiveOptions options = quick_options();
