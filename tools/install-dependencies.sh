@@ -1,19 +1,24 @@
 #!/usr/bin/env bash
 # Installs what building Isthmus needs on Debian 12; only what is missing. As root, or with sudo.
-#   tools/install-dependencies.sh [--ci]     --ci: what checking needs besides (clang, libFuzzer, clang-format, clang-tidy)
+#   tools/install-dependencies.sh [--ci | --browser]
+#     --ci       what checking needs besides (clang, libFuzzer, clang-format, clang-tidy)
+#     --browser  what the test of the page needs besides (chromium, chromedriver, selenium: about 500 MB); without it
+#                that test is skipped
 set -euo pipefail
 
 packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libceres-dev libsuitesparse-dev libcgal-dev libboost-graph-dev libnanoflann-dev
-  liblcm-dev liblcm-bin libcpp-httplib-dev libcereal-dev
+  liblcm-dev liblcm-bin libcpp-httplib-dev libjs-leaflet libcereal-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libpng-dev libssl-dev zlib1g-dev
   libgtest-dev libbenchmark-dev librapidcheck-dev python3
 )
 if [[ "${1:-}" == "--ci" ]]; then
   packages+=(clang clang-format clang-tidy libclang-rt-14-dev)
+elif [[ "${1:-}" == "--browser" ]]; then
+  packages+=(chromium chromium-driver python3-selenium)
 elif [[ $# -gt 0 ]]; then
-  echo "usage: tools/install-dependencies.sh [--ci]" >&2
+  echo "usage: tools/install-dependencies.sh [--ci | --browser]" >&2
   exit 2
 fi
 

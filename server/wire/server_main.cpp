@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <chrono>
 #include <exception>
 #include <future>
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 
 #include "server/output/output.hpp"
@@ -14,6 +16,7 @@
 #include "server/wire/journal/event_log.hpp"
 #include "server/wire/live/lcm_link.hpp"
 #include "server/wire/live/live_server.hpp"
+#include "server/wire/page/page_server.hpp"
 #include "server/wire/watch/http_page.hpp"
 #include "server/wire/watch/metrics.hpp"
 
@@ -30,6 +33,9 @@ struct Arguments {
   std::string checked_file;
   std::string log_level = "info";
   int metrics_port = 0;
+  int http_port = 0;
+  std::string http_address = "127.0.0.1";
+  std::string http_token_file;
   std::int64_t segment_mb = 64;
   bool no_snapshots = false;
   int keep_segments = -1;
@@ -74,6 +80,16 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--metrics-port", arguments.metrics_port,
                  "Prometheus metrics at http://127.0.0.1:PORT/metrics; 0: none")
       ->check(CLI::Range(0, 65535));
+  app.add_option("--http-port", arguments.http_port,
+                 "a page to watch and overrule the map at http://127.0.0.1:PORT/; 0: none")
+      ->check(CLI::Range(0, 65535));
+  app.add_option("--http-bind", arguments.http_address,
+                 "address that the page is served at; others than this machine's need a token")
+      ->needs("--http-port")
+      ->capture_default_str();
+  app.add_option("--http-token-file", arguments.http_token_file,
+                 "file with a token that viewers of the page must have")
+      ->needs("--http-port");
   app.add_option("--check-config", arguments.checked_file,
                  "check this configuration, report errors, and exit");
   app.add_option("--log-level", arguments.log_level, "lowest level that is logged on stderr")
@@ -147,6 +163,25 @@ LiveOptions live_options(const Arguments& arguments, const std::string& toml, co
   return options;
 }
 
+/// The page, where one is asked for.
+std::unique_ptr<PageServer> page_server(const Arguments& arguments, bool orders_signed, TakeMessage take) {
+  if (arguments.http_port == 0) return nullptr;
+  PageOptions options;
+  options.port = arguments.http_port;
+  options.address = arguments.http_address;
+  options.orders_signed = orders_signed;
+  if (!arguments.http_token_file.empty()) options.token = read_token(arguments.http_token_file);
+  return std::make_unique<PageServer>(options, std::move(take));
+}
+
+Viewers viewers_of(PageServer& page, bool frozen) {
+  return {[&page](const RobotPose& pose) { page.model().show(pose); },
+          [&page, frozen](auto map, const status_t& status, double latency_p99_s) {
+            page.model().show(LiveView{std::move(map), status, latency_p99_s, frozen});
+          },
+          [&page](const CommandEvent& order, DropReason reason) { page.orders().answered(order, reason); }};
+}
+
 void serve(const Arguments& arguments, const std::string& toml) {
   const Log log = log_to_stderr(*parse_log_level(arguments.log_level));
   const sigset_t signals = block_stop_signals();
@@ -167,13 +202,23 @@ void serve(const Arguments& arguments, const std::string& toml) {
     metrics.emplace(arguments.metrics_port, "/metrics", metrics_content_type);
     options.metrics = [&](std::string text) { metrics->set(std::move(text)); };
   }
+  std::atomic<bool> receiving = false;
+  const bool orders_signed = parse_server_configuration(toml, "configuration").authentication.is_required();
+  const auto page = page_server(arguments, orders_signed, [&](const auto& channel, const auto& bytes) {
+    return receiving ? link.take(channel, bytes) : DropReason::stopped;
+  });
+  if (page) options.viewers = viewers_of(*page, arguments.frozen);
   LiveServer server(options, inbox,
                     [&](const auto& channel, const auto& bytes) { link.publish(channel, bytes); });
 
   const ChannelNames channels = server.channels();
   auto running = std::async(std::launch::async, [&] { server.run(); });
   link.receive_into(inbox, channels, server.authenticator());
+  receiving = true;
   log(LogLevel::info, "listening", {{"url", url}});
+  if (page)
+    log(LogLevel::info, "page",
+        {{"url", "http://" + arguments.http_address + ":" + std::to_string(page->port()) + "/"}});
   const std::chrono::seconds stop_timeout(arguments.stop_timeout_s);
   wait_for_end(signals, running, server, stop_timeout, log, [&] { return link.ended(); });
   if (log_file.empty()) link.stop();  // what was received before is still handled

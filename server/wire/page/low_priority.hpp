@@ -1,0 +1,9 @@
+#pragma once
+
+namespace isthmus {
+
+/// This thread, and those it starts, give way to the others of the process (nice 19, which Linux has of each
+/// thread). Where it is not granted they run as they are.
+void take_low_priority();
+
+}  // namespace isthmus

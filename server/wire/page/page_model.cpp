@@ -1,0 +1,93 @@
+#include "server/wire/page/page_model.hpp"
+
+#include <utility>
+
+#include "server/wire/page/low_priority.hpp"
+#include "server/wire/page/page_texts.hpp"
+
+namespace isthmus {
+namespace {
+
+/// Milliseconds: versions of one run grow by a few a second.
+std::int64_t number_of_run() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+}
+
+/// Poses that wait to be shown; beyond, the map is recovered and nobody could follow.
+constexpr std::size_t most_poses = 100'000;
+
+}  // namespace
+
+PageModel::PageModel(std::chrono::milliseconds interval)
+    : interval_(interval),
+      run_(number_of_run()),
+      tiles_(run_),
+      version_(run_),
+      thread_([this](const std::stop_token& stop) { loop(stop); }) {}
+
+PageModel::~PageModel() {
+  thread_.request_stop();
+  thread_.join();
+}
+
+void PageModel::show(RobotPose pose) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (poses_.size() >= most_poses) return;
+    poses_.push_back(std::move(pose));
+  }
+  given_.notify_one();
+}
+
+void PageModel::show(LiveView view) {
+  std::optional<LiveView> newest(std::move(view));
+  {
+    const std::lock_guard lock(mutex_);
+    view_.swap(newest);
+  }
+  given_.notify_one();
+}
+
+std::shared_ptr<const ShownMap> PageModel::shown() const {
+  const std::lock_guard lock(mutex_);
+  return shown_;
+}
+
+void PageModel::loop(const std::stop_token& stop) {
+  take_low_priority();
+  while (true) {
+    const auto next = std::chrono::steady_clock::now() + interval_;
+    std::unique_lock lock(mutex_);
+    if (!given_.wait(lock, stop, [&] { return view_ || !poses_.empty(); })) return;
+    const std::vector<RobotPose> poses = std::exchange(poses_, {});
+    std::optional<LiveView> view = std::exchange(view_, std::nullopt);
+    lock.unlock();
+    for (const RobotPose& pose : poses) trails_.add(pose);
+    if (view) take(std::move(*view));
+    if (const auto map = shown(); map && !poses.empty()) bulletin_.post("robots", robots_text(trails_, *map));
+    lock.lock();
+    given_.wait_until(lock, stop, next, [] { return false; });
+    if (stop.stop_requested()) return;
+  }
+}
+
+void PageModel::take(LiveView view) {
+  const std::shared_ptr<const ShownMap> before = shown();
+  const auto fresh = std::make_shared<const ShownMap>(shown_map(std::move(view), before.get(), ++version_));
+  tiles_.update(fresh->map());
+  {
+    const std::lock_guard lock(mutex_);
+    shown_ = fresh;
+  }
+  bulletin_.post("islands", islands_text(*fresh, tiles_.islands()));
+  bulletin_.post("trails", trails_text(trails_, *fresh));
+  bulletin_.post("tags", tags_text(*fresh));
+  bulletin_.post("closures", closures_text(*fresh));
+  bulletin_.post("sightings", sightings_text(trails_, *fresh));
+  bulletin_.post("status", status_text(*fresh));
+  bulletin_.post("meeting", meeting_text(*fresh));
+  bulletin_.post("robots", robots_text(trails_, *fresh));
+}
+
+}  // namespace isthmus

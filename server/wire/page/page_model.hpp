@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/wire/page/bulletin.hpp"
+#include "server/wire/page/shown_map.hpp"
+#include "server/wire/page/tile_store.hpp"
+#include "server/wire/page/trails.hpp"
+
+namespace isthmus {
+
+/// What the page shows, made of what the live server gives it, in a thread of its own and of the lowest
+/// priority: giving it something costs the live server a pointer or a copied pose, and never waits.
+class PageModel {
+ public:
+  explicit PageModel(std::chrono::milliseconds interval = std::chrono::milliseconds(200));
+  ~PageModel();
+
+  void show(RobotPose pose);  ///< any thread
+  void show(LiveView view);   ///< any thread; only the newest counts
+
+  /// Events of the topics robots (at most once an interval), trails, islands, tags, closures, sightings,
+  /// status and meeting.
+  Bulletin& bulletin() { return bulletin_; }
+  TileStore& tiles() { return tiles_; }
+  /// The newest map; none before the first.
+  std::shared_ptr<const ShownMap> shown() const;
+  /// Grows from one run to the next, and is no version of an earlier one.
+  std::int64_t run() const { return run_; }
+
+ private:
+  void loop(const std::stop_token& stop);
+  void take(LiveView view);
+
+  std::chrono::milliseconds interval_;
+  std::int64_t run_;
+  Bulletin bulletin_;
+  TileStore tiles_;
+  Trails trails_;         ///< of the thread
+  std::int64_t version_;  ///< of the thread
+  mutable std::mutex mutex_;
+  std::condition_variable_any given_;
+  std::vector<RobotPose> poses_;
+  std::optional<LiveView> view_;
+  std::shared_ptr<const ShownMap> shown_;
+  std::jthread thread_;  ///< last: it uses all above
+};
+
+}  // namespace isthmus

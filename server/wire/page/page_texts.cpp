@@ -1,0 +1,224 @@
+#include "server/wire/page/page_texts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace isthmus {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t most_closures = 1000;
+constexpr std::size_t most_sightings = 60;
+
+std::string line(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+/// To the millimetre and the milliradian; what is no number is no place.
+double rounded(double value) { return std::isfinite(value) ? std::round(value * 1e3) / 1e3 : 0; }
+
+Json pose_json(IslandId island, const Pose& pose) {
+  return Json::array({island.value, rounded(pose.x), rounded(pose.y), rounded(pose.yaw)});
+}
+
+Json pose_json(const ShownMap& shown, const ManifoldPose& pose) {
+  return pose_json(shown.island(pose.patch), shown.project(pose));
+}
+
+double as_seconds(std::int64_t utime) { return 1e-6 * static_cast<double>(utime); }
+
+Json counts_json(const std::vector<count_t>& counts) {
+  Json json = Json::object();
+  for (const count_t& count : counts) json[count.reason] = count.count;
+  return json;
+}
+
+/// From where to where it saw something; null where the observer's place is not known.
+Json ray_json(const Trails& trails, const ShownMap& shown, const SightingEvent& sighting) {
+  const std::optional<ManifoldPose> at = trails.at(sighting.robot, sighting.utime);
+  if (!at || !shown.has(at->patch) || !std::isfinite(sighting.range_m)) return nullptr;
+  const Pose from = shown.project(*at);
+  const double bearing = from.yaw + sighting.bearing_rad;
+  return Json::array({shown.island(at->patch).value, rounded(from.x), rounded(from.y),
+                      rounded(from.x + sighting.range_m * std::cos(bearing)),
+                      rounded(from.y + sighting.range_m * std::sin(bearing))});
+}
+
+Json robot_json(const robot_status_t& robot) {
+  return {{"name", robot.robot},
+          {"heard", as_seconds(robot.last_heard_utime)},
+          {"message_hz", rounded(robot.message_rate_hz)},
+          {"scan_hz", rounded(robot.scan_rate_hz)},
+          {"scans", robot.scans},
+          {"matched", rounded(robot.share_matched)},
+          {"dropped", counts_json(robot.dropped)}};
+}
+
+/// Those on the map, heard since the start or not.
+Json robots_json(const ShownMap& shown) {
+  std::map<std::string, robot_status_t> robots;
+  for (const HealthRecord& known : shown.map().health) {
+    robots[known.robot] = {};
+    robots[known.robot].robot = known.robot;
+  }
+  for (const robot_status_t& heard : shown.view.status.robots)
+    if (heard.last_heard_utime > 0) robots[heard.robot] = heard;
+  Json json = Json::array();
+  for (const auto& [name, robot] : robots) json.push_back(robot_json(robot));
+  return json;
+}
+
+Json warnings_json(const MapCopy& map) {
+  Json warnings = Json::array();
+  for (const HealthRecord& robot : map.health) {
+    for (const HealthWarning& warning : robot.warnings)
+      warnings.push_back({{"robot", robot.robot}, {"key", warning.key}, {"text", warning.text}});
+  }
+  return warnings;
+}
+
+/// Robots whose patches operators have dropped.
+std::set<std::string> left_out_robots(const MapCopy& map) {
+  std::set<std::string> robots;
+  for (const PatchId id : map.left_out) robots.insert(map.patches[static_cast<std::size_t>(id.value)]->robot);
+  return robots;
+}
+
+Json box_json(const MapBox& box) {
+  return Json::array(
+      {rounded(box.low.x()), rounded(box.low.y()), rounded(box.high.x()), rounded(box.high.y())});
+}
+
+Json closure_json(const ClosureRecord& closure, int relations) {
+  return {{"id", closure.id.value},
+          {"kind", std::string(word(closure.kind))},
+          {"state", std::string(word(closure.state))},
+          {"reason", std::string(word(closure.reason))},
+          {"robots", closure.robots},
+          {"patches", closure.patches_touched},
+          {"steps", closure.work_steps},
+          {"relations", relations},
+          {"start", as_seconds(closure.start_utime)},
+          {"end", as_seconds(closure.end_utime)}};
+}
+
+}  // namespace
+
+std::string robots_text(const Trails& trails, const ShownMap& shown) {
+  Json robots = Json::array();
+  for (const auto& [name, robot] : trails.robots()) {
+    const RobotPose& newest = robot.newest;
+    // A patch of the newest pose may be newer than the map that is shown.
+    const bool is_shown = shown.has(newest.pose.patch);
+    robots.push_back(
+        {{"name", name},
+         {"time", as_seconds(newest.utime)},
+         {"matched", newest.matched},
+         {"at", is_shown ? pose_json(shown, newest.pose) : pose_json(newest.island, newest.map_from_robot)}});
+  }
+  return line(robots);
+}
+
+std::string trails_text(const Trails& trails, const ShownMap& shown) {
+  Json all = Json::object();
+  for (const auto& [name, robot] : trails.robots()) {
+    Json& steps = all[name] = Json::array();
+    for (const ManifoldPose& pose : robot.trail) {
+      if (!shown.has(pose.patch)) continue;
+      const Pose at = shown.project(pose);
+      steps.push_back(Json::array({shown.island(pose.patch).value, rounded(at.x), rounded(at.y)}));
+    }
+  }
+  return line(all);
+}
+
+std::string islands_text(const ShownMap& shown, const std::map<IslandId, TileStore::Extent>& tiles) {
+  std::map<IslandId, int> patches;
+  for (const IslandId island : shown.island_of) patches[island] += 1;
+  Json islands = Json::array();
+  for (const auto& [island, extent] : tiles) {
+    const auto version = shown.version.find(island);
+    if (version == shown.version.end()) continue;
+    islands.push_back({{"id", island.value},
+                       {"tiles", extent.version},
+                       {"map", version->second},
+                       {"patches", patches[island]},
+                       {"box", box_json(extent.box)}});
+  }
+  return line(islands);
+}
+
+std::string tags_text(const ShownMap& shown) {
+  Json tags = Json::array();
+  for (const TagRecord& tag : shown.map().tags) {
+    if (!tag.placed) continue;
+    tags.push_back(
+        {{"barcode", tag.barcode}, {"at", pose_json(tag.island, {tag.position.x(), tag.position.y(), 0})}});
+  }
+  return line(tags);
+}
+
+std::string closures_text(const ShownMap& shown) {
+  const MapCopy& map = shown.map();
+  std::map<ClosureId, int> relations;
+  for (const auto& [id, relation] : map.graph.relations())
+    if (relation.origin.closure.valid()) relations[relation.origin.closure] += 1;
+  Json closures = Json::array();
+  for (auto closure = map.closures.rbegin(); closure != map.closures.rend(); ++closure) {
+    if (closures.size() >= most_closures) break;
+    closures.push_back(closure_json(*closure, relations[closure->id]));
+  }
+  return line(closures);
+}
+
+std::string sightings_text(const Trails& trails, const ShownMap& shown) {
+  const SightingLog& log = shown.map().sightings;
+  Json sightings = Json::array();
+  for (std::size_t i = log.size(); i > 0 && sightings.size() < most_sightings; --i) {
+    const SightingRecord record = log[i - 1];
+    sightings.push_back({{"number", i - 1},
+                         {"time", as_seconds(record.sighting.utime)},
+                         {"robot", record.sighting.robot},
+                         {"barcode", record.sighting.barcode},
+                         {"verdict", std::string(word(record.verdict))},
+                         {"reason", std::string(word(record.reason))},
+                         {"closure", record.closure.value},
+                         {"ray", ray_json(trails, shown, record.sighting)}});
+  }
+  return line(sightings);
+}
+
+std::string status_text(const ShownMap& shown) {
+  const status_t& status = shown.view.status;
+  return line({{"time", as_seconds(status.utime)},
+               {"events", status.events},
+               {"scans", status.scans},
+               {"scans_matched", status.scans_matched},
+               {"patches", status.patches},
+               {"relations", status.relations},
+               {"sightings",
+                {{"accepted", status.sightings_accepted},
+                 {"refused", status.sightings_refused},
+                 {"waiting", status.sightings_waiting}}},
+               {"queued", status.queued},
+               {"journal_bytes", status.journal_bytes},
+               {"journal_waiting", status.journal_waiting},
+               {"dropped", counts_json(status.dropped)},
+               {"latency_p99_ms", rounded(1e3 * shown.view.latency_p99_s)},
+               {"frozen", shown.view.frozen},
+               {"robots", robots_json(shown)},
+               {"left_out", left_out_robots(shown.map())},
+               {"warnings", warnings_json(shown.map())}});
+}
+
+std::string meeting_text(const ShownMap& shown) {
+  const std::optional<MeetingRecord>& meeting = shown.map().meeting;
+  if (!meeting || !shown.has(meeting->a.pose.patch) || !shown.has(meeting->b.pose.patch)) return "null";
+  const auto place = [&](const MeetingPlace& of) -> Json {
+    return {{"robot", of.robot}, {"at", pose_json(shown, of.pose)}};
+  };
+  return line({{"closure", meeting->closure.value}, {"places", {place(meeting->a), place(meeting->b)}}});
+}
+
+}  // namespace isthmus

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "server/engine/robot/robot_pose.hpp"
+
+namespace isthmus {
+
+/// Where robots were lately, on the manifold: a fit of the map moves their trails along.
+class Trails {
+ public:
+  struct Robot {
+    RobotPose newest;
+    RobotPose at_step;               ///< the newest when the trail's last step was made
+    std::deque<ManifoldPose> trail;  ///< half a metre apart, the last 200 m
+    std::deque<RobotPose> lately;    ///< the last 100 poses
+  };
+
+  void add(const RobotPose& pose);
+  const std::map<std::string, Robot>& robots() const { return robots_; }
+
+  /// Where a robot was, as of its pose nearest in time; nothing where that is more than half a second away.
+  std::optional<ManifoldPose> at(const std::string& robot, std::int64_t utime) const;
+
+ private:
+  std::map<std::string, Robot> robots_;
+};
+
+}  // namespace isthmus

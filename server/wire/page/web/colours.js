@@ -1,0 +1,15 @@
+// Colours that people tell apart however they see them (Okabe and Ito, Color Universal Design, 2008). Nothing is
+// told by colour alone: robots have names, verdicts have marks and dashes.
+
+const OF_ROBOTS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#3a9bd5", "#6b4c9a"];
+
+export const OF_VERDICTS = { accepted: "#0072b2", waiting: "#b07500", refused: "#c03c00" };
+export const DASHES = { accepted: [], waiting: [7, 4], refused: [2, 4] };
+export const INK = "#1d252c";
+export const OF_ORIGINS = ["#5b6770", "#5b6770", "#d55e00", "#0072b2", "#cc79a7", "#009e73"];
+
+/** A robot's colour: the same for as long as the same robots come first by name. */
+export function ofRobot(name, names) {
+  const place = names.indexOf(name);
+  return place < 0 ? INK : OF_ROBOTS[place % OF_ROBOTS.length];
+}

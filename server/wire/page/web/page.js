@@ -1,0 +1,203 @@
+// The page: what the server tells goes into one world, and from there on the screen.
+
+import { Images } from "./images.js";
+import { extent, placeIslands } from "./layout.js";
+import { ask } from "./orders.js";
+import { Overlay } from "./overlay.js";
+import { showClosures, showFigures, showLink, showRates, showRobots, showSightings, showWarnings } from "./panels.js";
+import { Patches } from "./patches.js";
+import { listen } from "./stream.js";
+import { IslandTiles } from "./tiles.js";
+
+const TOPICS = ["about", "islands", "robots", "trails", "tags", "closures", "sightings", "status", "meeting"];
+/** How long what is on the screen may stay while the next is loaded. */
+const PREPARE_MS = 3000;
+
+const element = (id) => document.getElementById(id);
+
+class Page {
+  constructor(about) {
+    this.begin(about);
+    this.show = {};
+    this.fits = true; // until somebody moves the map
+    this.followed = null;
+    this.images = new Images((path) => this.tiles.repaint(path));
+    this.patches = new Patches(() => this.overlay.redraw(true));
+    this.map = this.makeMap(about);
+    this.tiles = new IslandTiles(this.images, this.scene, {
+      tileSize: about.tile_cells, minNativeZoom: about.coarsest_zoom, maxNativeZoom: 0, minZoom: about.coarsest_zoom,
+      maxZoom: 4, noWrap: true, keepBuffer: 1,
+    }).addTo(this.map);
+    this.overlay = new Overlay(this).addTo(this.map);
+    this.listenToUser();
+  }
+
+  /** Forgets what another run of the server told. */
+  begin(about) {
+    this.about = about;
+    this.robots = [];
+    this.trails = {};
+    this.tags = [];
+    this.sightings = [];
+    this.closures = [];
+    this.meeting = null;
+    this.names = [];
+    this.status = null;
+    this.next = null;
+    this.scene = { islands: [], offsets: new Map(), cell_m: about.cell_m };
+    if (!this.map) return;
+    this.images.clear();
+    this.patches.clear();
+    this.tiles.scene = this.scene;
+  }
+
+  makeMap(about) {
+    const perMetre = 1 / about.cell_m;
+    const map = L.map("map", {
+      crs: L.extend({}, L.CRS.Simple, { transformation: new L.Transformation(perMetre, 0, -perMetre, 0) }),
+      attributionControl: false, zoomAnimation: false, fadeAnimation: false, inertia: false,
+    });
+    L.control.scale({ imperial: false, maxWidth: 160 }).addTo(map);
+    map.setView([0, 0], -1);
+    return map;
+  }
+
+  listenToUser() {
+    const byHand = () => {
+      this.fits = false;
+      this.follow(null);
+    };
+    this.map.on("dragstart", byHand);
+    for (const event of ["wheel", "dblclick"]) this.map.getContainer().addEventListener(event, () => { this.fits = false; });
+    this.map.zoomControl.getContainer().addEventListener("click", () => { this.fits = false; });
+    element("fit").onclick = () => {
+      this.fits = true;
+      this.follow(null);
+      this.fit();
+    };
+    element("refine").onclick = () => this.order({ verb: "refine" });
+    for (const name of ["patches", "relations", "trails", "sightings", "tags"]) {
+      const box = element(`show-${name}`);
+      const take = () => {
+        this.show[name] = box.checked;
+        this.updatePatches();
+        this.overlay.redraw(true);
+      };
+      box.onchange = take;
+      take();
+    }
+  }
+
+  order(order) {
+    ask(order, this.about);
+  }
+
+  follow(name) {
+    this.followed = this.followed === name ? null : name;
+    if (this.followed) this.fits = false;
+    this.showLists();
+    this.keepInView();
+  }
+
+  keepInView() {
+    const robot = this.robots.find(({ name }) => name === this.followed);
+    const offset = robot && this.scene.offsets.get(robot.at[0]);
+    if (offset) this.map.panTo([robot.at[2] + offset[1], robot.at[1] + offset[0]], { animate: false });
+    this.overlay.redraw();
+  }
+
+  fit() {
+    const box = extent(this.scene.islands, this.scene.offsets);
+    if (!box) return;
+    this.map.fitBounds([[box[1], box[0]], [box[3], box[2]]], { animate: false, padding: [30, 48], maxZoom: 1 });
+  }
+
+  showLists() {
+    if (!this.status) return;
+    showFigures(this.status, this.scene.islands);
+    showWarnings(this.status.warnings);
+    showRobots(this, (name) => this.follow(name), (order) => this.order(order));
+  }
+
+  updatePatches() {
+    if (this.show.patches || this.show.relations) this.patches.update(this.scene.islands);
+  }
+
+  /** Shows other islands, once what is needed of them is there; of those that come meanwhile only the newest. */
+  async take(islands) {
+    const isBusy = this.next !== null;
+    this.next = islands;
+    if (isBusy) return;
+    const about = this.about;
+    while (this.about === about && this.next) {
+      const list = this.next;
+      try {
+        await this.change(list, about);
+      } catch {
+        // The server is away; it tells of its islands when it is back.
+      }
+      if (this.about === about && this.next === list) this.next = null;
+    }
+  }
+
+  async change(list, about) {
+    const islands = await Promise.all(list.map((island) => this.withVersions(island)));
+    const scene = { islands, offsets: placeIslands(islands, 64 * about.cell_m), cell_m: about.cell_m };
+    const shownBefore = extent(this.scene.islands, this.scene.offsets);
+    await Promise.race([this.tiles.prepare(scene), new Promise((resolve) => { setTimeout(resolve, PREPARE_MS); })]);
+    if (this.about !== about) return;
+    this.scene = this.tiles.scene = scene;
+    this.tiles.repaint();
+    if (this.fits && String(shownBefore) !== String(extent(islands, scene.offsets))) this.fit();
+    this.updatePatches();
+    this.overlay.redraw(true);
+    this.showLists();
+  }
+
+  /** An island with the versions of all its tiles, of which only those that changed are asked for. */
+  async withVersions(island) {
+    const before = this.scene.islands.find(({ id }) => id === island.id);
+    if (before?.tiles === island.tiles) return { ...island, versions: before.versions };
+    const answer = await fetch(`tiles/${island.id}?since=${before?.tiles ?? 0}`);
+    const versions = new Map(before?.versions);
+    for (const [zoom, x, y, version] of answer.ok ? await answer.json() : []) versions.set(`${zoom}/${x}/${y}`, version);
+    return { ...island, versions };
+  }
+}
+
+let page = null;
+
+/** Handlers of the topics; `about` comes first. */
+const handlers = {
+  about(about) {
+    if (!page) page = new Page(about);
+    else if (page.about.run !== about.run) page.begin(about);
+    window.isthmus = page; // for those who look from outside: tests, and the browser's console
+  },
+  islands: (islands) => page.take(islands),
+  robots(robots) {
+    page.robots = robots;
+    if (page.followed) page.keepInView();
+    page.overlay.redraw();
+  },
+  trails: (trails) => { page.trails = trails; },
+  tags: (tags) => { page.tags = tags; },
+  meeting: (meeting) => { page.meeting = meeting; },
+  closures(closures) {
+    page.closures = closures;
+    showClosures(closures, (order) => page.order(order));
+  },
+  sightings(sightings) {
+    page.sightings = sightings;
+    showSightings(sightings);
+    page.overlay.redraw();
+  },
+  status(status) {
+    page.status = status;
+    page.names = status.robots.map(({ name }) => name);
+    page.showLists();
+    showRates(status);
+  },
+};
+
+listen(TOPICS, handlers, showLink);

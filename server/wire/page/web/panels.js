@@ -1,0 +1,143 @@
+// The lists beside the map. Rows stay the same elements while what they tell of does, so that nothing flickers and a
+// button does not move away under the pointer.
+
+import { ofRobot } from "./colours.js";
+
+const element = (id) => document.getElementById(id);
+
+function made(tag, properties = {}, ...children) {
+  const node = Object.assign(document.createElement(tag), properties);
+  node.append(...children);
+  return node;
+}
+
+/** Sets text where it is another, so that a selection in it stays. */
+function tell(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+
+/** Brings a list in line with items: `make(item)` an element for one that is new, `update(row, item)` for each. */
+function bring(list, items, keyOf, make, update) {
+  const rows = new Map([...list.children].map((row) => [row.dataset.key, row]));
+  items.forEach((item, place) => {
+    const key = String(keyOf(item));
+    const row = rows.get(key) ?? make(item);
+    rows.delete(key);
+    row.dataset.key = key;
+    if (list.children[place] !== row) list.insertBefore(row, list.children[place] ?? null);
+    update(row, item);
+  });
+  for (const row of rows.values()) row.remove();
+}
+
+export function showLink(isUp, why) {
+  const link = element("link");
+  link.className = isUp ? "on" : "off";
+  link.title = why;
+  tell(link, isUp ? "live" : "reconnecting");
+}
+
+export function showFigures(status, islands) {
+  const figures = [["islands", islands.length], ["patches", status.patches], ["relations", status.relations],
+    ["matched", status.scans > 0 ? `${Math.round((100 * status.scans_matched) / status.scans)} %` : "–"],
+    ["queued", status.queued], ["p99 latency", `${status.latency_p99_ms.toFixed(1)} ms`]];
+  bring(element("figures"), figures, ([name]) => name,
+    ([name]) => made("div", {}, made("dt", { textContent: name }), made("dd")),
+    (row, [, value]) => tell(row.lastChild, String(value)));
+}
+
+export function showWarnings(warnings) {
+  element("warnings-section").hidden = warnings.length === 0;
+  bring(element("warnings"), warnings, (warning) => `${warning.robot} ${warning.key}`, () => made("li"),
+    (row, warning) => tell(row, warning.text));
+}
+
+export function showRobots(world, follow, order) {
+  const { robots, left_out } = world.status;
+  const make = (robot) => {
+    const name = made("button", { type: "button", className: "robot", textContent: robot.name, title: "follow" });
+    name.onclick = () => follow(robot.name);
+    const act = made("button", { type: "button" });
+    act.onclick = () => order({ verb: act.dataset.verb, robot: robot.name });
+    return made("tr", {}, made("td", {}, name), made("td"), made("td", {}, act));
+  };
+  bring(element("robots"), robots, (robot) => robot.name, make, (row, robot) => {
+    const [name, figures, act] = row.children;
+    name.firstChild.style.setProperty("--colour", ofRobot(robot.name, world.names));
+    row.className = world.followed === robot.name ? "followed" : "";
+    const silent_s = world.status.time - robot.heard;
+    tell(figures, robot.heard === 0 ? "not heard yet" : silent_s > 5 ? `silent for ${Math.round(silent_s)} s`
+      : `${robot.scan_hz.toFixed(1)} scans/s, ${Math.round(100 * robot.matched)} % matched`);
+    const verb = left_out.includes(robot.name) ? "allow" : "drop";
+    act.firstChild.dataset.verb = verb;
+    tell(act.firstChild, verb === "drop" ? "Drop" : "Allow");
+  });
+}
+
+const ACTS = { accepted: ["withdraw"], waiting: ["forbid"], refused: ["forbid", "allow"], withdrawn: ["allow"] };
+
+function closureText(closure) {
+  const words = [];
+  if (closure.reason) words.push(closure.reason.replaceAll("_", " "));
+  if (closure.state === "accepted") words.push(`${closure.relations} relations, ${closure.patches} patches touched`);
+  else if (closure.steps > 0) words.push(`${closure.steps} steps tried`);
+  return words.join("; ");
+}
+
+export function showClosures(closures, order) {
+  element("no-closures").hidden = closures.length > 0;
+  const make = () => made("li", {}, made("div", { className: "head" }, made("span", { className: "what" }), made("span")),
+    made("div", { className: "more" }), made("div", { className: "acts" }));
+  bring(element("closures"), closures, (closure) => closure.id, make, (row, closure) => {
+    const [head, more, acts] = row.children;
+    tell(head.firstChild, `${closure.id} ${closure.kind} of ${closure.robots.join(", ")}`);
+    head.lastChild.className = closure.state;
+    tell(head.lastChild, closure.reason === "on_trial" ? "on trial" : closure.state);
+    tell(more, closureText(closure));
+    bring(acts, ACTS[closure.state], (verb) => verb, (verb) => {
+      const button = made("button", { type: "button", textContent: verb[0].toUpperCase() + verb.slice(1) });
+      button.onclick = () => order({ verb, closure: closure.id });
+      return button;
+    }, () => {});
+  });
+}
+
+export function showSightings(sightings) {
+  bring(element("sightings"), sightings.slice(0, 30), (sighting) => sighting.number,
+    () => made("li", {}, made("span"), made("span")), (row, sighting) => {
+      tell(row.firstChild, `${sighting.robot} saw #${sighting.barcode}`);
+      row.lastChild.className = sighting.verdict;
+      tell(row.lastChild, sighting.reason.replaceAll("_", " ") || sighting.verdict);
+    });
+}
+
+const HISTORY = 120;
+const histories = { scans: [], latency: [] };
+
+function plot(canvas, values) {
+  const context = canvas.getContext("2d");
+  const { width, height } = canvas;
+  const most = Math.max(...values, 1e-9);
+  context.clearRect(0, 0, width, height);
+  context.strokeStyle = "#0072b2";
+  context.lineWidth = 1.5;
+  context.beginPath();
+  values.forEach((value, i) => {
+    const x = width - ((values.length - 1 - i) * width) / (HISTORY - 1);
+    const y = height - 3 - (value / most) * (height - 8);
+    if (i === 0) context.moveTo(x, y);
+    else context.lineTo(x, y);
+  });
+  context.stroke();
+}
+
+export function showRates(status) {
+  const scans = status.robots.reduce((sum, robot) => sum + robot.scan_hz, 0);
+  for (const [name, value] of [["scans", scans], ["latency", status.latency_p99_ms]]) {
+    histories[name].push(value);
+    if (histories[name].length > HISTORY) histories[name].shift();
+    plot(element(`plot-${name}`), histories[name]);
+  }
+  tell(element("rate-scans"), `${scans.toFixed(1)} scans/s of all robots, ${HISTORY / 60} minutes`);
+  tell(element("rate-latency"), `${status.latency_p99_ms.toFixed(1)} ms: 99 % of events take less`);
+}

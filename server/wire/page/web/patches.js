@@ -1,0 +1,57 @@
+// Patches and relations of an island, from the server's arrays.
+
+/** Reads the body of /patches/ISLAND (the room's README tells the form). */
+export function readPatches(buffer) {
+  const [patches, relations, nameBytes] = new Uint32Array(buffer, 0, 3);
+  const text = new TextDecoder().decode(new Uint8Array(buffer, 12, nameBytes));
+  let at = 12 + nameBytes;
+  const take = (Type, count) => {
+    const values = new Type(buffer, at, count);
+    at += 4 * count;
+    return values;
+  };
+  return {
+    robots: text.trimEnd().split("\n"),
+    id: take(Int32Array, patches),
+    robot: take(Int32Array, patches),
+    x: take(Float32Array, patches),
+    y: take(Float32Array, patches),
+    yaw: take(Float32Array, patches),
+    a: take(Int32Array, relations),
+    b: take(Int32Array, relations),
+    origin: take(Int32Array, relations),
+  };
+}
+
+/** Keeps the patches of the islands, once somebody wants to see them. */
+export class Patches {
+  constructor(onLoaded) {
+    this.onLoaded = onLoaded;
+    this.islands = new Map(); // {version, data} by id
+    this.busy = false;
+  }
+
+  clear() { this.islands.clear(); }
+
+  of(island) { return this.islands.get(island)?.data; }
+
+  /** Fetches what is not as new as the islands are, one island after the other. */
+  async update(islands) {
+    if (this.busy) return;
+    this.busy = true;
+    try {
+      for (const island of islands) {
+        if (this.islands.get(island.id)?.version === island.map) continue;
+        const answer = await fetch(`patches/${island.id}?v=${island.map}`);
+        if (!answer.ok) continue;
+        this.islands.set(island.id, { version: island.map, data: readPatches(await answer.arrayBuffer()) });
+      }
+      for (const id of this.islands.keys()) if (!islands.some((island) => island.id === id)) this.islands.delete(id);
+      this.onLoaded();
+    } catch {
+      // The server is away.
+    } finally {
+      this.busy = false;
+    }
+  }
+}

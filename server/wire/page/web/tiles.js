@@ -1,0 +1,75 @@
+// Leaflet's layer of canvas tiles. A tile of the screen is put together from the tiles of the islands under it, and
+// painted again in place when one of them has changed.
+
+const SIZE = 256;
+
+/** The path of an island's tile, as the server has it. */
+export const tilePath = (island, zoom, x, y) => `tile/${island}/${zoom}/${x}/${y}`;
+
+/**
+ * The islands' tiles under a tile of the screen: {path, version, dx, dy}, to be painted at dx, dy. `scene`: islands
+ * with their versions by "zoom/x/y", offsets, and the size of a cell.
+ */
+export function* tilesUnder(coords, scene) {
+  const perMetre = 2 ** coords.z / scene.cell_m;
+  for (const island of scene.islands) {
+    const [ox, oy] = scene.offsets.get(island.id);
+    const left = coords.x * SIZE - Math.round(ox * perMetre);
+    const top = coords.y * SIZE + Math.round(oy * perMetre);
+    for (let y = Math.floor(top / SIZE); y * SIZE < top + SIZE; ++y) {
+      for (let x = Math.floor(left / SIZE); x * SIZE < left + SIZE; ++x) {
+        const version = island.versions.get(`${coords.z}/${x}/${y}`);
+        if (version === undefined) continue;
+        yield { path: tilePath(island.id, coords.z, x, y), version, dx: x * SIZE - left, dy: y * SIZE - top };
+      }
+    }
+  }
+}
+
+export const IslandTiles = L.GridLayer.extend({
+  initialize(images, scene, options) {
+    L.GridLayer.prototype.initialize.call(this, options);
+    this.images = images;
+    this.scene = scene;
+    this.on("tileunload", (event) => { event.tile.coords = null; });
+  },
+
+  createTile(coords) {
+    const tile = document.createElement("canvas");
+    tile.width = tile.height = SIZE;
+    tile.coords = coords;
+    this.paint(tile);
+    return tile;
+  },
+
+  paint(tile) {
+    const context = tile.getContext("2d");
+    context.clearRect(0, 0, SIZE, SIZE);
+    for (const { path, version, dx, dy } of tilesUnder(tile.coords, this.scene)) {
+      const image = this.images.newest(path);
+      if (image) context.drawImage(image, dx, dy);
+      this.images.load(path, version);
+    }
+  },
+
+  shown() {
+    return Object.values(this._tiles ?? {}).map((entry) => entry.el).filter((tile) => tile.coords);
+  },
+
+  /** Paints again what an image is part of; all where none is named. */
+  repaint(path) {
+    for (const tile of this.shown()) {
+      const concerns = path === undefined || [...tilesUnder(tile.coords, this.scene)].some((one) => one.path === path);
+      if (concerns) this.paint(tile);
+    }
+  },
+
+  /** Loads what the tiles that are shown need of another scene. */
+  prepare(scene) {
+    const loads = [];
+    for (const tile of this.shown()) {
+      for (const { path, version } of tilesUnder(tile.coords, scene)) loads.push(this.images.load(path, version));
+    }
+    return Promise.all(loads);
+  },
+});

@@ -1,0 +1,234 @@
+#include "server/wire/page/page_server.hpp"
+
+#include <gtest/gtest.h>
+#include <httplib.h>
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <thread>
+
+#include "server/wire/message/message.hpp"
+#include "tests/support/waiting.hpp"
+#include "tests/unit/wire/page/page_maps.hpp"
+
+namespace isthmus {
+namespace {
+
+using std::chrono::milliseconds;
+using Json = nlohmann::json;
+
+DropReason takes_nothing(const std::string&, std::span<const std::uint8_t>) { return DropReason::stopped; }
+
+httplib::Client client_of(const PageServer& page) {
+  httplib::Client client("127.0.0.1", page.port());
+  client.set_read_timeout(std::chrono::seconds(30));
+  return client;
+}
+
+/// A map with one island, as the live server shows it; waits until the page does.
+void show(PageServer& page, const MapCopy& map) {
+  const auto before = page.model().shown();
+  page.model().show({std::make_shared<const MapCopy>(map), {}, 0, false});
+  ASSERT_TRUE(happens([&] { return page.model().shown() != before; })) << "nothing is shown";
+}
+
+/// Reads a stream of events until something is in it, or it ends; what came.
+std::string read_events(httplib::Client& client, const std::string& until) {
+  std::string text;
+  client.Get("/events", [&](const char* data, std::size_t size) {
+    text.append(data, size);
+    return text.find(until) == std::string::npos;
+  });
+  return text;
+}
+
+/// Of the answer's head, where a body would not end.
+int status_of_stream(httplib::Client& client) {
+  int status = 0;
+  client.Get(
+      "/events",
+      [&](const httplib::Response& response) {
+        status = response.status;
+        return false;
+      },
+      [](const char*, std::size_t) { return false; });
+  return status;
+}
+
+TEST(PageServer, ServesThePageAndNothingThatIsNotThere) {
+  const PageServer page({}, takes_nothing);
+  httplib::Client client = client_of(page);
+  const auto index = client.Get("/");
+  ASSERT_TRUE(index);
+  EXPECT_EQ(index->status, 200);
+  EXPECT_NE(index->body.find("Isthmus"), std::string::npos);
+  EXPECT_NE(index->get_header_value("Content-Security-Policy").find("default-src 'none'"), std::string::npos);
+  EXPECT_EQ(client.Get("/leaflet.js")->get_header_value("Content-Type"), "text/javascript");
+  for (const char* path : {"/nothing", "/../etc/passwd", "/tile/0/0/0/0?v=1", "/tile/x", "/tiles/",
+                           "/patches/0", "/preview?closure=0", "/preview"})
+    EXPECT_EQ(client.Get(path)->status, 404) << path;
+  EXPECT_EQ(client.Put("/", "", "text/plain")->status, 405);
+  EXPECT_EQ(client.Post("/events", "", "text/plain")->status, 405);
+}
+
+TEST(PageServer, ATileOfItsVersionStaysAndOneOfAnotherIsNotKept) {
+  PageServer page({}, takes_nothing);
+  show(page, testing::map_of_islands({{{0.3, 0.2, 0}}}));
+  httplib::Client client = client_of(page);
+  ASSERT_TRUE(happens([&] { return !page.model().tiles().islands().empty(); }));
+  const Json tiles = Json::parse(client.Get("/tiles/0?since=0")->body);
+  ASSERT_GE(tiles.size(), 7U) << "one of each zoom";
+  const auto version = tiles[0][3].get<std::int64_t>();
+  EXPECT_GT(version, page.model().run());
+  EXPECT_EQ(Json::parse(client.Get("/tiles/0?since=" + std::to_string(version))->body), Json::array());
+  const std::string path = "/tile/0/0/0/0?v=";
+  const auto tile = client.Get(path + std::to_string(version));
+  EXPECT_EQ(tile->get_header_value("Content-Type"), "image/png");
+  EXPECT_EQ(tile->body.substr(1, 3), "PNG");
+  EXPECT_NE(tile->get_header_value("Cache-Control").find("immutable"), std::string::npos);
+  EXPECT_EQ(client.Get(path + std::to_string(version - 1))->get_header_value("Cache-Control"), "no-store");
+}
+
+TEST(PageServer, PatchesAreTheSameDeflatedOrNot) {
+  PageServer page({}, takes_nothing);
+  show(page, testing::map_of_islands({{{0.3, 0.2, 0}, {1, 0.2, 0}}}));
+  httplib::Client client = client_of(page);
+  const std::string path = "/patches/0?v=" + std::to_string(page.model().shown()->version.at(PatchId{0}));
+  const auto plain = client.Get(path, {{"Accept-Encoding", "identity"}});
+  const auto packed = client.Get(path, {{"Accept-Encoding", "gzip, deflate"}});
+  EXPECT_EQ(plain->body, patch_arrays(*page.model().shown(), PatchId{0}));
+  EXPECT_EQ(packed->get_header_value("Content-Encoding"), "deflate");
+  EXPECT_EQ(packed->body, plain->body);  // the client has inflated it
+  EXPECT_NE(packed->get_header_value("Cache-Control").find("immutable"), std::string::npos);
+}
+
+TEST(PageServer, StreamsTellOfTheMapAndOfPoses) {
+  PageServer page({}, takes_nothing);
+  show(page, testing::map_of_islands({{{0.3, 0.2, 0}}}));
+  RobotPose pose;
+  pose.robot = "R1";
+  pose.island = PatchId{0};
+  pose.pose = {PatchId{0}, {1, 0, 0}};
+  page.model().show(pose);
+  httplib::Client client = client_of(page);
+  const std::string text = read_events(client, "\"R1\"");
+  EXPECT_NE(text.find("event: about\ndata: {"), std::string::npos) << text;
+  EXPECT_NE(text.find("event: islands\ndata: [{"), std::string::npos) << text;
+  EXPECT_NE(text.find(R"("at":[0,1.3,0.2,0.0])"), std::string::npos) << text;
+}
+
+TEST(PageServer, OneViewerTooManyIsRefusedUntilAnotherLeaves) {
+  PageOptions options;
+  options.viewers = 2;
+  options.silence_time = milliseconds(20);
+  const PageServer page(options, takes_nothing);
+  std::atomic<int> reading = 0;
+  std::atomic<bool> leave = false;
+  std::vector<std::jthread> viewers;
+  for (int i = 0; i < 2; ++i) {
+    viewers.emplace_back([&] {
+      httplib::Client client = client_of(page);
+      bool is_first = true;
+      client.Get("/events", [&](const char*, std::size_t) {
+        reading += std::exchange(is_first, false) ? 1 : 0;
+        return !leave;
+      });
+    });
+  }
+  ASSERT_TRUE(happens([&] { return reading == 2; })) << "no streams";
+  httplib::Client third = client_of(page);
+  EXPECT_EQ(status_of_stream(third), 503);
+  EXPECT_EQ(third.Get("/")->status, 200) << "the page itself is there";
+  leave = true;
+  EXPECT_TRUE(happens([&] { return status_of_stream(third) == 200; })) << "no seat is free";
+}
+
+TEST(PageServer, EndsWhileViewersWatchAndConnectionsIdle) {
+  std::vector<std::jthread> viewers;
+  std::atomic<int> reading = 0;
+  {
+    const PageServer page({}, takes_nothing);
+    const int port = page.port();
+    for (int i = 0; i < 3; ++i) {
+      viewers.emplace_back([&, port] {
+        httplib::Client client("127.0.0.1", port);
+        client.Get("/events", [&](const char*, std::size_t) {
+          reading += 1;
+          return true;
+        });
+      });
+    }
+    ASSERT_TRUE(happens([&] { return reading >= 3; }));
+    httplib::Client idle("127.0.0.1", port);
+    idle.set_keep_alive(true);
+    EXPECT_EQ(idle.Get("/")->status, 200);
+  }
+  viewers.clear();  // their streams have ended
+}
+
+TEST(PageServer, AtAnotherAddressItIsServedToThoseWithTheTokenAlone) {
+  PageOptions options;
+  options.address = "0.0.0.0";
+  EXPECT_THROW(PageServer(options, takes_nothing), std::runtime_error);
+  options.token = "0123456789abcdef";
+  const PageServer page(options, takes_nothing);
+  httplib::Client client = client_of(page);
+  const auto stranger = client.Get("/");
+  EXPECT_EQ(stranger->status, 401);
+  EXPECT_NE(stranger->body.find("token"), std::string::npos);
+  for (const char* path : {"/events", "/page.js", "/tiles/0", "/?token=wrong"})
+    EXPECT_EQ(client.Get(path)->status, 401) << path;
+  EXPECT_EQ(client.Post("/command", R"({"verb": "refine"})", "application/json")->status, 403);
+  const auto entered = client.Get("/?token=0123456789abcdef");
+  EXPECT_EQ(entered->status, 302);
+  const std::string cookie = entered->get_header_value("Set-Cookie");
+  EXPECT_NE(cookie.find("HttpOnly"), std::string::npos) << cookie;
+  EXPECT_EQ(client.Get("/page.js", {{"Cookie", cookie.substr(0, cookie.find(';'))}})->status, 200);
+}
+
+TEST(PageServer, APortThatIsTakenIsAnError) {
+  const PageServer page({}, takes_nothing);
+  PageOptions options;
+  options.port = page.port();
+  EXPECT_THROW(PageServer(options, takes_nothing), std::runtime_error);
+}
+
+TEST(PageServer, AnOrderIsAnsweredWithWhatBecameOfIt) {
+  PageServer* self = nullptr;
+  const auto take = [&](const std::string& channel, std::span<const std::uint8_t> bytes) {
+    const CommandEvent order = std::get<CommandEvent>(decode({}, channel, bytes, 0).event->body);
+    self->orders().answered(order, order.closure == 3 ? DropReason::none : DropReason::not_accepted);
+    return DropReason::none;
+  };
+  PageServer page({}, take);
+  self = &page;
+  httplib::Client client = client_of(page);
+  const auto post = [&](const std::string& body, const char* type = "application/json") {
+    return client.Post("/command", body, type);
+  };
+  EXPECT_EQ(post(R"({"verb": "withdraw", "closure": 3})")->status, 200);
+  const auto refused = post(R"({"verb": "withdraw", "closure": 4})");
+  EXPECT_EQ(refused->status, 409);
+  EXPECT_EQ(Json::parse(refused->body).at("error"), "not_accepted");
+  EXPECT_EQ(post("{}")->status, 400);
+  EXPECT_EQ(post(R"({"verb": "withdraw", "closure": 3})", "text/plain")->status, 415);
+  EXPECT_EQ(client
+                .Post("/command", {{"Origin", "http://evil.example"}},
+                      R"({"verb": "withdraw", "closure": 3})", "application/json")
+                ->status,
+            403);
+}
+
+TEST(PageServer, WhereKeysAreConfiguredOrdersMustBeSigned) {
+  PageOptions options;
+  options.orders_signed = true;
+  const PageServer page(options, takes_nothing);
+  httplib::Client client = client_of(page);
+  const auto refused = client.Post("/command", R"({"verb": "refine"})", "application/json");
+  EXPECT_EQ(refused->status, 403);
+  EXPECT_EQ(Json::parse(refused->body).at("error"), "unsigned");
+  EXPECT_EQ(client.Post("/command", "no envelope", "application/octet-stream")->status, 409);
+}
+
+}  // namespace
+}  // namespace isthmus
