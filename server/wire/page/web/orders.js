@@ -20,10 +20,11 @@ const element = (id) => document.getElementById(id);
 
 const counted = (number, one, many = `${one}s`) => `${number} ${number === 1 ? one : many}`;
 
-/** [[3, 2], [5]]: what islands part into, as words. */
-function partsText(parts) {
-  if (parts.length < 2) return "The island stays whole.";
-  return `The island parts into ${parts.length}, of ${parts.join(", ")} patches.`;
+/** What an island comes to, from least to most: the sizes of its parts. */
+function partsText(least, most) {
+  const words = (parts) => (parts.length < 2 ? "stays whole" : `parts into ${parts.length}, of ${parts.join(", ")} patches`);
+  if (least.length === most.length) return `The island ${words(least)}.`;
+  return `The island ${words(least)}; if none of those stays, it ${words(most)}.`;
 }
 
 /** What withdrawing a closure would change, as sentences. */
@@ -33,10 +34,7 @@ function withdrawalLines(preview) {
   const lines = [`Its own relations go (${relations || "none"}).`];
   if (sightings) lines.push(`Its sightings wait again (${sightings}).`);
   if (preview.dependent > 0) lines.push(`${counted(preview.dependent, "relation")} made with its help will be judged again.`);
-  lines.push(partsText(preview.parts));
-  if (preview.parts_at_most.length > preview.parts.length) {
-    lines.push(`If nothing of that stays: ${counted(preview.parts_at_most.length, "part")}.`);
-  }
+  lines.push(partsText(preview.parts, preview.parts_at_most));
   lines.push("It is kept from coming again until it is allowed.");
   return lines;
 }
