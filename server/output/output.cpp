@@ -16,14 +16,6 @@
 namespace isthmus {
 namespace {
 
-/// The map with every island's frame moved; relations and covariances are relative and stay.
-MapCopy aligned(const MapCopy& map, const Pose& out_from_map) {
-  MapCopy out = map;
-  for (Pose& pose : out.poses) pose = out_from_map * pose;
-  for (TagRecord& tag : out.tags) tag.position = out_from_map * tag.position;
-  return out;
-}
-
 /// Pictures that are drawn at once, in pixels, however many islands there are: each time the whole trajectory
 /// is read.
 constexpr std::size_t max_pixels = 64'000'000;
@@ -45,6 +37,13 @@ void write_grids(const MapCopy& map, const RankedIslands& islands, const std::st
 }
 
 }  // namespace
+
+MapCopy aligned(const MapCopy& map, const Pose& out_from_map) {
+  MapCopy out = map;
+  for (Pose& pose : out.poses) pose = out_from_map * pose;
+  for (TagRecord& tag : out.tags) tag.position = out_from_map * tag.position;
+  return out;
+}
 
 void write_outputs(const MapCopy& map, const RunCost& cost, const std::string& directory,
                    const OutputOptions& options) {

@@ -30,6 +30,9 @@ struct OutputOptions {
   Pose align;  ///< applied to every island's frame before export: out_from_map
 };
 
+/// The map with every island's frame moved; relations and covariances are relative and stay.
+MapCopy aligned(const MapCopy& map, const Pose& out_from_map);
+
 /// Writes every output file of tools/README.md (grids, trajectories, CSVs, graph.g2o, report.json) into a
 /// directory, made where missing. Each file is complete or absent: written under a temporary name, synced and
 /// renamed. Throws std::runtime_error naming the file and the reason.

@@ -1,5 +1,7 @@
 #include "server/output/stale.hpp"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <filesystem>
 #include <set>
@@ -20,7 +22,9 @@ bool island_of(std::string_view name, std::size_t& island) {
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), island);
   if (error != std::errc{}) return false;
   name.remove_prefix(static_cast<std::size_t>(end - name.data()));
-  return name == ".pgm" || name == ".yaml" || name == ".png" || name == "-trajectory.png";
+  constexpr std::array<std::string_view, 7> written = {
+      ".pgm", ".yaml", ".png", "-trajectory.png", "-plan.svg", "-plan.dxf", "-plan.geojson"};
+  return std::find(written.begin(), written.end(), name) != written.end();
 }
 
 std::vector<fs::path> files_in(const fs::path& directory) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/output/format/atomic_file.hpp"
+#include "server/output/vector_plan/plan_files.hpp"
 #include "tools/replay/read_map.hpp"
 #include "tools/text/finite_number.hpp"
 #include "tools/text/progress.hpp"
@@ -18,6 +19,7 @@ struct Arguments {
   std::string config_file;
   double resolution_m = 0.05;
   std::vector<double> align = {0, 0, 0};
+  bool floor_plan = false;
 };
 
 ReplayResult replayed(const Arguments& arguments) {
@@ -38,7 +40,9 @@ void run(const Arguments& arguments) {
   OutputOptions options;
   options.resolution_m = arguments.resolution_m;
   options.align = {arguments.align[0], arguments.align[1], wrap_angle(arguments.align[2])};
-  write_outputs(result.engine.copy(), result.cost, arguments.output, options);
+  const MapCopy map = result.engine.copy();
+  write_outputs(map, result.cost, arguments.output, options);
+  if (arguments.floor_plan) write_plans(aligned(map, options.align), arguments.output);
 }
 
 }  // namespace
@@ -58,6 +62,8 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->expected(3)
       ->check(finite_number & CLI::Range(-1e6, 1e6));
+  app.add_flag("--floor-plan", arguments.floor_plan,
+               "also write each island's walls, openings and poles as SVG, DXF and GeoJSON");
   app.add_option("--config", arguments.config_file, "TOML configuration, instead of the journal's own");
   try {
     app.parse(argc, argv);

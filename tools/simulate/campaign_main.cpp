@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   isthmus::add_wild_command(app);
   isthmus::add_features_command(app);
   isthmus::add_rendezvous_command(app);
+  isthmus::add_floor_plans_command(app);
   try {
     CLI11_PARSE(app, argc, argv);
   } catch (const std::exception& error) {
