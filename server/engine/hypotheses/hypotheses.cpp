@@ -93,9 +93,12 @@ void Hypotheses::look_up(World world) {
   if (looking_up_ || queue_.empty() || !ready_.empty()) return;
   asked_.assign(std::make_move_iterator(queue_.begin()), std::make_move_iterator(queue_.end()));
   queue_.clear();
-  std::vector<PatchId> newest;
-  for (const PlaceQuery& query : asked_) newest.push_back(query.newest_first.front());
-  looking_up_.emplace(world.map, std::move(newest), world.now_utime, world.options.place_candidates);
+  std::vector<PlaceQuestion> questions;
+  for (const PlaceQuery& query : asked_) {
+    const PatchId newest = query.newest_first.front();
+    questions.push_back({newest, pool_.hints(world.map, newest, world.options)});
+  }
+  looking_up_.emplace(world.map, std::move(questions), world.now_utime, world.options.place_candidates);
 }
 
 void Hypotheses::end_look_up() {
@@ -139,7 +142,9 @@ std::int64_t Hypotheses::step(World world) {
 
 std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
   const EngineOptions& options = world.options;
-  query.search.add(places_on_other_islands(world.map, query.newest_first.front(), options.place_candidates));
+  const PatchId newest = query.newest_first.front();
+  query.search.add(places_on_other_islands(world.map, newest, pool_.hints(world.map, newest, options),
+                                           options.place_candidates));
   if (query.search.has_places())
     query.search.look_for(piece_of_way(world.map, query.newest_first, options.place_search));
   return options.hypotheses.step_price_us;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -58,6 +59,19 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
   }
   proposal.robots.assign(robots.begin(), robots.end());
   return proposal;
+}
+
+// Where a patch near one end of a find lies by it, on the island of the other end; nothing where it is not
+// near.
+std::optional<PlaceHint> hint_across(const Map& map, PatchId patch, PatchId near_end, PatchId far_end,
+                                     const Pose& far_from_near, const EngineOptions& options) {
+  if (map.graph().island(patch) != map.graph().island(near_end)) return std::nullopt;
+  const Pose moved = map.relative_pose(near_end, patch);
+  const double way_m = std::hypot(moved.x, moved.y);
+  if (way_m > options.hypotheses.hint_way_m) return std::nullopt;
+  const PlaceCandidateOptions& its = options.place_candidates;
+  return PlaceHint{map.graph().island(far_end), map.manifold().pose(far_end) * far_from_near * moved,
+                   its.min_drift_m + its.drift_per_way * way_m};
 }
 
 }  // namespace
@@ -199,6 +213,20 @@ void HypothesisPool::forget_robot(const Map& map, const std::string& robot) {
   for (const Waiting& waiting : pool_) gone.push_back(is_its(waiting));
   remove(gone);
   for (auto& [id, finds] : parked_) std::erase_if(finds, is_its);
+}
+
+std::vector<PlaceHint> HypothesisPool::hints(const Map& map, PatchId patch,
+                                             const EngineOptions& options) const {
+  std::vector<PlaceHint> hints;
+  for (const Waiting& waiting : pool_) {
+    const Find& find = waiting.find;
+    const auto by_query = hint_across(map, patch, find.query, find.anchor, find.anchor_from_query, options);
+    const auto by_anchor =
+        hint_across(map, patch, find.anchor, find.query, inverse(find.anchor_from_query), options);
+    if (by_query) hints.push_back(*by_query);
+    if (by_anchor) hints.push_back(*by_anchor);
+  }
+  return hints;
 }
 
 std::vector<UndecidedHypothesis> HypothesisPool::undecided() const {

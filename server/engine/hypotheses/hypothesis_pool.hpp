@@ -10,6 +10,7 @@
 #include "server/engine/hypotheses/hypothesis_counts.hpp"
 #include "server/engine/hypotheses/undecided.hpp"
 #include "server/engine/places/consistency.hpp"
+#include "server/engine/places/place_candidates.hpp"
 
 namespace isthmus {
 
@@ -32,6 +33,9 @@ class HypothesisPool {
   void forget_robot(const Map& map, const std::string& robot);
   /// Something else has shown it to be false.
   void refute(ClosureId id, Reason reason);
+
+  /// Where a patch lies if those that wait are true, by those on either side of which it lies near.
+  std::vector<PlaceHint> hints(const Map& map, PatchId patch, const EngineOptions& options) const;
 
   std::vector<UndecidedHypothesis> undecided() const;
   std::size_t waiting() const { return pool_.size(); }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "relations/confidence.hpp"
 
@@ -39,23 +41,78 @@ std::vector<double> ways_m(const Map& map, PatchId from) {
 struct Rough {
   PatchId anchor;
   double way_m = 0;
-  double surprise = 0;  ///< distance as a share of what drift could explain
+  double surprise = 0;  ///< distance as a share of what drift could explain; below zero where a hint has it
 };
 
-// Anchors so far apart that each patch of `ranked` is near one of them.
-std::vector<Rough> anchors_of(const Map& map, const std::vector<Rough>& ranked,
-                              const PlaceCandidateOptions& options) {
-  std::vector<Rough> anchors;
-  for (const Rough& rough : ranked) {
-    const Pose& pose = map.manifold().pose(rough.anchor);
-    const bool covered = std::ranges::any_of(anchors, [&](const Rough& other) {
-      const Pose& its = map.manifold().pose(other.anchor);
-      return std::hypot(its.x - pose.x, its.y - pose.y) < options.spacing_m;
-    });
-    if (!covered) anchors.push_back(rough);
-    if (anchors.size() >= options.max_places) break;
+// Which of the places seen so far are near: looked up by cell.
+class Spread {
+ public:
+  explicit Spread(double spacing_m) : spacing_m_(spacing_m) {}
+
+  /// Whether nothing that was added before lies nearer than the spacing.
+  bool add(const Pose& pose) {
+    const auto [x, y] = cell(pose);
+    for (int i = x - 1; i <= x + 1; ++i) {
+      for (int k = y - 1; k <= y + 1; ++k) {
+        const auto found = cells_.find({i, k});
+        if (found != cells_.end() && std::ranges::any_of(found->second, [&](const Pose& its) {
+              return std::hypot(its.x - pose.x, its.y - pose.y) < spacing_m_;
+            }))
+          return false;
+      }
+    }
+    cells_[{x, y}].push_back(pose);
+    return true;
   }
-  return anchors;
+
+ private:
+  std::pair<int, int> cell(const Pose& pose) const {
+    return {static_cast<int>(std::floor(pose.x / spacing_m_)),
+            static_cast<int>(std::floor(pose.y / spacing_m_))};
+  }
+
+  double spacing_m_;
+  std::map<std::pair<int, int>, std::vector<Pose>> cells_;
+};
+
+// Of more places than can be searched at once the first half, and others in turn: a golden section further
+// round from patch to patch, so that none waits long.
+std::vector<Rough> taken_in_turn(std::vector<Rough> anchors, PatchId query, std::size_t most) {
+  if (anchors.size() <= most) return anchors;
+  constexpr double golden = 0.6180339887498949;
+  const std::size_t first = most / 2;
+  const std::size_t rest = anchors.size() - first;
+  const double turns = golden * query.value;
+  const auto from = static_cast<std::size_t>((turns - std::floor(turns)) * static_cast<double>(rest));
+  std::vector<Rough> taken(anchors.begin(), anchors.begin() + static_cast<std::ptrdiff_t>(first));
+  for (std::size_t i = 0; taken.size() < most; ++i) taken.push_back(anchors[first + (from + i) % rest]);
+  return taken;
+}
+
+// Anchors so far apart that each patch of `ranked` is near one of them.
+std::vector<Rough> anchors_of(const Map& map, std::vector<Rough> ranked, PatchId query,
+                              const PlaceCandidateOptions& options) {
+  std::ranges::stable_sort(ranked, {}, &Rough::surprise);
+  Spread spread(options.spacing_m);
+  std::vector<Rough> anchors;
+  for (const Rough& rough : ranked)
+    if (spread.add(map.manifold().pose(rough.anchor))) anchors.push_back(rough);
+  return taken_in_turn(std::move(anchors), query, options.max_places);
+}
+
+// How far a place is from where hints have the patch, as a share of what they may err by, less one; nothing
+// where none has it near.
+std::optional<double> hinted(const Pose& place, IslandId island, std::span<const PlaceHint> hints,
+                             const PlaceCandidateOptions& options) {
+  double least = 1;
+  for (const PlaceHint& hint : hints) {
+    if (hint.island != island) continue;
+    const Pose& there = hint.island_from_patch;
+    least =
+        std::min(least, std::hypot(place.x - there.x, place.y - there.y) / (options.reach_m + hint.drift_m));
+  }
+  if (least >= 1) return std::nullopt;
+  return least - 1;
 }
 
 // What of the covariance's box is near the anchor; nothing where the two do not meet.
@@ -69,9 +126,11 @@ bool narrow(double& centre, double& half, double most, const PlaceCandidateOptio
 }
 
 // Where the patch may be for all that its way may have drifted.
-std::vector<Rough> rough_places(const Map& map, PatchId query, const PlaceCandidateOptions& options) {
+std::vector<Rough> rough_places(const Map& map, PatchId query, std::span<const PlaceHint> hints,
+                                const PlaceCandidateOptions& options) {
   const Manifold& manifold = map.manifold();
   const Pose& here = manifold.pose(query);
+  const IslandId island = map.graph().island(query);
   const std::vector<double> ways = ways_m(map, query);
   std::vector<Rough> rough;
   for (std::size_t i = 0; i < ways.size(); ++i) {
@@ -81,7 +140,7 @@ std::vector<Rough> rough_places(const Map& map, PatchId query, const PlaceCandid
     const double distance = std::hypot(its.x - here.x, its.y - here.y);
     const double drift = options.min_drift_m + options.drift_per_way * ways[i];
     if (distance > options.reach_m + drift || !sees_walls(map, id)) continue;
-    rough.push_back({id, ways[i], distance / drift});
+    rough.push_back({id, ways[i], hinted(its, island, hints, options).value_or(distance / drift)});
   }
   return rough;
 }
@@ -137,11 +196,11 @@ double revisit_log_odds(const Pose& off, double way_m, double sigma_m, const Pla
 }
 
 std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
+                                                 std::span<const PlaceHint> hints,
                                                  const PlaceCandidateOptions& options) {
-  std::vector<Rough> rough = rough_places(map, query, options);
+  std::vector<Rough> rough = rough_places(map, query, hints, options);
   if (rough.empty()) return {};
-  std::ranges::stable_sort(rough, {}, &Rough::surprise);
-  const std::vector<Rough> anchors = anchors_of(map, rough, options);
+  const std::vector<Rough> anchors = anchors_of(map, std::move(rough), query, options);
   std::vector<PatchId> others;
   for (const Rough& anchor : anchors) others.push_back(anchor.anchor);
   const auto covariances = exact_relative_covariances(map.graph(), map.manifold().poses(), query, others);
@@ -154,17 +213,20 @@ std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
 }
 
 std::vector<PlaceCandidate> places_on_other_islands(const Map& map, PatchId query,
+                                                    std::span<const PlaceHint> hints,
                                                     const PlaceCandidateOptions& options) {
   std::vector<PlaceCandidate> places;
   const IslandId own = map.graph().island(query);
-  for (const std::vector<PatchId>& island : map.graph().islands()) {
-    if (island.size() < options.min_island || island.front() == own) continue;
-    std::vector<Rough> patches;
-    for (const PatchId id : island)
-      if (sees_walls(map, id)) patches.push_back({id, 0, 0});
-    for (const Rough& rough : anchors_of(map, patches, options)) {
+  for (const std::vector<PatchId>& patches : map.graph().islands()) {
+    if (patches.size() < options.min_island || patches.front() == own) continue;
+    const IslandId island = map.graph().island(patches.front());
+    std::vector<Rough> rough;
+    for (const PatchId id : patches)
+      if (sees_walls(map, id))
+        rough.push_back({id, 0, hinted(map.manifold().pose(id), island, hints, options).value_or(0)});
+    for (const Rough& anchor : anchors_of(map, std::move(rough), query, options)) {
       PlaceCandidate place;
-      place.anchor = rough.anchor;
+      place.anchor = anchor.anchor;
       place.window = {Pose{}, options.half_window_m, options.half_window_m, std::numbers::pi};
       places.push_back(place);
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -35,14 +36,27 @@ Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& option
 /// as seen from where the map has it.
 double revisit_log_odds(const Pose& off, double way_m, double sigma_m, const PlaceCandidateOptions& options);
 
+/// Where a patch lies if a find that waits is true: what was found a few metres ago says where to look now.
+struct PlaceHint {
+  IslandId island;
+  Pose island_from_patch;
+  double drift_m = 0;  ///< that the way since then may have made of it
+
+  auto members() { return std::tie(island, island_from_patch, drift_m); }
+};
+
 /// Places of the patch's own island that are far from it over the map's relations, but whose projection could
 /// come to lie on it within the relative covariance. Those so well determined that a find could only be what
-/// the map says are left out: local loops are for local_loop.hpp. The likeliest first.
+/// the map says are left out: local loops are for local_loop.hpp. First those that hints name, then the
+/// likeliest; where there are more than are searched at once, others in turn from patch to patch.
 std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
+                                                 std::span<const PlaceHint> hints,
                                                  const PlaceCandidateOptions& options);
 
-/// All places of all other islands that are worth a name: nothing says where on them the patch lies.
+/// Places of all other islands that are worth a name: nothing but hints says where on them the patch lies.
+/// All of them; of large islands some, others in turn from patch to patch.
 std::vector<PlaceCandidate> places_on_other_islands(const Map& map, PatchId query,
+                                                    std::span<const PlaceHint> hints,
                                                     const PlaceCandidateOptions& options);
 
 }  // namespace isthmus

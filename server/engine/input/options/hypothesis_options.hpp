@@ -27,6 +27,7 @@ struct HypothesisOptions {
   double mapped_m = 0.15;
   double mapped_rad = 0.03;
   std::size_t more_finds = 3;
+  double hint_way_m = 40;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -53,6 +54,7 @@ struct HypothesisOptions {
     option(mapped_m, "mapped_m", "m", "so near to what the map says, a find has nothing to add");
     option(mapped_rad, "mapped_rad", "rad", "the same of its yaw");
     option(more_finds, "more_finds", "count", "before what was undecided is tried again");
+    option(hint_way_m, "hint_way_m", "m", "of way over which a find that waits says where to look next");
   }
 };
 

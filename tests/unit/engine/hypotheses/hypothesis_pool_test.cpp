@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/side_by_side.hpp"
 
 namespace isthmus {
@@ -53,6 +55,27 @@ TEST(HypothesisPool, ProposesFindsThatAgreeOnEnoughOfTheWay) {
   EXPECT_EQ(its.counts.proposed, 1);
   ASSERT_EQ(its.closures.closures().size(), 1U);
   EXPECT_EQ(its.closures.closures()[0].robots, (std::vector<std::string>{"R1", "R2"}));
+}
+
+// Half a metre further on, whichever of the two asks.
+TEST(HypothesisPool, SaysWhereToLookForWhatIsNearAFindThatWaits) {
+  Pooling its;
+  its.find(0);
+  const Map& map = its.scene.map;
+  const std::vector<PlaceHint> hints = its.pool.hints(map, its.scene.second[1], its.scene.options);
+  ASSERT_EQ(hints.size(), 1U);
+  EXPECT_EQ(hints[0].island, map.graph().island(its.scene.first[0]));
+  const Pose moved = map.relative_pose(its.scene.second[0], its.scene.second[1]);
+  const Pose expected = map.manifold().pose(its.scene.first[0]) * Pose{0, 1.5, 0} * moved;
+  EXPECT_NEAR(ominus(hints[0].island_from_patch, expected).x, 0, 1e-9);
+  EXPECT_NEAR(ominus(hints[0].island_from_patch, expected).y, 0, 1e-9);
+  EXPECT_NEAR(hints[0].drift_m, 1 + 0.3 * std::hypot(moved.x, moved.y), 1e-9);
+
+  const std::vector<PlaceHint> back = its.pool.hints(map, its.scene.first[1], its.scene.options);
+  ASSERT_EQ(back.size(), 1U);
+  EXPECT_EQ(back[0].island, map.graph().island(its.scene.second[0]));
+  its.scene.options.hypotheses.hint_way_m = 0.1;
+  EXPECT_TRUE(its.pool.hints(map, its.scene.second[1], its.scene.options).empty()) << "too far on";
 }
 
 TEST(HypothesisPool, ProposesNothingOfOnePlace) {

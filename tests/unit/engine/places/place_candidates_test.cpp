@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "tests/support/ways.hpp"
 
@@ -59,7 +60,7 @@ TEST(RevisitLogOdds, AreThoseOfASlipHoweverFarOffTheMapWas) {
 
 TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
   const Map map = round_a_block();
-  const std::vector<PlaceCandidate> places = places_on_own_island(map, newest, {});
+  const std::vector<PlaceCandidate> places = places_on_own_island(map, newest, {}, {});
   ASSERT_FALSE(places.empty());
   for (const PlaceCandidate& place : places) {
     const Pose r = map.relative_pose(place.anchor, newest);
@@ -73,16 +74,16 @@ TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
 // About where the map has the patch, as wide as three standard deviations of what map and sensors err by.
 TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
   const Map map = round_a_block();
-  const PlaceCandidate place = places_on_own_island(map, newest, {}).front();
+  const PlaceCandidate place = places_on_own_island(map, newest, {}, {}).front();
   const Pose truth = map.relative_pose(place.anchor, newest);
   EXPECT_LE(std::abs(place.window.centre.x - truth.x), place.window.half_x_m);
   EXPECT_LE(std::abs(place.window.centre.y - truth.y), place.window.half_y_m);
   const double yaw_sigma = std::sqrt(39 * 0.016 * 0.016 + drift_variance(39, {}).z());
   EXPECT_NEAR(place.window.half_yaw_rad, 3 * yaw_sigma, 0.01);
   EXPECT_NEAR(place.window.half_x_m, 5, 1e-9) << "4 m and a margin: the next anchor has the rest";
-  EXPECT_LT(place.sigma_m, places_on_own_island(round_a_block(0.2), newest, {}).front().sigma_m)
+  EXPECT_LT(place.sigma_m, places_on_own_island(round_a_block(0.2), newest, {}, {}).front().sigma_m)
       << "worse odometry says less";
-  for (const PlaceCandidate& wide : places_on_own_island(round_a_block(1, 0.2), newest, {})) {
+  for (const PlaceCandidate& wide : places_on_own_island(round_a_block(1, 0.2), newest, {}, {})) {
     EXPECT_LE(wide.window.half_x_m, 5);
     EXPECT_LE(wide.window.half_yaw_rad, std::numbers::pi);
   }
@@ -90,7 +91,8 @@ TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
 
 // A slip leaves a relation as narrow as any other.
 TEST(PlacesOnOwnIsland, AreSearchedHoweverSureTheMapIs) {
-  const std::vector<PlaceCandidate> places = places_on_own_island(round_a_block(0.001, 0.0001), newest, {});
+  const std::vector<PlaceCandidate> places =
+      places_on_own_island(round_a_block(0.001, 0.0001), newest, {}, {});
   ASSERT_FALSE(places.empty());
   EXPECT_GT(places.front().window.half_x_m, 2);
   EXPECT_GT(places.front().window.half_yaw_rad, 0.3);
@@ -104,7 +106,7 @@ TEST(PlacesOnOwnIsland, LeaveOutWhatSawNoWalls) {
     map.add(blind, round_a_block().manifold().pose(PatchId{i}));
     if (i > 0) map.relate(odometry_relation(PatchId{i - 1}, PatchId{i}, {1, 0, 0}, {400, 400, 4000}));
   }
-  EXPECT_TRUE(places_on_own_island(map, newest, {}).empty());
+  EXPECT_TRUE(places_on_own_island(map, newest, {}, {}).empty());
 }
 
 // Of `count` patches, a metre apart.
@@ -118,7 +120,7 @@ TEST(PlacesOnOtherIslands, CoverThemInEveryDirection) {
   Map map;
   const PatchId own = add_row(map, 10).back();
   const std::vector<PatchId> other = add_row(map, 10);
-  const std::vector<PlaceCandidate> places = places_on_other_islands(map, own, {});
+  const std::vector<PlaceCandidate> places = places_on_other_islands(map, own, {}, {});
   EXPECT_EQ(places.size(), 3U) << "at 0 m, 4 m and 8 m";
   for (const PatchId id : other) {
     const bool near = std::ranges::any_of(
@@ -133,13 +135,62 @@ TEST(PlacesOnOtherIslands, CoverThemInEveryDirection) {
   }
 }
 
+// Of rooms that look the same, a metre apart.
+std::vector<PatchId> add_rooms(Map& map, int count) {
+  std::vector<PatchId> rooms;
+  for (int i = 0; i < count; ++i) {
+    const PatchId id{static_cast<std::int32_t>(map.manifold().size())};
+    map.add(patch_from(furnished_room(), id, {}), {1.0 * i, 0, 0});
+    if (i > 0) map.relate(odometry_relation(rooms.back(), id, {1, 0, 0}, {400, 400, 4000}));
+    rooms.push_back(id);
+  }
+  return rooms;
+}
+
+// A row of 400 m has 100 places, of which 40 are searched at once.
+TEST(PlacesOnOtherIslands, OfALargeIslandTakeTurns) {
+  Map map;
+  std::vector<PatchId> own = add_row(map, 10);
+  const std::vector<PatchId> other = add_rooms(map, 400);
+  std::set<PatchId> searched;
+  for (const PatchId query : own) {
+    const std::vector<PlaceCandidate> places = places_on_other_islands(map, query, {}, {});
+    EXPECT_EQ(places.size(), 40U);
+    for (const PlaceCandidate& place : places) searched.insert(place.anchor);
+  }
+  EXPECT_EQ(searched.size(), 100U) << "ten patches later, all have been";
+}
+
+TEST(PlacesOnOtherIslands, AreFirstThoseThatHintsName) {
+  Map map;
+  const PatchId own = add_row(map, 10).back();
+  const std::vector<PatchId> other = add_rooms(map, 400);
+  const Pose there = map.manifold().pose(other[300]);
+  const PlaceHint hint{map.graph().island(other[0]), there, 2};
+  const std::vector<PlaceCandidate> places = places_on_other_islands(map, own, {&hint, 1}, {});
+  EXPECT_EQ(places.front().anchor, other[300]);
+  const PlaceHint elsewhere{map.graph().island(own), there, 2};
+  EXPECT_EQ(places_on_other_islands(map, own, {&elsewhere, 1}, {}).front().anchor, other[0])
+      << "a hint is of one island";
+}
+
+TEST(PlacesOnOwnIsland, AreFirstThoseThatHintsName) {
+  const Map map = round_a_block();
+  const PlaceHint hint{map.graph().island(newest), map.manifold().pose(PatchId{4}), 1};
+  const std::vector<PlaceCandidate> hinted = places_on_own_island(map, newest, {&hint, 1}, {});
+  EXPECT_EQ(hinted.front().anchor, PatchId{4});
+  std::set<PatchId> anchors;
+  for (const PlaceCandidate& place : hinted) anchors.insert(place.anchor);
+  EXPECT_TRUE(anchors.contains(PatchId{0})) << "the likeliest after them";
+}
+
 TEST(PlacesOnOtherIslands, LeaveOutIslandsOfLessThanSixPatches) {
   Map map;
   const PatchId own = add_row(map, 10).back();
   add_row(map, 5);
-  EXPECT_TRUE(places_on_other_islands(map, own, {}).empty());
+  EXPECT_TRUE(places_on_other_islands(map, own, {}, {}).empty());
   add_row(map, 6);
-  EXPECT_FALSE(places_on_other_islands(map, own, {}).empty());
+  EXPECT_FALSE(places_on_other_islands(map, own, {}, {}).empty());
 }
 
 // What errs the same way all along adds up: standard deviations grow with the way, and not with its root.

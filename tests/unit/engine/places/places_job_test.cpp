@@ -52,9 +52,9 @@ void expect_same(const std::vector<PlaceCandidate>& given, const std::vector<Pla
 
 TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
   Map map = round_a_block();
-  const std::vector<PatchId> asked = {PatchId{38}, PatchId{5}, PatchId{36}};
+  const std::vector<PlaceQuestion> asked = {{PatchId{38}, {}}, {PatchId{5}, {}}, {PatchId{36}, {}}};
   std::vector<std::vector<PlaceCandidate>> expected;
-  for (const PatchId patch : asked) expected.push_back(places_on_own_island(map, patch, {}));
+  for (const PlaceQuestion& one : asked) expected.push_back(places_on_own_island(map, one.patch, {}, {}));
   ASSERT_FALSE(expected.at(0).empty());
 
   const PlacesJob job(map, asked, 0, {});
@@ -66,11 +66,11 @@ TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
 
 TEST(PlacesJob, IsDueByTheTimeThatPassesAndTheSizeOfTheMapAlone) {
   const Map map = round_a_block();
-  const PlacesJob job(map, {PatchId{38}}, 5'000'000, {});
+  const PlacesJob job(map, {{PatchId{38}, {}}}, 5'000'000, {});
   EXPECT_FALSE(job.is_due(5'000'000));
   EXPECT_FALSE(job.is_due(5'116'999));
   EXPECT_TRUE(job.is_due(5'117'000));
-  const PlacesJob later(map, {PatchId{38}}, 6'000'000, {});
+  const PlacesJob later(map, {{PatchId{38}, {}}}, 6'000'000, {});
   EXPECT_FALSE(later.is_due(6'116'999));
 }
 
