@@ -170,7 +170,11 @@ std::unique_ptr<PageServer> page_server(const Arguments& arguments, bool orders_
   options.port = arguments.http_port;
   options.address = arguments.http_address;
   options.orders_signed = orders_signed;
-  if (!arguments.http_token_file.empty()) options.token = read_token(arguments.http_token_file);
+  if (!arguments.http_token_file.empty()) {
+    options.token = read_token(arguments.http_token_file);
+    if (const std::string warning = check_key_file(arguments.http_token_file); !warning.empty())
+      say("warning: " + warning);
+  }
   return std::make_unique<PageServer>(options, std::move(take));
 }
 

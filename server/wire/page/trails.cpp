@@ -7,7 +7,7 @@ namespace isthmus {
 namespace {
 
 constexpr double step_m = 0.5;
-constexpr std::size_t trail_steps = 400;
+constexpr std::size_t trail_steps = 200;
 constexpr std::size_t lately_poses = 100;
 constexpr std::int64_t near_us = 500'000;
 

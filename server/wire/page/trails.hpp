@@ -16,7 +16,7 @@ class Trails {
   struct Robot {
     RobotPose newest;
     RobotPose at_step;               ///< the newest when the trail's last step was made
-    std::deque<ManifoldPose> trail;  ///< half a metre apart, the last 200 m
+    std::deque<ManifoldPose> trail;  ///< half a metre apart, the last 100 m
     std::deque<RobotPose> lately;    ///< the last 100 poses
   };
 

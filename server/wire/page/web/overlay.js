@@ -1,10 +1,12 @@
-// All that is drawn above the tiles, on two canvases: patches and relations, drawn again when the view or they change;
-// and what moves, drawn again several times a second.
+// All that is drawn above the tiles, on two canvases: patches, relations and trails, drawn again when the view or they
+// change, once a second at most; and what moves, drawn again several times a second.
 
 import { DASHES, INK, OF_ORIGINS, OF_VERDICTS, ofRobot } from "./colours.js";
 
 /** Patches are drawn with their headings where this many pixels are a metre, or more. */
 const HEADING_SCALE = 6;
+/** Steps of trails are left out where they are fewer pixels apart. */
+const LEAST_STEP = 3;
 
 export const Overlay = L.Layer.extend({
   initialize(world) {
@@ -64,14 +66,14 @@ export const Overlay = L.Layer.extend({
   drawStill() {
     const view = this.begin(this.still);
     const { show } = this.world;
-    if (!show.patches && !show.relations) return;
-    for (const island of this.world.scene.islands) {
+    for (const island of show.patches || show.relations ? this.world.scene.islands : []) {
       const data = this.world.patches.of(island.id);
       const at = view.place(island.id);
       if (!data || !at) continue;
       if (show.relations) this.drawRelations(view, data, at);
       if (show.patches) this.drawPatches(view, data, at);
     }
+    if (show.trails) this.drawTrails(view);
   },
 
   drawRelations({ context, width, height }, data, at) {
@@ -119,7 +121,6 @@ export const Overlay = L.Layer.extend({
     const { show } = this.world;
     view.context.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
     this.drawNames(view);
-    if (show.trails) this.drawTrails(view);
     if (show.tags) this.drawTags(view);
     if (show.sightings) this.drawSightings(view);
     this.drawMeeting(view);
@@ -137,20 +138,23 @@ export const Overlay = L.Layer.extend({
 
   drawTrails({ context, place }) {
     context.lineWidth = 2;
-    context.lineJoin = "round";
+    context.globalAlpha = 0.75;
     for (const [name, steps] of Object.entries(this.world.trails)) {
       context.strokeStyle = ofRobot(name, this.world.names);
-      context.globalAlpha = 0.75;
       context.beginPath();
-      let before = null;
-      for (const [island, x, y] of steps) {
-        const at = place(island);
-        if (!at) continue;
-        const point = at(x, y);
-        if (island === before) context.lineTo(...point);
-        else context.moveTo(...point);
+      let [at, before, px, py] = [null, null, 0, 0];
+      steps.forEach(([island, x, y], i) => {
+        if (island !== before) at = place(island);
+        const isNew = island !== before;
         before = island;
-      }
+        if (!at) return;
+        const point = at(x, y);
+        const isNear = Math.abs(point[0] - px) + Math.abs(point[1] - py) < LEAST_STEP;
+        if (!isNew && isNear && i + 1 < steps.length) return;
+        [px, py] = point;
+        if (isNew) context.moveTo(px, py);
+        else context.lineTo(px, py);
+      });
       context.stroke();
     }
     context.globalAlpha = 1;

@@ -180,7 +180,10 @@ const handlers = {
     if (page.followed) page.keepInView();
     page.overlay.redraw();
   },
-  trails: (trails) => { page.trails = trails; },
+  trails(trails) {
+    page.trails = trails;
+    page.overlay.redraw(true);
+  },
   tags: (tags) => { page.tags = tags; },
   meeting: (meeting) => { page.meeting = meeting; },
   closures(closures) {

@@ -38,6 +38,8 @@ export function showLink(isUp, why) {
 }
 
 export function showFigures(status, islands) {
+  element("no-status").hidden = true;
+  element("frozen").hidden = !status.frozen;
   const figures = [["islands", islands.length], ["patches", status.patches], ["relations", status.relations],
     ["matched", status.scans > 0 ? `${Math.round((100 * status.scans_matched) / status.scans)} %` : "–"],
     ["queued", status.queued], ["p99 latency", `${status.latency_p99_ms.toFixed(1)} ms`]];
@@ -84,10 +86,23 @@ function closureText(closure) {
   return words.join("; ");
 }
 
+/** What speaks for a closure, as the server has it now. */
+async function showEvidence(id, node) {
+  const answer = await fetch(`preview?closure=${id}`);
+  if (!answer.ok) return;
+  const { sightings, relations, dependent } = await answer.json();
+  const listed = (counts) => Object.entries(counts).map(([word, count]) => `${count} ${word}`).join(", ") || "none";
+  tell(node, `Sightings: ${listed(sightings)}. Relations on the map: ${listed(relations)}; made with its help: ${dependent}.`);
+}
+
 export function showClosures(closures, order) {
   element("no-closures").hidden = closures.length > 0;
-  const make = () => made("li", {}, made("div", { className: "head" }, made("span", { className: "what" }), made("span")),
-    made("div", { className: "more" }), made("div", { className: "acts" }));
+  const make = (closure) => {
+    const evidence = made("details", {}, made("summary", { textContent: "Evidence" }), made("p", { className: "more" }));
+    evidence.ontoggle = () => { if (evidence.open) showEvidence(closure.id, evidence.lastChild); };
+    return made("li", {}, made("div", { className: "head" }, made("span", { className: "what" }), made("span")),
+      made("div", { className: "more" }), made("div", { className: "acts" }), evidence);
+  };
   bring(element("closures"), closures, (closure) => closure.id, make, (row, closure) => {
     const [head, more, acts] = row.children;
     tell(head.firstChild, `${closure.id} ${closure.kind} of ${closure.robots.join(", ")}`);

@@ -34,22 +34,26 @@ export const IslandTiles = L.GridLayer.extend({
     this.on("tileunload", (event) => { event.tile.coords = null; });
   },
 
-  createTile(coords) {
+  /** Until it is painted whole, Leaflet keeps what another zoom shows there. */
+  createTile(coords, done) {
     const tile = document.createElement("canvas");
     tile.width = tile.height = SIZE;
     tile.coords = coords;
-    this.paint(tile);
+    Promise.all(this.paint(tile)).then(() => done(null, tile));
     return tile;
   },
 
+  /** Paints what there is; returns promises of what is still to come, which is painted when it does. */
   paint(tile) {
     const context = tile.getContext("2d");
     context.clearRect(0, 0, SIZE, SIZE);
+    const loads = [];
     for (const { path, version, dx, dy } of tilesUnder(tile.coords, this.scene)) {
       const image = this.images.newest(path);
       if (image) context.drawImage(image, dx, dy);
-      this.images.load(path, version);
+      loads.push(this.images.load(path, version));
     }
+    return loads;
   },
 
   shown() {
