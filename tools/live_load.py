@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Plays a team to a live isthmus-server over UDP on this machine, and tells what was lost and how long poses took.
 
-    tools/live_load.py [--robots 14] [--rate 10] [--seconds 150] [--build DIR] [--keep DIR]
+    tools/live_load.py [--robots 14] [--rate 10] [--seconds 150] [--viewers 10] [--build DIR] [--keep DIR]
     tools/live_load.py --log run.lcm
 
 Without --log a team is simulated first, on a floor made for so many (isthmus-simulate --scenario floor). The log is
@@ -9,10 +9,13 @@ played at its own speed (lcm-logplayer, ttl=0) while lcm-logger hears scans and 
 
     lost      messages sent that are not in the server's journal
     latency   from when a scan was heard to when the pose that answers it was, both by the logger
+    engine    what an event takes in the server
+    viewers   what each of --viewers who watch the page was sent
 """
 
 import argparse
 import collections
+import http.client
 import json
 import os
 import re
@@ -21,6 +24,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -83,17 +87,70 @@ def warn_of_small_buffer():
             print(f"the kernel clips the receive buffer: sysctl -w net.core.rmem_max={RECEIVE_BUFFER}")
 
 
+class Viewer(threading.Thread):
+    """Watches the page as a browser does that shows all islands: events, and tiles that changed, at 20 cm a cell."""
+
+    ZOOM = -2
+
+    def __init__(self, port):
+        super().__init__(daemon=True)
+        self.port = port
+        self.event_bytes = self.tile_bytes = self.tiles = 0
+        self.versions = {}
+        self.islands = []
+
+    def get(self, path):
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        connection.request("GET", path)
+        body = connection.getresponse().read()
+        connection.close()
+        return body
+
+    def run(self):
+        try:
+            connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+            connection.request("GET", "/events")
+            topic = ""
+            for line in connection.getresponse():
+                self.event_bytes += len(line)
+                if line.startswith(b"event: "):
+                    topic = line[7:].strip()
+                elif line.startswith(b"data: ") and topic == b"islands":
+                    self.watch(json.loads(line[6:]))
+        except (OSError, http.client.HTTPException):
+            pass  # the server has ended
+
+    def watch(self, islands):
+        for island in islands:
+            number = island["id"]
+            changed = self.get(f"/tiles/{number}?since={self.versions.get(number, 0)}")
+            self.tile_bytes += len(changed)
+            for zoom, x, y, version in json.loads(changed):
+                if zoom == self.ZOOM:
+                    self.tile_bytes += len(self.get(f"/tile/{number}/{zoom}/{x}/{y}?v={version}"))
+                    self.tiles += 1
+            self.versions[number] = island["tiles"]
+
+
+def page_options(arguments):
+    return ["--http-port", str(arguments.http_port)] if arguments.viewers else []
+
+
 def play(arguments, log, work):
-    """Runs server and logger while the log is played; returns journal, heard log and the server's report."""
+    """Runs server, logger and viewers while the log is played; returns journal, heard log, the server's report and
+    the viewers."""
     url = f"udpm://239.255.76.67:{arguments.port}?ttl=0&recv_buf_size={RECEIVE_BUFFER}"
     journal, output, heard = (os.path.join(work, name) for name in ("journal", "map", "heard.lcm"))
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with open(os.path.join(work, "server.log"), "wb") as errors:
         server = subprocess.Popen([os.path.join(arguments.build, "bin", "isthmus-server"), "--lcm-url", url,
-                                   "--journal", journal, "--output", output], stderr=errors)
+                                   "--journal", journal, "--output", output, *page_options(arguments)], stderr=errors)
     logger = subprocess.Popen(["lcm-logger", "--force", f"--lcm-url={url}", "--channel=.*_(SCAN|POSE)", heard], **quiet)
     try:
         time.sleep(1)  # robots say what they are at the log's beginning only
+        viewers = [Viewer(arguments.http_port) for _ in range(arguments.viewers)]
+        for viewer in viewers:
+            viewer.start()
         subprocess.run(["lcm-logplayer", f"--lcm-url={url}", log], check=True, **quiet)
         time.sleep(2)
     finally:
@@ -105,7 +162,17 @@ def play(arguments, log, work):
         raise RuntimeError(f"the server failed: see {work}/server.log")
     with open(os.path.join(output, "report.json"), encoding="utf-8") as file:
         report = json.load(file)
-    return sorted(os.path.join(journal, name) for name in os.listdir(journal) if name.endswith(".lcm")), heard, report
+    segments = sorted(os.path.join(journal, name) for name in os.listdir(journal) if name.endswith(".lcm"))
+    return segments, heard, report, viewers
+
+
+def tell_page(report, viewers):
+    engine = report["event_latency_ms"]
+    print("engine    " + ", ".join(f"{name} {value:.3f} ms" for name, value in engine.items()))
+    if viewers:
+        print(f"viewers   {len(viewers)}, each {sum(one.event_bytes for one in viewers) / len(viewers) / 1e3:.0f} kB of "
+              f"events, {sum(one.tiles for one in viewers) / len(viewers):.0f} tiles, "
+              f"{sum(one.tile_bytes for one in viewers) / len(viewers) / 1e3:.0f} kB")
 
 
 def main():
@@ -117,6 +184,8 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--build", default=os.path.join(ROOT, ".build", "release"))
     parser.add_argument("--port", type=int, default=7699)
+    parser.add_argument("--viewers", type=int, default=0, help="how many watch the page, 16 at most")
+    parser.add_argument("--http-port", type=int, default=8099)
     parser.add_argument("--most-lost", type=float, default=1e-4, help="share of messages; more is a failure")
     parser.add_argument("--keep", metavar="DIR", help="keep log, journal and map in this directory")
     arguments = parser.parse_args()
@@ -127,7 +196,7 @@ def main():
         log = arguments.log or os.path.join(work, "run.lcm")
         if not arguments.log:
             simulate(arguments, log)
-        journal, heard, report = play(arguments, log, work)
+        journal, heard, report, viewers = play(arguments, log, work)
         sent, taken = count_input([log]), count_input(journal)
         lost = sum((sent - taken).values())
         share = lost / sum(sent.values())
@@ -138,6 +207,7 @@ def main():
         print(f"answered  {len(latencies)} of {scans} scans heard by the logger")
         print("latency   " + ", ".join(f"p{100 * q:g} {quantile(latencies, q):.1f} ms" for q in (0.5, 0.99, 0.999))
               + f", max {quantile(latencies, 1):.1f} ms")
+        tell_page(report, viewers)
     return 1 if share > arguments.most_lost else 0
 
 
