@@ -183,6 +183,7 @@ class Page(unittest.TestCase):
         self.picture("merged")
         player.wait()
         self.check_no_flicker()
+        self.follow_a_robot()
         self.withdraw_the_merge()
         self.restart()
 
@@ -196,6 +197,19 @@ class Page(unittest.TestCase):
                 self.assertGreaterEqual(2 * after + 10, before, "the map flickered")
             painted = max(painted, after)
         self.assertGreater(painted, 100)
+
+    def follow_a_robot(self):
+        """By its name in the list, and where it is on the map; then all is shown again."""
+        from_centre = "isthmus.map.latLngToContainerPoint(isthmus.placeOf(isthmus.robots[0])).distanceTo(" \
+                      "isthmus.map.getSize().divideBy(2))"
+        self.assertGreater(self.js(from_centre), 20)
+        self.browser.find_element(By.CSS_SELECTOR, "#robots .robot").click()
+        self.wait_for("the robot is in the middle", lambda: self.js(from_centre) < 2)
+        self.assertEqual(self.js("isthmus.followed"), "R1")
+        self.browser.find_element(By.ID, "map").click()  # in the middle
+        self.wait_for("it is followed no longer", lambda: self.js("isthmus.followed") is None)
+        self.click("fit")
+        self.assertGreater(self.js(from_centre), 20)
 
     def withdraw_the_merge(self):
         self.merge("Withdraw")

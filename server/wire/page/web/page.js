@@ -12,6 +12,8 @@ import { IslandTiles } from "./tiles.js";
 const TOPICS = ["about", "islands", "robots", "trails", "tags", "closures", "sightings", "status", "meeting"];
 /** How long what is on the screen may stay while the next is loaded. */
 const PREPARE_MS = 3000;
+/** A click so near a robot is meant for it. */
+const NEAR_PIXELS = 16;
 
 const element = (id) => document.getElementById(id);
 
@@ -68,6 +70,7 @@ class Page {
       this.follow(null);
     };
     this.map.on("dragstart", byHand);
+    this.map.on("click", (event) => this.followAt(event.containerPoint));
     for (const event of ["wheel", "dblclick"]) this.map.getContainer().addEventListener(event, () => { this.fits = false; });
     this.map.zoomControl.getContainer().addEventListener("click", () => { this.fits = false; });
     element("fit").onclick = () => {
@@ -99,10 +102,24 @@ class Page {
     this.keepInView();
   }
 
+  /** Follows the robot at a point of the screen, if there is one. */
+  followAt(point) {
+    const at = this.robots.map((robot) => [robot.name, this.placeOf(robot)]).filter(([, place]) => place);
+    const distances = at.map(([name, place]) => [this.map.latLngToContainerPoint(place).distanceTo(point), name]);
+    const [distance, name] = distances.sort(([a], [b]) => a - b)[0] ?? [Infinity];
+    if (distance < NEAR_PIXELS) this.follow(name);
+  }
+
+  /** Where a robot is on the screen's plane; null where its island is not shown. */
+  placeOf(robot) {
+    const offset = this.scene.offsets.get(robot.at[0]);
+    return offset ? [robot.at[2] + offset[1], robot.at[1] + offset[0]] : null;
+  }
+
   keepInView() {
     const robot = this.robots.find(({ name }) => name === this.followed);
-    const offset = robot && this.scene.offsets.get(robot.at[0]);
-    if (offset) this.map.panTo([robot.at[2] + offset[1], robot.at[1] + offset[0]], { animate: false });
+    const place = robot && this.placeOf(robot);
+    if (place) this.map.panTo(place, { animate: false });
     this.overlay.redraw();
   }
 
