@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "server/wire/trust/envelope.hpp"
 #include "tests/support/box_room.hpp"
 
 namespace isthmus {
@@ -56,6 +57,23 @@ TEST(Reception, RefusesStrangersAndLetsInWhatFollowsAnIntroductionAtOnce) {
   EXPECT_EQ(inbox.take_drops().at("(others)").at(DropReason::unknown_robot).count, 4 + 100);
   EXPECT_EQ(told.size(), 16U) << "names of strangers, a bounded number";
   EXPECT_EQ(told.front(), "R1");
+}
+
+// What a page of the server posts, say: the same keys hold, and the same counters.
+TEST(Reception, TellsWhoeverBroughtAMessageWhyItIsRefused) {
+  const AuthKey key{1, 2, 3};
+  Authentication keys;
+  keys.operators["ALICE"] = key;
+  Inbox inbox({}, InboxOrder::arrival);
+  Reception reception(inbox, ChannelNames{}, Authenticator(keys));
+  const Message order = encode({7, CommandEvent{7, Verb::withdraw, 3, ""}});
+  const auto take = [&](const Message& message) { return reception.take(1, message.channel, message.bytes); };
+  EXPECT_EQ(take(order), DropReason::not_signed);
+  EXPECT_EQ(take(seal({}, "ALICE", 7, order)), DropReason::forged);
+  EXPECT_EQ(take(seal(key, "BOB", 7, order)), DropReason::unknown_sender);
+  EXPECT_EQ(take(seal(key, "ALICE", 7, order)), DropReason::none);
+  EXPECT_EQ(take(seal(key, "ALICE", 7, order)), DropReason::replayed);
+  EXPECT_EQ(channels_in(inbox), (std::vector<std::string>{"ISTHMUS_COMMAND"}));
 }
 
 }  // namespace

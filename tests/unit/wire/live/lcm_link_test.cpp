@@ -76,6 +76,17 @@ TEST(LcmLink, HearsAQueueOfThisProcessAndNotItsOutputs) {
   EXPECT_EQ(inbox.size(), 0U);
 }
 
+TEST(LcmLink, TakesWhatCameAnotherWayAsIfTheNetworkHadBroughtIt) {
+  LcmLink link("memq://");
+  Inbox inbox({}, InboxOrder::arrival);
+  link.receive_into(inbox, ChannelNames{});
+  const std::vector<std::uint8_t> bytes = {1, 2, 3};
+  EXPECT_EQ(link.take("ISTHMUS_COMMAND", bytes), DropReason::none);
+  EXPECT_EQ(link.take("R1_POSE", bytes), DropReason::none) << "none of ours";
+  ASSERT_EQ(inbox.size(), 1U);
+  EXPECT_EQ(inbox.pop(milliseconds(0))->channel, "ISTHMUS_COMMAND");
+}
+
 TEST(LcmLink, ReadsALogToItsEndWithoutLoss) {
   TemporaryDirectory directory;
   std::vector<Message> messages;
