@@ -6,6 +6,7 @@
 
 #include "server/engine/input/tuning.hpp"
 #include "server/output/format/csv.hpp"
+#include "tools/replay/feature_replay.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/text/finite_number.hpp"
 #include "tools/text/progress.hpp"
@@ -23,6 +24,7 @@ struct Arguments {
   double until_s = std::numeric_limits<double>::infinity();
   bool refine = false;
   bool json = false;
+  std::optional<FeatureMapKind> features;  ///< the estimator; none: the manifold map
 };
 
 /// Memory by event time, a row a minute.
@@ -68,6 +70,22 @@ void run(const Arguments& arguments) {
   std::fputs((arguments.json ? summary_json(result, map) : summary_text(result, map)).c_str(), stdout);
 }
 
+void run_features(const Arguments& arguments) {
+  FeatureReplayOptions options;
+  options.map = feature_map_options(*arguments.features);
+  options.until_s = arguments.until_s;
+  options.warn = [](const std::string& warning) {
+    std::fprintf(stderr, "isthmus-replay: %s\n", warning.c_str());
+  };
+  const FeatureReplayResult result = [&] {
+    Progress progress("replay");
+    options.progress = [&](double share) { progress.update(share); };
+    return replay_features(arguments.log, options);
+  }();
+  write_outputs(result.maps, result.cost, arguments.output);
+  std::fputs(summary_text(result).c_str(), stdout);
+}
+
 /// Prints them instead of mapping a log.
 [[noreturn]] void list_tuning() {
   std::fputs(tuning_text({}).c_str(), stdout);
@@ -88,6 +106,15 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->type_name("FILE");
   app.add_flag("--refine", arguments.refine,
                "at the end, match and fit the whole map once more and match every scan with it");
+  app.add_option_function<std::string>(
+         "--estimator",
+         [&arguments](const std::string& name) {
+           if (name == "segments") arguments.features = FeatureMapKind::segments;
+           if (name == "points") arguments.features = FeatureMapKind::points;
+         },
+         "manifold, or a map of features beside it: segments (walls in scans) or points (fixed barcodes)")
+      ->check(CLI::IsMember({"manifold", "segments", "points"}))
+      ->default_str("manifold");
   app.add_flag("--json", arguments.json, "print the summary as JSON");
   app.add_flag_callback("--list-tuning", list_tuning,
                         "only print the values that [tuning] of the configuration can set, for experiments");
@@ -106,7 +133,10 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {
-    run(arguments);
+    if (arguments.features)
+      run_features(arguments);
+    else
+      run(arguments);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "isthmus-replay: %s\n", error.what());
     return 1;

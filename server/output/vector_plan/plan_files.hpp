@@ -18,7 +18,10 @@ std::string plan_dxf(const VectorPlan& plan, const std::string& frame);
 /// (section 4), not WGS 84, as the foreign member `coordinate_frame` says.
 std::string plan_geojson(const VectorPlan& plan, const std::string& frame);
 
-/// Writes island-K-plan.svg, .dxf and .geojson for each island of a map into a directory that is there; each
+/// Writes island-K-plan.svg, .dxf and .geojson of the K-th island into a directory that is there.
+void write_plan_files(const VectorPlan& plan, std::size_t island, const std::string& directory);
+
+/// Writes them for each island of a map; each
 /// file is complete or absent. Throws std::runtime_error naming the file and the reason.
 void write_plans(const MapCopy& map, const std::string& directory, const PlanOptions& options = {});
 

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "scanmatch/features/scan_features.hpp"
+#include "server/engine/input/options/robot_options.hpp"
+#include "server/features/fusion.hpp"
+#include "server/features/options.hpp"
+
+namespace isthmus {
+
+/// What a map is made of.
+enum class FeatureMapKind {
+  segments,  ///< walls in scans; robots come together where they see one another
+  points     ///< fixed barcodes, known by their numbers; robots come together where they know the same ones
+};
+
+struct FeatureMapOptions {
+  FeatureMapKind kind = FeatureMapKind::segments;
+  FilterOptions filter;
+  ScanFeatureOptions scan_features;
+  FusionOptions fusion;
+  OdometryNoiseOptions odometry_noise;
+  double stamp_share = 0.5;  ///< of a step that odometry and scan may be stamped apart: what it speeds up or
+                             ///< turns faster than the step before is so uncertain
+  double slip_m = 0.5;  ///< m and rad between the slips that are tried, about where odometry has the robot
+  double slip_rad = 0.2;
+  double slip_share = 0.5;              ///< of a scan's features: where fewer fit the map, a slip is tried
+  std::size_t slip_gain = 3;            ///< and believed where so many more fit then, and no fewer than three
+  double observe_every_m = 0.1;         ///< m driven between scans that are used: a step costs n²
+  double observe_every_rad = 0.02;      ///< rad turned between them
+  double wait_s = 0.2;                  ///< of event time that scans and sightings wait for odometry
+  double mutual_s = 1;                  ///< s between two sightings of one another that are one meeting
+  double sighting_probability = 0.999;  ///< that a true sighting passes its gate
+  std::size_t least_duplicates = 4;     ///< that make one meeting enough for a fusion
+  std::size_t least_landmarks = 3;      ///< known to both maps, by which two maps of points come together
+  double repeat_s = 0.5;                ///< s within which sightings of one barcode err alike: one counts
+};
+
+/// Those of a kind. Walls shorter than a metre and rough by 2 cm are left out or allowed for: they are seen
+/// in too many ways, and wrong pairings with them cost more than they tell. Odometry is taken to err two to
+/// three times as the engine first thinks, for a filter cannot take back what it believed.
+FeatureMapOptions feature_map_options(FeatureMapKind kind);
+
+}  // namespace isthmus

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "server/features/state.hpp"
+#include "server/output/vector_plan/plan_source.hpp"
+
+namespace isthmus {
+
+/// Segments and poles of a feature map as what a floor plan is made of: each as if one view had told it, with
+/// its covariance. There are no beams; openings are between ends that are known.
+PlanSource plan_source(const FeatureState& state);
+
+}  // namespace isthmus

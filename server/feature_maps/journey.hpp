@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "server/engine/input/event.hpp"
+#include "server/engine/robot/odometry_noise.hpp"
+#include "server/engine/robot/odometry_track.hpp"
+
+namespace isthmus {
+
+/// Where a robot was at a stamp, as the filter had it then, in its map's frame.
+struct JourneyRow {
+  std::int64_t utime = 0;
+  Pose map_from_robot;
+};
+
+/// One robot between two restarts: which map it is in, and its way there.
+struct Journey {
+  std::string robot;
+  int team = -1;   ///< index of its map
+  int member = 0;  ///< which of the map's robots it is
+  std::vector<JourneyRow> rows;
+};
+
+/// What is known of one robot beside the maps.
+struct FeatureRobot {
+  RobotEvent declared;
+  OdometryTrack odometry;
+  OdometryNoise noise;
+  int journey = -1;                ///< the present one; -1 before the first
+  Pose odom_from_last;             ///< odometry where its filter stands
+  Pose last_step;                  ///< that odometry told
+  double way_m = 0, turn_rad = 0;  ///< since a scan was used
+  std::deque<Event> waiting;       ///< scans and sightings that odometry has not reached
+};
+
+}  // namespace isthmus

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "server/feature_maps/feature_map_options.hpp"
+#include "server/features/feature_filter.hpp"
+
+namespace isthmus {
+
+/// One map of features and the robots on it.
+struct Team {
+  FeatureFilter filter;
+  std::vector<int> journeys;              ///< by the filter's index of a robot
+  std::map<std::int32_t, int> landmarks;  ///< feature ids of fixed barcodes
+};
+
+/// The second map in the frame of the first.
+struct JoinedTeams {
+  FeatureState state;
+  Pose one_from_two;  ///< between the maps' frames
+  std::size_t duplicates = 0;
+};
+
+/// By a meeting of two robots, duplicates found by the fusion.
+JoinedTeams joined_at_meeting(const Team& one, int member_1, const Team& two, int member_2,
+                              const RobotAlignment& alignment, const FusionOptions& options);
+
+/// By barcodes that both know: the least-squares alignment of them is where the maps are put, and says
+/// nothing itself; then that each two are one is measured. Nothing where there are fewer than `least`, or
+/// where they disagree at the probability.
+std::optional<JoinedTeams> joined_by_landmarks(const Team& one, const Team& two, std::size_t least,
+                                               double probability);
+
+}  // namespace isthmus

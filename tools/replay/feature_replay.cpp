@@ -1,0 +1,71 @@
+#include "tools/replay/feature_replay.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+
+#include "server/wire/journal/event_log.hpp"
+#include "server/wire/message/message.hpp"
+
+namespace isthmus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+template <class... Values>
+std::string line(const char* format, Values... values) {
+  std::array<char, 256> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), format, values...);
+  return std::string(buffer.data()) + "\n";
+}
+
+void read(const std::string& path, const FeatureReplayOptions& options, FeatureMapper& mapper) {
+  EventLogReader reader(path);
+  const ChannelNames channels;
+  std::optional<std::int64_t> first_utime;
+  while (const std::optional<Message> message = reader.next()) {
+    const Decoded decoded = decode(channels, message->channel, message->bytes, message->utime);
+    if (decoded.ours && !decoded.event) mapper.count_dropped(std::string(word(decoded.reason)));
+    if (!decoded.event) continue;
+    if (!first_utime) first_utime = message->utime;
+    if (1e-6 * static_cast<double>(message->utime - *first_utime) > options.until_s) break;
+    mapper.handle(*decoded.event);
+    if (options.progress) options.progress(reader.progress());
+  }
+  mapper.finish();
+  for (const std::string& warning : reader.take_warnings())
+    if (options.warn) options.warn(warning);
+}
+
+}  // namespace
+
+FeatureReplayResult replay_features(const std::string& path, const FeatureReplayOptions& options) {
+  const Clock::time_point start = Clock::now();
+  const double cpu_start_s = process_cpu_s();
+  FeatureMapper mapper(options.map);
+  read(path, options, mapper);
+  FeatureReplayResult result;
+  result.maps = mapper.maps();
+  result.cost.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  result.cost.cpu_s = process_cpu_s() - cpu_start_s;
+  result.cost.peak_rss_mb = process_peak_rss_mb();
+  return result;
+}
+
+std::string summary_text(const FeatureReplayResult& result) {
+  const FeatureCounts& counts = result.maps.counts;
+  std::size_t features = 0;
+  for (const Team& team : result.maps.teams) features += team.filter.state().features.size();
+  const double log_s = 1e-6 * static_cast<double>(counts.last_receive_utime - counts.first_receive_utime);
+  std::string text = line("scans      %lld, %lld used", static_cast<long long>(counts.scans),
+                          static_cast<long long>(counts.scans_used));
+  text += line("map        %zu features, %zu islands, %lld fusions", features, result.maps.teams.size(),
+               static_cast<long long>(counts.fusions));
+  text += line("segments   %lld seen, %lld paired", static_cast<long long>(counts.segments_seen),
+               static_cast<long long>(counts.segments_paired));
+  text += line("time       %.1f s of log in %.2f s, %.2f s CPU; peak memory %.0f MB", log_s,
+               result.cost.wall_s, result.cost.cpu_s, result.cost.peak_rss_mb);
+  return text + "map_sha256 " + map_sha256(result.maps) + "\n";
+}
+
+}  // namespace isthmus

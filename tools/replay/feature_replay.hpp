@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "server/feature_maps/feature_files.hpp"
+
+namespace isthmus {
+
+struct FeatureReplayOptions {
+  FeatureMapOptions map;
+  double until_s = std::numeric_limits<double>::infinity();  ///< of event time after the first event
+  std::function<void(double)> progress;
+  std::function<void(const std::string&)> warn;  ///< told of what is damaged
+};
+
+struct FeatureReplayResult {
+  FeatureMaps maps;
+  RunCost cost;
+};
+
+/// Maps by features what an LCM event log or a journal's directory holds. Throws std::runtime_error naming
+/// file, event or line and reason.
+FeatureReplayResult replay_features(const std::string& path, const FeatureReplayOptions& options);
+
+/// A run in few lines.
+std::string summary_text(const FeatureReplayResult& result);
+
+}  // namespace isthmus
