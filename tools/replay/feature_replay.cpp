@@ -6,6 +6,7 @@
 
 #include "server/wire/journal/event_log.hpp"
 #include "server/wire/message/message.hpp"
+#include "tools/replay/replay.hpp"
 
 namespace isthmus {
 namespace {
@@ -20,8 +21,8 @@ std::string line(const char* format, Values... values) {
 }
 
 void read(const std::string& path, const FeatureReplayOptions& options, FeatureMapper& mapper) {
-  EventLogReader reader(path);
-  const ChannelNames channels;
+  EventLogReader reader(whole_log(path));
+  ChannelNames channels;
   std::optional<std::int64_t> first_utime;
   while (const std::optional<Message> message = reader.next()) {
     const Decoded decoded = decode(channels, message->channel, message->bytes, message->utime);
@@ -29,6 +30,8 @@ void read(const std::string& path, const FeatureReplayOptions& options, FeatureM
     if (!decoded.event) continue;
     if (!first_utime) first_utime = message->utime;
     if (1e-6 * static_cast<double>(message->utime - *first_utime) > options.until_s) break;
+    if (const auto* configuration = std::get_if<ConfigurationEvent>(&decoded.event->body))
+      channels = parse_server_configuration(configuration->toml, reader.file()).channels;
     mapper.handle(*decoded.event);
     if (options.progress) options.progress(reader.progress());
   }

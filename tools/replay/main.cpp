@@ -3,6 +3,7 @@
 #include <exception>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
 #include "server/engine/input/tuning.hpp"
 #include "server/output/format/csv.hpp"
@@ -71,6 +72,9 @@ void run(const Arguments& arguments) {
 }
 
 void run_features(const Arguments& arguments) {
+  if (arguments.refine || arguments.json || !arguments.forbid.empty() || !arguments.config_file.empty() ||
+      !arguments.memory_file.empty())
+    throw std::runtime_error("--refine, --json, --forbid, --config and --memory are for the manifold map");
   FeatureReplayOptions options;
   options.map = feature_map_options(*arguments.features);
   options.until_s = arguments.until_s;

@@ -30,27 +30,12 @@ double now_s(clockid_t clock) {
 /// Of all threads.
 double cpu_now_s() { return now_s(CLOCK_PROCESS_CPUTIME_ID); }
 
-/// A path, once it is known that no events are missing at its beginning.
-const std::string& whole(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_directory(path, error)) return path;
-  const JournalView journal = view_journal(path);
-  require_beginning(journal);
-  if (!journal.segments.empty() && journal.segments.front().number != 1) {
-    throw std::runtime_error(
-        path +
-        ": its first segments were pruned; isthmus-export and isthmus-inspect read it by "
-        "its snapshots");
-  }
-  return path;
-}
-
 /// One run of the engine over one log.
 class Replay {
  public:
   Replay(const std::string& path, const ReplayOptions& options)
       : options_(options),
-        path_(whole(path)),
+        path_(whole_log(path)),
         reader_(path),
         own_configuration_(options.config_file.empty()) {
     if (own_configuration_) return;
@@ -200,6 +185,20 @@ class Replay {
 };
 
 }  // namespace
+
+const std::string& whole_log(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return path;
+  const JournalView journal = view_journal(path);
+  require_beginning(journal);
+  if (!journal.segments.empty() && journal.segments.front().number != 1) {
+    throw std::runtime_error(
+        path +
+        ": its first segments were pruned; isthmus-export and isthmus-inspect read it by "
+        "its snapshots");
+  }
+  return path;
+}
 
 MapCopy ReplayResult::map() const {
   MapCopy map = engine.copy();

@@ -49,6 +49,10 @@ struct ReplayResult {
   MapCopy map() const;
 };
 
+/// The path, once it is known that it is no journal with events missing at its beginning. Throws
+/// std::runtime_error naming it.
+const std::string& whole_log(const std::string& path);
+
 /// Runs the engine over an LCM event log or a journal directory, as fast as it can, to the end or as far as
 /// `until_s` says (Engine::finish included). Throws std::runtime_error naming file, event or line and reason:
 /// no log, a bad configuration.
