@@ -15,6 +15,19 @@ double seconds_between(std::int64_t from_utime, std::int64_t to_utime) {
   return 1e-6 * (static_cast<double>(to_utime) - static_cast<double>(from_utime));
 }
 
+Json account_of(const TrialAccount& account) {
+  return {{"supporters", account.supporters},
+          {"compared", account.compared},
+          {"matched", account.matched},
+          {"cost", account.cost},
+          {"contradiction", account.contradiction},
+          {"own_contradiction", account.own_contradiction},
+          {"way_m", account.way_m},
+          {"width_m", account.width_m},
+          {"revisit_log_odds", account.revisit_log_odds},
+          {"shared_log_odds", account.shared_log_odds}};
+}
+
 Json closures(const MapCopy& map) {
   const std::int64_t first_utime = map.counters.first_receive_utime;
   Json list = Json::array();
@@ -27,6 +40,7 @@ Json closures(const MapCopy& map) {
                     {"reason", word(closure.reason)},
                     {"patches_touched", closure.patches_touched},
                     {"work_steps", closure.work_steps},
+                    {"evidence", account_of(closure.account)},
                     {"event_time_s", seconds_between(closure.start_utime, closure.end_utime)},
                     {"start_s", seconds_between(first_utime, closure.start_utime)},
                     {"end_s", seconds_between(first_utime, closure.end_utime)}});

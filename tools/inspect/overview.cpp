@@ -104,19 +104,29 @@ std::string sessions(const Json& report) {
   return table(rows);
 }
 
+// What was found on its trial; a map of an older version does not say.
+std::string evidence(const Json& closure) {
+  const Json found = closure.value("evidence", Json::object());
+  if (found.value("compared", 0) == 0) return "";
+  std::string text = found.at("matched").dump() + " of " + found.at("compared").dump() + " match";
+  const double log_odds =
+      found.at("revisit_log_odds").get<double>() + found.at("shared_log_odds").get<double>();
+  if (found.at("way_m").get<double>() > 0) text += ", log-odds " + decimal(log_odds, 1);
+  return text;
+}
+
 std::string closures(const Json& report, const MeetingCounts& meetings) {
   if (report.at("closures").empty()) return "  none\n";
-  std::vector<Row> rows = {{"closure", "kind", "state", "at s", "robots", "patches", "sightings", "relations",
-                            "dependents", "reason"}};
+  std::vector<Row> rows = {{"closure", "kind", "state", "at s", "robots", "evidence", "sightings",
+                            "relations", "dependents", "reason"}};
   for (const Json& closure : report.at("closures")) {
     const auto known = meetings.by_closure.find(closure.at("id").get<std::int64_t>());
     const ClosureParts parts = known == meetings.by_closure.end() ? ClosureParts{} : known->second;
     rows.push_back({closure.at("id").dump(), closure.at("kind").get<std::string>(),
                     closure.at("state").get<std::string>(),
                     decimal(1e-6 * closure.at("utime").get<double>(), 3), joined(closure.at("robots")),
-                    closure.at("patches_touched").dump(), std::to_string(parts.sightings),
-                    std::to_string(parts.relations), std::to_string(parts.dependents),
-                    closure.at("reason").get<std::string>()});
+                    evidence(closure), std::to_string(parts.sightings), std::to_string(parts.relations),
+                    std::to_string(parts.dependents), closure.at("reason").get<std::string>()});
   }
   return table(rows);
 }

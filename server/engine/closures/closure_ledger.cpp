@@ -18,6 +18,7 @@ ClosureLedger::Entry& ClosureLedger::enter(const ClosureDraft& draft, std::vecto
     entry.record.start_utime = before.start_utime;
     entry.record.patches_touched = before.patches_touched;
     entry.record.work_steps = before.work_steps;
+    entry.record.account = before.account;
   }
   entry.joining = draft.joining;
   entry.from_scans = draft.proposal.from_scans;

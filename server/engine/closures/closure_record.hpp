@@ -7,6 +7,7 @@
 
 #include "patches/ids.hpp"
 #include "server/engine/map/reason.hpp"
+#include "server/engine/propagation/trial_account.hpp"
 
 namespace isthmus {
 
@@ -36,10 +37,11 @@ struct ClosureRecord {
   int work_steps = 0;
   std::int64_t start_utime = 0;  ///< event time
   std::int64_t end_utime = 0;
+  TrialAccount account;  ///< of its last trial
 
   auto members() {
     return std::tie(id, kind, state, utime, robots, reason, patches_touched, work_steps, start_utime,
-                    end_utime);
+                    end_utime, account);
   }
 };
 

@@ -123,6 +123,7 @@ void Closures::end_trial(World world) {
   if (trial->undecided() && !closure.from_scans) return put_off(closure);
   closure.record.patches_touched = trial->patches_touched();
   closure.record.work_steps = trial->work_steps();
+  closure.record.account = trial->account();
   closure.record.end_utime = world.now_utime;
   if (trial->undecided())
     return ledger_.decide(closure, ClosureState::waiting, trial->refusal(), trial->patches_touched());

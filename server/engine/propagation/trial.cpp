@@ -175,10 +175,6 @@ double Trial::own_contradiction() const {
   return found.mean();
 }
 
-bool Trial::puts_walls_in_free_space() const {
-  return mean_contradiction() > options_.trial.max_contradiction + own_contradiction();
-}
-
 double Trial::sighting_cost() const {
   double sum = 0;
   int rows = 0;
@@ -202,65 +198,90 @@ double Trial::find_cost() const {
 
 void Trial::judge() {
   stage_ = Stage::done;
+  account_.supporters = proposal_.supporters;
+  account_.matched = static_cast<int>(propagation_.matched().size());
+  account_.compared = account_.matched + static_cast<int>(propagation_.unmatched().size());
+  account_.revisit_log_odds = proposal_.revisit_log_odds;
   if (proposal_.measured) return;
+  account_.cost = proposal_.from_scans ? find_cost() : sighting_cost();
+  account_.contradiction = mean_contradiction();
+  account_.own_contradiction = own_contradiction();
   if (proposal_.from_scans) return judge_scans();
-  const auto matched = static_cast<int>(propagation_.matched().size());
-  const int compared = matched + static_cast<int>(propagation_.unmatched().size());
   const TrialOptions& its = options_.trial;
   const int enough = proposal_.two_way ? its.min_support_two_way : its.min_support_one_way;
-  if (sighting_cost() > its.max_sighting_cost) {
+  if (account_.cost > its.max_sighting_cost) {
     refusal_ = Reason::sightings_disagree;
-  } else if (puts_walls_in_free_space()) {
+  } else if (puts_walls_in_free_space(account_.contradiction)) {
     refusal_ = Reason::walls_in_free_space;
-  } else if (compared >= its.few_compared && matched < its.min_matched_share * compared) {
+  } else if (scans_disagree()) {
     refusal_ = Reason::scans_disagree;
-  } else if (matched < its.few_compared && proposal_.supporters < enough) {
+  } else if (account_.matched < its.few_compared && proposal_.supporters < enough) {
     undecided_ = true;
   }
 }
 
-// That a cautious loop is true: by where the map had its ends, and by how much of the building matches there.
-double Trial::loop_log_odds(const SharedPart& shared) const {
+bool Trial::puts_walls_in_free_space(double contradiction) const {
+  return contradiction > options_.trial.max_contradiction + account_.own_contradiction;
+}
+
+bool Trial::scans_disagree() const {
   const TrialOptions& its = options_.trial;
-  return proposal_.revisit_log_odds + its.log_odds_per_way_m * shared.way_m +
-         its.log_odds_per_width_m * shared.width_m;
+  return account_.compared >= its.few_compared &&
+         account_.matched < its.min_matched_share * account_.compared;
+}
+
+// By how much of the building matches: what only looks alike does so over so much more seldom.
+double Trial::shared_log_odds(const SharedPart& shared) const {
+  return options_.trial.log_odds_per_way_m * shared.way_m +
+         options_.trial.log_odds_per_width_m * shared.width_m;
 }
 
 // Without sightings, guard against perceptual aliasing: many buildings repeat themselves.
 void Trial::judge_scans() {
-  const std::vector<PatchId>& matched = propagation_.matched();
-  const auto count = static_cast<int>(matched.size());
-  const int compared = count + static_cast<int>(propagation_.unmatched().size());
-  const auto undecided = [&](Reason why) {
-    undecided_ = true;
-    refusal_ = why;
-  };
   const TrialOptions& its = options_.trial;
-  if (find_cost() > its.max_find_cost) {
+  if (account_.cost > its.max_find_cost) {
     refusal_ = Reason::finds_disagree;
-  } else if (puts_walls_in_free_space()) {
+  } else if (puts_walls_in_free_space(account_.contradiction)) {
     refusal_ = Reason::walls_in_free_space;
-  } else if (compared >= its.few_compared && count < its.min_matched_share * compared) {
+  } else if (scans_disagree()) {
     refusal_ = Reason::scans_disagree;
-  } else if (count < its.few_matched_scans) {
-    undecided(Reason::too_little_support);
+  } else if (account_.matched < its.few_matched_scans) {
+    leave_undecided(Reason::too_little_support);
   } else if (proposal_.merge || proposal_.cautious) {
     const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
     const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
-    const SharedPart shared = isthmus::shared_part(map_, island, is_younger, matched, options_);
-    if (proposal_.merge && shared.border_contradiction > its.max_contradiction + own_contradiction()) {
-      refusal_ = Reason::walls_in_free_space;
-    } else if (!proposal_.merge) {
-      if (loop_log_odds(shared) < its.min_loop_log_odds)
-        undecided(shared.width_m < its.min_width_m ? Reason::one_corridor : Reason::too_little_support);
-    } else if (count < its.min_matched || shared.way_m < its.min_way_m) {
-      undecided(Reason::too_little_support);
-    } else if (shared.width_m < its.min_width_m && shared.way_m < its.min_corridor_m) {
-      undecided(Reason::one_corridor);
-    } else if (std::min(shared.own_first_m, shared.own_second_m) < its.min_own_m) {
-      undecided(Reason::nothing_beyond_the_seam);
-    }
+    const SharedPart shared =
+        isthmus::shared_part(map_, island, is_younger, propagation_.matched(), options_);
+    account_.way_m = shared.way_m;
+    account_.width_m = shared.width_m;
+    account_.shared_log_odds = shared_log_odds(shared);
+    proposal_.merge ? judge_merge(shared) : judge_cautious_loop();
   }
+}
+
+void Trial::judge_cautious_loop() {
+  const TrialOptions& its = options_.trial;
+  if (account_.revisit_log_odds + account_.shared_log_odds < its.min_loop_log_odds)
+    leave_undecided(account_.width_m < its.min_width_m ? Reason::one_corridor : Reason::too_little_support);
+}
+
+void Trial::judge_merge(const SharedPart& shared) {
+  const TrialOptions& its = options_.trial;
+  if (puts_walls_in_free_space(shared.border_contradiction)) {
+    refusal_ = Reason::walls_in_free_space;
+  } else if (account_.matched < its.min_matched || shared.way_m < its.min_way_m) {
+    leave_undecided(Reason::too_little_support);
+  } else if (shared.width_m < its.min_width_m && shared.way_m < its.min_corridor_m) {
+    leave_undecided(Reason::one_corridor);
+  } else if (std::min(shared.own_first_m, shared.own_second_m) < its.min_own_m &&
+             account_.shared_log_odds < its.min_whole_log_odds) {
+    leave_undecided(Reason::nothing_beyond_the_seam);
+  }
+}
+
+void Trial::leave_undecided(Reason why) {
+  undecided_ = true;
+  refusal_ = why;
 }
 
 void Trial::commit(Map& map) const {

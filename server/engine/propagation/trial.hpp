@@ -8,6 +8,7 @@
 #include "server/engine/map/fit_job.hpp"
 #include "server/engine/map/reason.hpp"
 #include "server/engine/propagation/propagation.hpp"
+#include "server/engine/propagation/trial_account.hpp"
 
 namespace isthmus {
 
@@ -64,6 +65,8 @@ class Trial {
   bool undecided() const { return done() && undecided_; }
   /// Why it was refused or is undecided; none where it was accepted, and where sightings are too few.
   Reason refusal() const { return refusal_; }
+  /// By what it was judged; empty where it was refused before.
+  const TrialAccount& account() const { return account_; }
   const Proposal& proposal() const { return proposal_; }
   /// The map as the trial has it now.
   const Map& map() const { return map_; }
@@ -75,7 +78,7 @@ class Trial {
 
   auto members() {
     return std::tie(options_, proposal_, map_, patches_at_start_, first_relation_, gate_before_, propagation_,
-                    job_, stage_, fits_, matched_at_fit_, refusal_, undecided_);
+                    job_, stage_, fits_, matched_at_fit_, refusal_, undecided_, account_);
   }
 
  private:
@@ -88,7 +91,11 @@ class Trial {
   bool refits() const;
   void judge();
   void judge_scans();
-  double loop_log_odds(const SharedPart& shared) const;
+  void judge_cautious_loop();
+  void judge_merge(const SharedPart& shared);
+  void leave_undecided(Reason why);
+  bool scans_disagree() const;
+  double shared_log_odds(const SharedPart& shared) const;
   /// Mean share of hits of one side deep in the other's free space.
   double mean_contradiction() const;
   /// Mean χ² per residual of the sightings that proposed it, after the fit.
@@ -99,7 +106,7 @@ class Trial {
   /// What patches of one side contradict each other: people, glass, and maps that bend.
   double own_contradiction() const;
   /// Whether the two sides contradict one another more than each does itself.
-  bool puts_walls_in_free_space() const;
+  bool puts_walls_in_free_space(double contradiction) const;
 
   EngineOptions options_;
   Proposal proposal_;
@@ -114,6 +121,7 @@ class Trial {
   std::size_t matched_at_fit_ = 0;
   Reason refusal_ = Reason::none;
   bool undecided_ = false;
+  TrialAccount account_;
 };
 
 }  // namespace isthmus

@@ -97,7 +97,9 @@ constexpr const char* report = R"({
   "sessions": [{"number": 0, "robot": "R1", "island": 1, "from_utime": 1000000, "to_utime": 2500000},
                {"number": 1, "robot": "R2", "island": -1, "from_utime": 0, "to_utime": 0}],
   "closures": [{"id": 4, "kind": "merge", "state": "accepted", "utime": 2000000, "robots": ["R1", "R2"],
-                "reason": "", "patches_touched": 6, "work_steps": 3, "event_time_s": 0.5},
+                "reason": "", "patches_touched": 6, "work_steps": 3, "event_time_s": 0.5,
+                "evidence": {"compared": 8, "matched": 6, "way_m": 21, "revisit_log_odds": -2.5,
+                             "shared_log_odds": 12.25}},
                {"id": 5, "kind": "merge", "state": "withdrawn", "utime": 3000000, "robots": ["R1", "R3"],
                 "reason": "by an operator", "patches_touched": 2, "work_steps": 1, "event_time_s": 0}],
   "log_duration_s": 60, "wall_s": 1, "cpu_s": 0.9, "realtime_factor": 60,
@@ -129,10 +131,12 @@ TEST(Overview, ShowsCountersIslandsSessionsAndClosuresWithIds) {
             "  0        R1     1       1.000   2.500\n"
             "  1        R2     -       0.000   0.000\n"
             "\nclosures\n"
-            "  closure  kind   state      at s   robots  patches  sightings  relations  dependents  reason\n"
-            "  4        merge  accepted   2.000  R1 R2   6        2          5          0\n"
-            "  5        merge  withdrawn  3.000  R1 R3   2        0          0          0           by an "
-            "operator\n");
+            "  closure  kind   state      at s   robots  evidence                     sightings  relations  "
+            "dependents  reason\n"
+            "  4        merge  accepted   2.000  R1 R2   6 of 8 match, log-odds 9.8   2          5          "
+            "0\n"
+            "  5        merge  withdrawn  3.000  R1 R3                                0          0          "
+            "0           by an operator\n");
 }
 
 TEST(Overview, ShowsWhatARunWithoutSightingsHas) {

@@ -65,6 +65,7 @@ struct TrialOptions {
   double min_width_m = 2;
   double min_corridor_m = 15;
   double min_own_m = 5;
+  double min_whole_log_odds = 25;
   std::size_t max_matched_scans = 150;
   std::size_t first_queue = 80;
   std::size_t growth = 3;
@@ -101,7 +102,7 @@ struct TrialOptions {
     option(min_matched, "min_matched", "count", "of patches that must match of a merge");
     option(min_way_m, "min_way_m", "m", "of way that a merge must share");
     option(log_odds_per_way_m, "log_odds_per_way_m", "log-odds/m",
-           "that a cautious loop is true, of way that matches: buildings repeat themselves");
+           "that a loop or merge is true, of way that matches: buildings repeat themselves");
     option(log_odds_per_width_m, "log_odds_per_width_m", "log-odds/m",
            "the same of what matches across its length: corridors repeat themselves most");
     option(min_loop_log_odds, "min_loop_log_odds", "log-odds",
@@ -109,6 +110,8 @@ struct TrialOptions {
     option(min_width_m, "min_width_m", "m", "of what is shared across its length: less is one corridor");
     option(min_corridor_m, "min_corridor_m", "m", "of way that must be shared if it is one corridor");
     option(min_own_m, "min_own_m", "m", "of way of either map beyond what they share");
+    option(min_whole_log_odds, "min_whole_log_odds", "log-odds",
+           "of what matches, for which a merge needs no such way: rooms and wings look alike, hardly floors");
     option(max_matched_scans, "max_matched_scans", "count",
            "of patches: a few dozen that match tell as much as a thousand");
     option(first_queue, "first_queue", "count", "of patches around the closure that are tried first");

@@ -341,6 +341,19 @@ TEST(TrialByScans, OfAMergeThatSharesMuchAndGoesOnIsAccepted) {
   EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
 }
 
+TEST(TrialByScans, SaysByWhatItWasJudged) {
+  const Trial trial = merge_along(0, 40, 16.3, 56, long_corridor()).tried();
+  const TrialAccount& account = trial.account();
+  EXPECT_EQ(account.matched, trial.patches_touched());
+  EXPECT_GE(account.compared, account.matched);
+  EXPECT_GT(account.supporters, 0);
+  EXPECT_LT(account.cost, 1);
+  EXPECT_LT(account.contradiction, 0.05);
+  EXPECT_NEAR(account.way_m, 24, 8) << "16.3 to 40 m, and what overlaps beyond";
+  EXPECT_LT(account.width_m, 2);
+  EXPECT_NEAR(account.shared_log_odds, 0.4 * account.way_m + account.width_m, 1e-9);
+}
+
 TEST(TrialByScans, OfAMergeThatSharesLittleWaits) {
   const Trial trial = merge_along(0, 20, 9.3, 30, long_corridor()).tried();
   EXPECT_TRUE(trial.undecided());
@@ -352,6 +365,12 @@ TEST(TrialByScans, OfAMergeWithNothingBeyondWhatIsSharedWaits) {
   const Trial trial = merge_along(10, 29, 10.3, 38, long_corridor()).tried();
   EXPECT_TRUE(trial.undecided());
   EXPECT_EQ(trial.refusal(), Reason::nothing_beyond_the_seam);
+}
+
+// So much of a building does not look alike by chance.
+TEST(TrialByScans, OfAMergeOfTwoMapsOfTheSameWholeIsAcceptedWhereThatIsLarge) {
+  const Trial trial = merge_along(0, 80, 0.3, 84, long_corridor()).tried();
+  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
 }
 
 // Beyond what they share, the second way saw a hall where the first saw the corridor go on.

@@ -203,15 +203,15 @@ TEST(Snapshots, OfVersion2AreRefusedByWord) {
 }
 
 TEST(Snapshots, OfVersion3AreRead) {
-  const std::string path = "tests/unit/wire/snapshots/version-3/snapshot-000002.isthmus";
+  const std::string path = "tests/unit/wire/snapshots/version-3/snapshot-000001.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
-  EXPECT_EQ(snapshot.map.events, 747);
+  EXPECT_EQ(snapshot.map.events, 760);
   EXPECT_EQ(map.patches.size(), 18U);
-  EXPECT_EQ(map.trajectory_rows, 122U);
-  EXPECT_EQ(map.sightings.size(), 11U);
+  EXPECT_EQ(map.trajectory_rows, 124U);
+  EXPECT_EQ(map.sightings.size(), 12U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "18a6a0cc83b27b4ab4c4ce4102a1cd20fad349cf13b016f39687e90a86a8e0e3");
+  EXPECT_EQ(map_sha256(map), "19ae48462be1f2c8d71786bbb318acb988e0b70b2e5d5561a0ad5a21cf290ebe");
 }
 
 }  // namespace

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <tuple>
+
+namespace isthmus {
+
+/// What spoke for and against a closure on its trial, as far as it was looked at; what it was held against is
+/// in TrialOptions.
+struct TrialAccount {
+  int supporters = 0;        ///< sightings, or finds of scans, that propose it
+  int compared = 0;          ///< patches along the border that were matched with the other side, and
+  int matched = 0;           ///< those of them that did match
+  double cost = 0;           ///< mean χ² after the fit: of sightings per residual, of finds per relation
+  double contradiction = 0;  ///< share of hits of one side deep in the other's free space, and
+  double own_contradiction = 0;  ///< of either side in its own
+  double way_m = 0;              ///< of what matches; this and the rest only where scans alone propose it
+  double width_m = 0;            ///< of it, across its length
+  double revisit_log_odds = 0;   ///< that it is true rather than a look-alike: by where the map had its ends,
+  double shared_log_odds = 0;    ///< and by how much matches
+
+  auto members() {
+    return std::tie(supporters, compared, matched, cost, contradiction, own_contradiction, way_m, width_m,
+                    revisit_log_odds, shared_log_odds);
+  }
+};
+
+}  // namespace isthmus
