@@ -269,10 +269,8 @@ void Trial::judge_merge(const SharedPart& shared) {
   const TrialOptions& its = options_.trial;
   if (puts_walls_in_free_space(shared.border_contradiction)) {
     refusal_ = Reason::walls_in_free_space;
-  } else if (account_.matched < its.min_matched || shared.way_m < its.min_way_m) {
+  } else if (shared.way_m < its.min_way_m) {
     leave_undecided(Reason::too_little_support);
-  } else if (shared.width_m < its.min_width_m && shared.way_m < its.min_corridor_m) {
-    leave_undecided(Reason::one_corridor);
   } else if (std::min(shared.own_first_m, shared.own_second_m) < its.min_own_m &&
              account_.shared_log_odds < its.min_whole_log_odds) {
     leave_undecided(Reason::nothing_beyond_the_seam);

@@ -131,11 +131,11 @@ TEST(Overview, ShowsCountersIslandsSessionsAndClosuresWithIds) {
             "  0        R1     1       1.000   2.500\n"
             "  1        R2     -       0.000   0.000\n"
             "\nclosures\n"
-            "  closure  kind   state      at s   robots  evidence                     sightings  relations  "
+            "  closure  kind   state      at s   robots  evidence                    sightings  relations  "
             "dependents  reason\n"
-            "  4        merge  accepted   2.000  R1 R2   6 of 8 match, log-odds 9.8   2          5          "
+            "  4        merge  accepted   2.000  R1 R2   6 of 8 match, log-odds 9.8  2          5          "
             "0\n"
-            "  5        merge  withdrawn  3.000  R1 R3                                0          0          "
+            "  5        merge  withdrawn  3.000  R1 R3                               0          0          "
             "0           by an operator\n");
 }
 

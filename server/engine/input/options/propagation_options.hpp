@@ -57,13 +57,11 @@ struct TrialOptions {
   int min_support_two_way = 4;
   int min_support_one_way = 6;
   int few_matched_scans = 4;
-  int min_matched = 12;
   double min_way_m = 15;
   double log_odds_per_way_m = 0.4;
   double log_odds_per_width_m = 1;
   double min_loop_log_odds = 10;
   double min_width_m = 2;
-  double min_corridor_m = 15;
   double min_own_m = 5;
   double min_whole_log_odds = 25;
   std::size_t max_matched_scans = 150;
@@ -99,7 +97,6 @@ struct TrialOptions {
            "of sightings of one direction, where scans cannot tell");
     option(few_matched_scans, "few_matched_scans", "count",
            "of patches that must match where scans are all there is");
-    option(min_matched, "min_matched", "count", "of patches that must match of a merge");
     option(min_way_m, "min_way_m", "m", "of way that a merge must share");
     option(log_odds_per_way_m, "log_odds_per_way_m", "log-odds/m",
            "that a loop or merge is true, of way that matches: buildings repeat themselves");
@@ -107,8 +104,7 @@ struct TrialOptions {
            "the same of what matches across its length: corridors repeat themselves most");
     option(min_loop_log_odds, "min_loop_log_odds", "log-odds",
            "of those, and of where the map had its ends, for which it is accepted");
-    option(min_width_m, "min_width_m", "m", "of what is shared across its length: less is one corridor");
-    option(min_corridor_m, "min_corridor_m", "m", "of way that must be shared if it is one corridor");
+    option(min_width_m, "min_width_m", "m", "of what is shared across its length: less is called one corridor");
     option(min_own_m, "min_own_m", "m", "of way of either map beyond what they share");
     option(min_whole_log_odds, "min_whole_log_odds", "log-odds",
            "of what matches, for which a merge needs no such way: rooms and wings look alike, hardly floors");

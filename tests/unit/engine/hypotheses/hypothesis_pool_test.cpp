@@ -23,7 +23,6 @@ struct Pooling {
   /// So short a way is to be enough for the trial too.
   void believe_little() {
     TrialOptions& its = scene.options.trial;
-    its.min_matched = 4;
     its.min_way_m = 1;
     its.min_width_m = its.min_own_m = 0;
   }

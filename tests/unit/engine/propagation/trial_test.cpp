@@ -47,8 +47,8 @@ struct Case {
   void say(PatchId a, PatchId b, const Pose& off = {}, double sigma_m = 0.02, double sigma_rad = 0.01) {
     proposal.relations.push_back(tie(a, b, true_relative(a, b) * off, sigma_m, sigma_rad));
   }
-  Trial tried() const {
-    Trial trial(map, proposal, EngineOptions{}, 0);
+  Trial tried(const EngineOptions& options = {}) const {
+    Trial trial(map, proposal, options, 0);
     trial.finish(0);
     return trial;
   }
@@ -369,7 +369,10 @@ TEST(TrialByScans, OfAMergeWithNothingBeyondWhatIsSharedWaits) {
 
 // So much of a building does not look alike by chance.
 TEST(TrialByScans, OfAMergeOfTwoMapsOfTheSameWholeIsAcceptedWhereThatIsLarge) {
-  const Trial trial = merge_along(0, 80, 0.3, 84, long_corridor()).tried();
+  EngineOptions options;
+  options.trial.max_matched_scans = 400;
+  const Trial trial = merge_along(0, 80, 0.3, 84, long_corridor()).tried(options);
+  EXPECT_GT(trial.account().way_m, 62.5);
   EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
 }
 
