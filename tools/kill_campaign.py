@@ -185,7 +185,8 @@ class Journal:
         for _ in range(fields.take("i")):
             robot, reason, count = fields.text(), fields.text(), fields.take("q")
             self.dropped[robot, reason] += count
-            fields.at += 8 * fields.take("i")
+            numbers = fields.take("i")
+            fields.at += 8 * numbers
 
 
 def segments(directory):
@@ -251,11 +252,11 @@ class Campaign:
         self.work = work
         self.in_recovery = 0
 
-    def start(self, journal, output):
+    def start(self, journal, output, *options):
         with open(os.path.join(self.work, "server.log"), "ab") as errors:
             return subprocess.Popen(
                 [os.path.join(self.bin, "isthmus-server"), "--lcm-url", self.url, "--journal", journal, "--output", output,
-                 "--segment-mb", str(self.arguments.segment_mb)], stderr=errors)
+                 "--segment-mb", str(self.arguments.segment_mb), *options], stderr=errors)
 
     def said(self):
         with open(os.path.join(self.work, "server.log"), encoding="utf-8") as file:
@@ -297,7 +298,7 @@ class Campaign:
                 self.live(kill, journal, output, player, lives)
             player.life = len(lives)
             lives.append([time.time_ns() // 1000, 0])
-            server = self.start(journal, output)
+            server = self.start(journal, output, "--stop-timeout", "600")  # a finished map, to be compared
             time.sleep(self.random.uniform(0.5, 1.0) * self.arguments.longest)
             server.send_signal(signal.SIGTERM)
             if server.wait(timeout=600) != 0:

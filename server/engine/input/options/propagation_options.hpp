@@ -104,7 +104,8 @@ struct TrialOptions {
            "the same of what matches across its length: corridors repeat themselves most");
     option(min_loop_log_odds, "min_loop_log_odds", "log-odds",
            "of those, and of where the map had its ends, for which it is accepted");
-    option(min_width_m, "min_width_m", "m", "of what is shared across its length: less is called one corridor");
+    option(min_width_m, "min_width_m", "m",
+           "of what is shared across its length: less is called one corridor");
     option(min_own_m, "min_own_m", "m", "of way of either map beyond what they share");
     option(min_whole_log_odds, "min_whole_log_odds", "log-odds",
            "of what matches, for which a merge needs no such way: rooms and wings look alike, hardly floors");
