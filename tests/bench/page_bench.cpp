@@ -16,7 +16,8 @@ MapCopy large_map() {
   const Scan scan = testing::scan_from(testing::furnished_room(), {}, 0, 20, 360);
   for (int i = 0; i < a_side * a_side; ++i) {
     map.patches.push_back(make_patch(PatchId{i}, "R1", scan, testing::laser_of(), {}));
-    map.poses.push_back({4.0 * (i % a_side), 4.0 * (i / a_side), 0.1 * i});
+    const int row = i / a_side;
+    map.poses.push_back({4.0 * (i % a_side), 4.0 * row, 0.1 * i});
     map.graph.add_patch(PatchId{i});
     for (const int before : {i - 1, i - a_side, i - a_side - 1})
       if (before >= 0) map.graph.add(testing::odometry_between(before, i));

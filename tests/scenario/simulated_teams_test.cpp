@@ -51,14 +51,22 @@ TEST(SimulatedTeams, TagsAreMappedAndJoinTheTeam) {
   EXPECT_LT(sum_m / pairs, 0.1);
 }
 
+/// When the first sighting of a run was.
+std::int64_t first_sighting_utime(const MapCopy& map) {
+  std::int64_t first = std::numeric_limits<std::int64_t>::max();
+  for (const SightingRecord& record : map.sightings) first = std::min(first, record.sighting.utime);
+  return first;
+}
+
 // The paper's double spiral: laps in opposite directions, then the first meeting. R2 comes where R1 has been
-// everywhere, so that scans alone do not join the two (late_spiral.toml).
+// everywhere (late_spiral.toml); for once, scans alone join no two maps of the same whole.
 TEST(SimulatedTeams, OneMeetingCollapsesADoubleSpiral) {
-  const SimulatedMap spiral = map_scenario("late_spiral");
-  std::int64_t met_utime = std::numeric_limits<std::int64_t>::max();
-  for (const SightingRecord& record : spiral.map.sightings)
-    met_utime = std::min(met_utime, record.sighting.utime);
-  Played alone = play(spiral.run.events, met_utime);
+  Configuration by_meeting;
+  by_meeting.engine.trial.min_whole_log_odds = 1e9;
+  SimulatedMap spiral{simulate(load_scenario("late_spiral"), 1), {}};
+  spiral.map = map_events(spiral.run.events, by_meeting);
+  const std::int64_t met_utime = first_sighting_utime(spiral.map);
+  Played alone = play(spiral.run.events, met_utime, by_meeting);
   EXPECT_EQ(islands(alone.engine.copy()), 2U) << "nothing but the meeting joins them";
 
   EXPECT_EQ(islands(spiral.map), 1U);
@@ -78,6 +86,18 @@ TEST(SimulatedTeams, OneMeetingCollapsesADoubleSpiral) {
               spiral.map.patches.size(), merge->patches_touched, error.mean_m, error.max_m);
   EXPECT_LT(error.mean_m, 0.012);
   EXPECT_LT(error.max_m, 0.1);
+  EXPECT_LT(inter_error_m(spiral), 0.02);
+}
+
+// The laps are of one hall, too large to look like another: scans join them before anybody meets.
+TEST(SimulatedTeams, ScansCollapseADoubleSpiralOfTheSameWhole) {
+  const SimulatedMap spiral = map_scenario("late_spiral");
+  EXPECT_EQ(islands(spiral.map), 1U);
+  const auto merge = std::ranges::find(spiral.map.closures, ClosureState::accepted, &ClosureRecord::state);
+  ASSERT_NE(merge, spiral.map.closures.end());
+  EXPECT_EQ(merge->reason, Reason::from_scans);
+  EXPECT_LT(merge->end_utime, first_sighting_utime(spiral.map));
+  EXPECT_LT(judge_trajectories(spiral).mean_m, 0.012);
   EXPECT_LT(inter_error_m(spiral), 0.02);
 }
 
