@@ -4,6 +4,10 @@
 #   tools/demo.sh [DIRECTORY]     where the log and the maps go; build/demo without
 set -euo pipefail
 cd "$(dirname "$0")/.."
+if [[ ${1:-} == -* ]]; then
+  sed -n '2,/^set/s/^# \?//p' tools/demo.sh
+  [[ $1 == -h || $1 == --help ]] && exit 0 || exit 2
+fi
 out=${1:-build/demo}
 
 tools/install-dependencies.sh
@@ -38,7 +42,7 @@ map_until() {
   local directory=$1 before_s=$2 islands=$3 back until_s
   for back in 0.2 0.4 0.6 0.8 1 1.5 2 3 4 5; do
     until_s=$(awk "BEGIN { print ($before_s > $back ? $before_s - $back : 0) }")
-    "$bin/isthmus-replay" "$out/office.lcm" --output "$directory" --until "$until_s" > /dev/null
+    "$bin/isthmus-replay" "$out/office.lcm" --output "$directory" --until "$until_s" --force > /dev/null
     if [[ $(number islands "$directory") -eq $islands ]]; then break; fi
   done
   printf '  %6.1f s  %s: ' "$until_s" "$(number islands "$directory") island(s)"
@@ -48,9 +52,9 @@ map_until() {
 mkdir -p "$out"
 echo
 echo "Four robots enter an office by two entrances ..."
-"$bin/isthmus-simulate" --scenario office --seed 1 -o "$out/office.lcm" --truth "$out/truth"
+"$bin/isthmus-simulate" --scenario office --seed 1 -o "$out/office.lcm" --truth "$out/truth" --force
 echo "... and their log becomes a map."
-"$bin/isthmus-replay" "$out/office.lcm" --output "$out/map" > "$out/replay.txt"
+"$bin/isthmus-replay" "$out/office.lcm" --output "$out/map" --force > "$out/replay.txt"
 merges=$(accepted "$out/map" | grep ' merge ' || true)
 
 echo

@@ -299,6 +299,8 @@ void Engine::freeze() {
 
 bool Engine::is_frozen() const { return !state_->handling->maps(); }
 
+std::vector<LostRobot> Engine::lost_robots() const { return state_->handling->lost_robots(); }
+
 const Configuration& Engine::configuration() const { return state_->configuration; }
 
 MapCopy Engine::copy() const {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/engine/frozen/lost_robot.hpp"
 #include "server/engine/input/configuration.hpp"
 #include "server/engine/input/drop_reason.hpp"
 #include "server/engine/input/event.hpp"
@@ -56,6 +57,8 @@ class Engine {
   /// as `finish` does.
   void freeze();
   bool is_frozen() const;
+  /// Once it is frozen: robots that are not found on the map, and why.
+  std::vector<LostRobot> lost_robots() const;
 
   /// Whether work waits that a TickEvent would advance.
   bool has_queued_work() const;

@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/engine/engine.hpp"
+#include "server/engine/frozen/lost_robot.hpp"
 #include "server/engine/map/reason.hpp"
 #include "server/engine/robot/robot.hpp"
 
@@ -42,6 +44,9 @@ class Engine::Handling {
   /// See the engine's.
   virtual bool finish_step(Outcome& outcome) = 0;
   virtual std::string_view finishing() const = 0;
+
+  /// Robots that it cannot place.
+  virtual std::vector<LostRobot> lost_robots() const { return {}; }
 
   /// Whether the map may change.
   virtual bool maps() const = 0;

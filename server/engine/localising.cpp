@@ -37,6 +37,14 @@ void Engine::Localising::work(std::int64_t receive_utime) {
   frozen_.advance(state_.map, state_.configuration.engine, receive_utime);
 }
 
+std::vector<LostRobot> Engine::Localising::lost_robots() const {
+  const auto is_placed = [&](const std::string& name) {
+    const auto robot = state_.robots.find(name);
+    return robot != state_.robots.end() && robot->second.place.has_value();
+  };
+  return frozen_.lost(is_placed, state_.configuration.engine);
+}
+
 bool Engine::Localising::finish_step(Outcome& outcome) {
   state_.answer_all(outcome);
   return false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "server/engine/engine_state.hpp"
 #include "server/engine/frozen/frozen.hpp"
@@ -27,6 +28,7 @@ class Engine::Localising : public Engine::Handling {
   bool has_work() const override { return frozen_.has_work(); }
   bool finish_step(Outcome& outcome) override;
   std::string_view finishing() const override { return "waiting scans"; }
+  std::vector<LostRobot> lost_robots() const override;
   bool maps() const override { return false; }
 
  private:

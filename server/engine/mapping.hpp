@@ -29,10 +29,14 @@ class Engine::Mapping : public Engine::Handling {
   bool maps() const override { return true; }
 
  private:
-  /// What of finishing is next; not in snapshots, which are made of maps that go on.
+  /// What of finishing is next, in this order; not in snapshots, which are made of maps that go on.
   enum class FinishStage { scans, trial, searches, finds, sightings, proximity_matching, fit };
 
   const EngineOptions& options() const { return state_.configuration.engine; }
+  bool stage_step(Outcome& outcome);
+  void begin_stage();
+  void answer_waiting_scans(Outcome& outcome);
+  bool fit_next_island();
   void keep(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);
   void relate_measured_starts();
   DropReason drop_data(const std::string& name);

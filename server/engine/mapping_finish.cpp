@@ -2,48 +2,74 @@
 
 namespace isthmus {
 
-// In pieces, so that whoever waits for the end can look at the clock between them; the map is the same
-// however many others' work lies between.
+/// In pieces, so that whoever waits for the end can look at the clock between them; the map is the same
+/// however many others' work lies between.
 bool Engine::Mapping::finish_step(Outcome& outcome) {
-  const auto go_on_with = [&](FinishStage stage) {
-    finish_stage_ = stage;
-    return true;
-  };
+  if (stage_step(outcome)) return true;
+  if (finish_stage_ == FinishStage::fit) {
+    finish_stage_ = FinishStage::scans;  // whoever goes on may finish again
+    return false;
+  }
+  finish_stage_ = static_cast<FinishStage>(static_cast<int>(finish_stage_) + 1);
+  begin_stage();
+  return true;
+}
+
+/// False: the stage is over.
+bool Engine::Mapping::stage_step(Outcome& outcome) {
   switch (finish_stage_) {
     case FinishStage::scans:
-      state_.answer_all(outcome);
-      for (auto& [name, robot] : state_.robots)
-        if (robot.place) state_.record(robot, robot.place->pose, robot.place->odom_from_robot);
-      return go_on_with(FinishStage::trial);
+      answer_waiting_scans(outcome);
+      return false;
     case FinishStage::trial:
-      if (state_.closures.step_trial(state_.world())) return true;
-      state_.hypotheses.begin_finish(state_.world(), state_.closures);
-      return go_on_with(FinishStage::searches);
+      return state_.closures.step_trial(state_.world());
     case FinishStage::searches:
-      if (state_.hypotheses.finish_search(state_.world())) return true;
-      state_.hypotheses.try_all_again();
-      return go_on_with(FinishStage::finds);
+      return state_.hypotheses.finish_search(state_.world());
     case FinishStage::finds:
-      if (state_.closures.step_trial(state_.world()) ||
-          state_.hypotheses.propose_last(state_.world(), state_.closures))
-        return true;
-      state_.closures.begin_finish(state_.world());
-      return go_on_with(FinishStage::sightings);
+      return state_.closures.step_trial(state_.world()) ||
+             state_.hypotheses.propose_last(state_.world(), state_.closures);
     case FinishStage::sightings:
-      if (state_.closures.finish_step(state_.world())) return true;
-      return go_on_with(FinishStage::proximity_matching);
+      return state_.closures.finish_step(state_.world());
     case FinishStage::proximity_matching:
-      if (state_.proximity_matching.finish_step(state_.map, options())) return true;
-      islands_to_fit_ = state_.map.graph().islands();
-      return go_on_with(FinishStage::fit);
+      return state_.proximity_matching.finish_step(state_.map, options());
     case FinishStage::fit:
-      if (islands_to_fit_.empty()) break;
-      state_.map.refit_island(islands_to_fit_.front().front());
-      islands_to_fit_.erase(islands_to_fit_.begin());
-      return true;
+      return fit_next_island();
   }
-  finish_stage_ = FinishStage::scans;  // whoever goes on may finish again
   return false;
+}
+
+void Engine::Mapping::begin_stage() {
+  switch (finish_stage_) {
+    case FinishStage::searches:
+      state_.hypotheses.begin_finish(state_.world(), state_.closures);
+      return;
+    case FinishStage::finds:
+      state_.hypotheses.try_all_again();
+      return;
+    case FinishStage::sightings:
+      state_.closures.begin_finish(state_.world());
+      return;
+    case FinishStage::fit:
+      islands_to_fit_ = state_.map.graph().islands();
+      return;
+    case FinishStage::scans:
+    case FinishStage::trial:
+    case FinishStage::proximity_matching:
+      return;
+  }
+}
+
+void Engine::Mapping::answer_waiting_scans(Outcome& outcome) {
+  state_.answer_all(outcome);
+  for (auto& [name, robot] : state_.robots)
+    if (robot.place) state_.record(robot, robot.place->pose, robot.place->odom_from_robot);
+}
+
+bool Engine::Mapping::fit_next_island() {
+  if (islands_to_fit_.empty()) return false;
+  state_.map.refit_island(islands_to_fit_.front().front());
+  islands_to_fit_.erase(islands_to_fit_.begin());
+  return true;
 }
 
 std::string_view Engine::Mapping::finishing() const {

@@ -1,9 +1,15 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 
 namespace isthmus {
+
+/// For reports and the log.
+inline double seconds_of(std::chrono::steady_clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
 
 /// Event latencies in constant memory: logarithmic buckets of 2 % width from 1 µs to 1000 s, and the exact
 /// maximum.

@@ -12,10 +12,16 @@
 #include <stdexcept>
 
 #include "server/output/output.hpp"
+#include "server/program/command_line.hpp"
+#include "server/program/finite_number.hpp"
+#include "server/program/new_output.hpp"
 #include "server/wire/file/text_file.hpp"
 #include "server/wire/journal/event_log.hpp"
+#include "server/wire/journal/journal_files.hpp"
+#include "server/wire/live/answers.hpp"
 #include "server/wire/live/lcm_link.hpp"
 #include "server/wire/live/live_server.hpp"
+#include "server/wire/message/configuration_doubts.hpp"
 #include "server/wire/page/page_server.hpp"
 #include "server/wire/watch/http_page.hpp"
 #include "server/wire/watch/metrics.hpp"
@@ -40,11 +46,27 @@ struct Arguments {
   bool no_snapshots = false;
   int keep_segments = -1;
   bool frozen = false;
+  bool force = false;
+  double status_s = 1;
+  double map_s = 60;
+  double grid_s = 5;
   int stop_timeout_s = 30;
 };
 
 /// Of a server that was told twice to stop.
 constexpr int stopped_at_once = 3;
+
+void add_periods(CLI::App& app, Arguments& arguments) {
+  const auto add = [&](const char* name, double& seconds, double least, const char* help) {
+    app.add_option(name, seconds, help)
+        ->type_name("SECONDS")
+        ->check(finite_number & CLI::Range(least, 86'400.0))
+        ->capture_default_str();
+  };
+  add("--status-period", arguments.status_s, 0.1, "of ISTHMUS_STATUS, and of changes on ISTHMUS_MAP");
+  add("--map-period", arguments.map_s, 1, "of the whole map, with the grids, for those who come late");
+  add("--grid-period", arguments.grid_s, 0.1, "in which the grid of one island that changed is sent");
+}
 
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--config", arguments.config_file, "TOML configuration; none is needed");
@@ -68,8 +90,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag("--frozen", arguments.frozen,
                "localise robots in the map of a journal, which is only read: neither changes")
       ->needs("--journal");
-  app.add_option("--output", arguments.output_directory,
+  app.add_option("-o,--output", arguments.output_directory,
                  "directory for maps and trajectories, written at the end");
+  add_force(app, arguments.force);
+  add_periods(app, arguments);
   app.add_option(
          "--stop-timeout", arguments.stop_timeout_s,
          "time limit for stopping: results are written at once, and again when the map is finished or "
@@ -99,11 +123,14 @@ void add_options(CLI::App& app, Arguments& arguments) {
 
 void say(const std::string& text) { std::cerr << ("isthmus-server: " + text + "\n"); }
 
-/// The configuration's text, and with a file that holds keys a warning where others may read it.
+/// The configuration's text, with warnings of what may be meant otherwise, and of keys that others may read.
 std::string read_configuration(const std::string& file) {
   if (file.empty()) return "";
   std::string toml = read_text_file(file);
-  const Authentication keys = parse_server_configuration(toml, file).authentication;
+  const ServerConfiguration configuration = parse_server_configuration(toml, file);
+  for (const std::string& doubt : configuration_doubts(configuration.engine))
+    say("warning: " + file + ": " + doubt);
+  const Authentication& keys = configuration.authentication;
   if (keys.withheld) throw std::runtime_error(file + ": a key in [auth] is empty");
   if (!keys.is_required()) return toml;
   if (const std::string warning = check_key_file(file); !warning.empty()) say("warning: " + warning);
@@ -148,12 +175,30 @@ std::int64_t first_utime(const std::string& log) {
   return first ? first->utime : 0;
 }
 
+std::chrono::milliseconds milliseconds(double seconds) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * seconds));
+}
+
+/// Whether results may be written, before any work is done for them: those of a journal that goes on may go.
+void check_output(const Arguments& arguments, const Log& log) {
+  if (arguments.output_directory.empty()) {
+    if (arguments.journal_directory.empty())
+      log(LogLevel::warning, "nothing of this map will be kept: there is neither --journal nor --output", {});
+    return;
+  }
+  const bool goes_on = is_journal(arguments.journal_directory);
+  check_new_directory(arguments.output_directory, arguments.force || goes_on);
+}
+
 LiveOptions live_options(const Arguments& arguments, const std::string& toml, const Log& log) {
   LiveOptions options;
   options.toml = toml;
   options.journal_directory = arguments.journal_directory;
   options.frozen = arguments.frozen;
   options.output_directory = arguments.output_directory;
+  options.status_interval = milliseconds(arguments.status_s);
+  options.map.whole_map_interval = milliseconds(arguments.map_s);
+  options.map.grid_interval = milliseconds(arguments.grid_s);
   options.journal.segment_bytes = arguments.segment_mb * 1'000'000;
   options.snapshots = !arguments.no_snapshots;
   if (arguments.keep_segments >= 0) options.keep_segments = arguments.keep_segments;
@@ -188,6 +233,7 @@ Viewers viewers_of(PageServer& page, bool frozen) {
 
 void serve(const Arguments& arguments, const std::string& toml) {
   const Log log = log_to_stderr(*parse_log_level(arguments.log_level));
+  check_output(arguments, log);
   const sigset_t signals = block_stop_signals();
   const std::string url = complete_lcm_url(arguments.lcm_url);
   for (const std::string& warning : lcm_url_warnings(url, kernel_receive_buffer_bytes()))
@@ -200,6 +246,7 @@ void serve(const Arguments& arguments, const std::string& toml) {
   if (options.clock) receive_utime = [clock = options.clock] { return clock->now(); };
   Inbox inbox({}, log_file.empty() ? InboxOrder::fair : InboxOrder::arrival, receive_utime);
   if (!options.clock) options.start_utime = first_utime(log_file);
+  options.mistakes = std::make_shared<Mistakes>();
   options.publish_failures = [&] { return link.publish_failures(); };
   std::optional<HttpPage> metrics;
   if (arguments.metrics_port > 0) {
@@ -217,7 +264,11 @@ void serve(const Arguments& arguments, const std::string& toml) {
 
   const ChannelNames channels = server.channels();
   auto running = std::async(std::launch::async, [&] { server.run(); });
-  link.receive_into(inbox, channels, server.authenticator());
+  const Answers answers([&](const auto& channel, const auto& bytes) { link.publish(channel, bytes); }, log);
+  const auto tell_refused = [&](const command_t& order, DropReason reason, std::int64_t utime) {
+    answers.tell(order, std::nullopt, reason, utime);
+  };
+  link.receive_into(inbox, channels, server.authenticator(), {tell_refused, options.mistakes});
   receiving = true;
   log(LogLevel::info, "listening", {{"url", url}});
   if (page)
@@ -239,11 +290,11 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Maps for a team of robots over LCM. SIGINT or SIGTERM stops it within --stop-timeout; a second one "
       "ends "
-      "it at once, with exit code 3 and the results that are written.");
+      "it at once, with exit code 3 and the results that are written.",
+      "isthmus-server");
   Arguments arguments;
   add_options(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return run_program(app, argc, argv, [&] {
     const bool only_check = !arguments.checked_file.empty();
     const std::string file = only_check ? arguments.checked_file : arguments.config_file;
     const std::string toml = read_configuration(file);
@@ -252,9 +303,5 @@ int main(int argc, char** argv) {
     } else {
       serve(arguments, toml);
     }
-  } catch (const std::exception& error) {
-    say(error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -52,10 +52,31 @@ TEST(Commands, HelpFitsAScreenAndAWrongOptionExitsWithTwo) {
        {"import", "import carmen", "import mrclam", "replay", "evaluate", "simulate", "command"}) {
     const CommandResult help = isthmus(directory, std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0) << command;
-    EXPECT_LE(std::count(help.out.begin(), help.out.end(), '\n'), 24) << command;
-    EXPECT_NE(isthmus(directory, std::string(command) + " --nonsense").exit_code, 0) << command;
+    EXPECT_LE(std::count(help.out.begin(), help.out.end(), '\n'), 25) << command;
+  }
+  for (const char* program : {"server", "import", "replay", "evaluate", "export", "inspect", "simulate",
+                              "campaign", "command", "snapshot"}) {
+    EXPECT_EQ(isthmus(directory, std::string(program) + " --nonsense").exit_code, 2) << program;
+    const CommandResult version = isthmus(directory, std::string(program) + " --version");
+    EXPECT_EQ(version.exit_code, 0) << program;
+    EXPECT_EQ(version.out.find("isthmus-" + std::string(program) + " "), 0U) << version.out;
   }
   EXPECT_EQ(isthmus(directory, "evaluate").exit_code, 2);
+}
+
+TEST(Commands, ResultsAreNotWrittenOverUnlessForced) {
+  const TemporaryDirectory directory;
+  const std::string simulate = "simulate --scenario meeting --set duration_s=2 seed_of_nothing=1 -o run.lcm";
+  EXPECT_NE(isthmus(directory, simulate).err.find("seed_of_nothing"), std::string::npos);  // both are read
+  ASSERT_EQ(isthmus(directory, "simulate --scenario meeting --set duration_s=2 -o run.lcm").exit_code, 0);
+  const CommandResult again = isthmus(directory, "simulate --scenario meeting -o run.lcm");
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_EQ(again.err, "isthmus-simulate: run.lcm exists already; --force writes over it\n");
+  ASSERT_EQ(isthmus(directory, "replay run.lcm -o map").exit_code, 0);
+  const CommandResult map_again = isthmus(directory, "replay run.lcm -o map");
+  EXPECT_EQ(map_again.exit_code, 1);
+  EXPECT_EQ(map_again.err, "isthmus-replay: map holds a map already; --force writes over it\n");
+  EXPECT_EQ(isthmus(directory, "replay run.lcm -o map --force").exit_code, 0);
 }
 
 TEST(Commands, AnImportThatFailsNamesFileAndLineAndLeavesNothing) {
@@ -97,11 +118,14 @@ TEST(Commands, OrdersThatCannotBeAreRefusedAndOthersAreSaid) {
     EXPECT_NE(run.err, "") << order;
     EXPECT_EQ(run.out, "") << order;
   }
-  const CommandResult drop = isthmus(directory, command + "drop r2");
+  const CommandResult unheard = isthmus(directory, command + "drop r2");
+  EXPECT_EQ(unheard.exit_code, 1);
+  EXPECT_EQ(unheard.out, "");
+  EXPECT_NE(unheard.err.find("no answer within 0.01 s: is a server running"), std::string::npos) << unheard.err;
+  const CommandResult drop = isthmus(directory, "command --lcm-url memq:// --wait 0 drop r2");
   EXPECT_EQ(drop.exit_code, 0);
   EXPECT_EQ(drop.out, "sent: drop robot R2\n");
-  EXPECT_NE(drop.err.find("is a server running"), std::string::npos) << drop.err;
-  EXPECT_EQ(isthmus(directory, command + "allow 3").out, "sent: allow closure 3\n");
+  EXPECT_EQ(drop.err, "");
   EXPECT_EQ(isthmus(directory, "command --lcm-url file:///x refine").exit_code, 1);
 }
 

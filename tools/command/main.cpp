@@ -1,15 +1,15 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <lcm/lcm-cpp.hpp>
 #include <optional>
 #include <stdexcept>
 
+#include "server/program/command_line.hpp"
+#include "server/program/finite_number.hpp"
 #include "server/wire/live/lcm_link.hpp"
 #include "tools/command/order.hpp"
 #include "tools/command/send.hpp"
-#include "tools/text/finite_number.hpp"
 
 namespace {
 
@@ -18,7 +18,7 @@ using namespace isthmus;
 struct Arguments {
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string key_file;
-  double wait_s = 2;
+  double wait_s = 5;
   Verb verb = Verb::send_map;
   std::string what;  ///< a closure's id, or a robot
 };
@@ -51,6 +51,14 @@ std::int64_t wall_clock_utime() {
   return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
 }
 
+std::string no_answer(const Arguments& arguments, bool any_server) {
+  char seconds[32];
+  std::snprintf(seconds, sizeof seconds, "%g", arguments.wait_s);
+  return "no answer within " + std::string(seconds) + " s: " +
+         (any_server ? "the server is busy, or of an earlier version; the order may be carried out still"
+                     : "is a server running on " + arguments.lcm_url + "?");
+}
+
 void send(const Arguments& arguments) {
   CommandEvent order = order_of(arguments);
   order.utime = wall_clock_utime();
@@ -64,13 +72,15 @@ void send(const Arguments& arguments) {
   lcm::LCM lcm(arguments.lcm_url);
   if (!lcm.good()) throw std::runtime_error("cannot open LCM network " + arguments.lcm_url);
   const std::chrono::milliseconds wait(static_cast<int>(1e3 * arguments.wait_s));
-  const bool heard = send_order(lcm, order, key, wait);
-  std::printf("sent: %s\n", to_text(order).c_str());
-  if (!heard && wait.count() > 0) {
-    std::fprintf(stderr,
-                 "isthmus-command: warning: no ISTHMUS_STATUS within %g s: is a server running on %s?\n",
-                 arguments.wait_s, arguments.lcm_url.c_str());
-  }
+  const OrderOutcome outcome = send_order(lcm, order, key, wait);
+  if (outcome.answer && outcome.answer->done)
+    std::printf("done: %s\n", to_text(order).c_str());
+  else if (outcome.answer)
+    throw std::runtime_error("refused: " + to_text(order) + ": " + outcome.answer->reason);
+  else if (wait.count() == 0)
+    std::printf("sent: %s\n", to_text(order).c_str());
+  else
+    throw std::runtime_error(no_answer(arguments, outcome.any_server));
 }
 
 /// "-3" is a wrong id and no option.
@@ -82,29 +92,21 @@ bool is_negative_number(const std::string& argument) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Sends an operator's order to isthmus-server.", "isthmus-command");
+  CLI::App app("Sends an operator's order to isthmus-server, and tells what became of it.",
+               "isthmus-command");
   Arguments arguments;
   app.require_subcommand(1);
   app.fallthrough();
   app.add_option("--lcm-url", arguments.lcm_url, "LCM network")->capture_default_str();
-  app.add_option("--wait", arguments.wait_s, "seconds to wait for a sign of a server; 0: none")
+  app.add_option("--wait", arguments.wait_s, "seconds to wait for the server's answer; 0: none")
       ->check(finite_number & CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   app.add_option("--key", arguments.key_file, "file with the operator's name and key, to sign with");
   add_verbs(app, arguments);
-  try {
-    const auto negative = std::find_if(argv + 1, argv + argc, is_negative_number);
-    if (negative != argv + argc)
-      throw CLI::ValidationError("ids are not negative: " + std::string(*negative));
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+  if (const auto negative = std::find_if(argv + 1, argv + argc, is_negative_number);
+      negative != argv + argc) {
+    std::fprintf(stderr, "isthmus-command: ids are not negative: %s\n", *negative);
+    return exit_usage;
   }
-  try {
-    send(arguments);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "isthmus-command: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return run_program(app, argc, argv, [&] { send(arguments); });
 }

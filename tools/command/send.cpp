@@ -1,5 +1,6 @@
 #include "tools/command/send.hpp"
 
+#include <array>
 #include <lcm/lcm-cpp.hpp>
 #include <span>
 #include <sstream>
@@ -18,11 +19,59 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Looks at the type only: a message's counts are not to be trusted by a generated decoder.
-void note_status(const lcm_recv_buf_t* buffer, const char*, void* heard) noexcept {
-  const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
-  if (bytes.size() >= 8 && read_int64(bytes) == status_t::getHash()) *static_cast<bool*>(heard) = true;
+constexpr std::int32_t max_text_bytes = 64;
+constexpr std::array answer_members = {fixed(8),
+                                       fixed(8),
+                                       text(max_text_bytes),
+                                       fixed(8),
+                                       text(max_text_bytes),
+                                       text(max_text_bytes),
+                                       fixed(1),
+                                       text(max_text_bytes)};
+
+std::span<const std::uint8_t> bytes_of(const lcm_recv_buf_t* buffer) {
+  return {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size};
 }
+
+/// Listens for what a server says, as long as it exists.
+class Listener {
+ public:
+  Listener(lcm_t* link, const CommandEvent& order) : link_(link), order_utime_(order.utime) {
+    status_ = lcm_subscribe(link_, "ISTHMUS_STATUS", note_status, this);
+    answer_ = lcm_subscribe(link_, "ISTHMUS_ANSWER", note_answer, this);
+  }
+  ~Listener() {
+    lcm_unsubscribe(link_, status_);
+    lcm_unsubscribe(link_, answer_);
+  }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  OrderOutcome outcome;
+
+ private:
+  /// Looks at the type only: a message's counts are not to be trusted by a generated decoder.
+  static void note_status(const lcm_recv_buf_t* buffer, const char*, void* self) noexcept {
+    const auto bytes = bytes_of(buffer);
+    if (bytes.size() >= 8 && read_int64(bytes) == status_t::getHash())
+      static_cast<Listener*>(self)->outcome.any_server = true;
+  }
+
+  static void note_answer(const lcm_recv_buf_t* buffer, const char*, void* self) noexcept {
+    const auto bytes = bytes_of(buffer);
+    if (check_bytes(answer_t::getHash(), answer_members, bytes) != DropReason::none) return;
+    auto& listener = *static_cast<Listener*>(self);
+    answer_t answer;
+    const int size = static_cast<int>(bytes.size());
+    if (answer.decode(bytes.data(), 0, size) != size || answer.order_utime != listener.order_utime_) return;
+    listener.outcome = {std::move(answer), true};
+  }
+
+  lcm_t* link_;
+  std::int64_t order_utime_;
+  lcm_subscription_t* status_ = nullptr;
+  lcm_subscription_t* answer_ = nullptr;
+};
 
 }  // namespace
 
@@ -37,11 +86,9 @@ OperatorKey read_operator_key(const std::string& file) {
   return {upper_case(name), *key, std::move(warning)};
 }
 
-bool send_order(lcm::LCM& lcm, const CommandEvent& order, const std::optional<OperatorKey>& key,
-                std::chrono::milliseconds wait) {
-  bool heard = false;
-  lcm_t* link = lcm.getUnderlyingLCM();
-  lcm_subscription_t* subscription = lcm_subscribe(link, "ISTHMUS_STATUS", note_status, &heard);
+OrderOutcome send_order(lcm::LCM& lcm, const CommandEvent& order, const std::optional<OperatorKey>& key,
+                        std::chrono::milliseconds wait) {
+  Listener listener(lcm.getUnderlyingLCM(), order);
   Message message = encode(Event{order.utime, order});
   // The clock counts on from one order to the next, in whatever process.
   if (key) message = seal(key->key, key->name, order.utime, message);
@@ -50,12 +97,11 @@ bool send_order(lcm::LCM& lcm, const CommandEvent& order, const std::optional<Op
     throw std::runtime_error("the network refused the message");
   }
   const Clock::time_point end = Clock::now() + wait;
-  while (!heard) {
+  while (!listener.outcome.answer) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     if (left <= 0 || lcm.handleTimeout(static_cast<int>(left)) <= 0) break;
   }
-  lcm_unsubscribe(link, subscription);
-  return heard;
+  return std::move(listener.outcome);
 }
 
 }  // namespace isthmus

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "isthmus/answer_t.hpp"
 #include "server/engine/input/event.hpp"
 #include "server/wire/message/server_configuration.hpp"
 
@@ -24,10 +25,15 @@ struct OperatorKey {
 /// std::runtime_error naming the file where it holds something else or anybody may write it.
 OperatorKey read_operator_key(const std::string& file);
 
-/// Publishes an order on ISTHMUS_COMMAND, in an envelope where there is a key, and waits for the next
-/// ISTHMUS_STATUS: whether one came in that time, so that some server listens. Throws std::runtime_error
-/// where the network does not take the message.
-bool send_order(lcm::LCM& lcm, const CommandEvent& order, const std::optional<OperatorKey>& key,
-                std::chrono::milliseconds wait);
+/// What was heard after an order was sent.
+struct OrderOutcome {
+  std::optional<answer_t> answer;  ///< to this order
+  bool any_server = false;         ///< some server sent something
+};
+
+/// Publishes an order on ISTHMUS_COMMAND, in an envelope where there is a key, and waits so long for the
+/// answer on ISTHMUS_ANSWER. Throws std::runtime_error where the network does not take the message.
+OrderOutcome send_order(lcm::LCM& lcm, const CommandEvent& order, const std::optional<OperatorKey>& key,
+                        std::chrono::milliseconds wait);
 
 }  // namespace isthmus

@@ -1,12 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <map>
 #include <stdexcept>
 
 #include "server/engine/input/robot_name.hpp"
-#include "tools/evaluate/report.hpp"
+#include "server/program/command_line.hpp"
+#include "server/program/spelling.hpp"
+#include "tools/evaluate/failure.hpp"
 
 namespace {
 
@@ -26,9 +27,19 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
+/// The robot that was asked for, which must be one of the map's.
+std::string known_robot(const Arguments& arguments, const TeamTrajectories& team) {
+  std::string robot = upper_case(arguments.robot);
+  if (team.trajectories().contains(robot)) return robot;
+  std::vector<std::string> names;
+  for (const auto& [name, trajectory] : team.trajectories()) names.push_back(name);
+  throw std::runtime_error(arguments.output + ": no robot " + robot + " is on this map" +
+                           did_you_mean(robot, names));
+}
+
 /// A `.relations` file does not say whose it is: the only robot's, or the one asked for.
 std::string robot_of_benchmark(const Arguments& arguments, const TeamTrajectories& team) {
-  if (!arguments.robot.empty()) return upper_case(arguments.robot);
+  if (!arguments.robot.empty()) return known_robot(arguments, team);
   if (team.trajectories().size() == 1) return team.trajectories().begin()->first;
   throw std::runtime_error(arguments.output + ": several robots: say with --robot whose relations these are");
 }
@@ -96,28 +107,20 @@ int main(int argc, char** argv) {
                      "true relations: *.relations of the SLAM benchmark, or relations.csv of a team");
   auto* truth =
       app.add_option("--truth", arguments.truth, "a directory with ROBOT.tum, relations.csv and tags.csv");
-  auto* output = app.add_option("--output", arguments.output, "what isthmus-replay or isthmus-server wrote");
+  auto* output =
+      app.add_option("-o,--output", arguments.output, "what isthmus-replay or isthmus-server wrote");
   app.add_option("--robot", arguments.robot, "the robot that the relations are of, if the map has several");
   auto* g2o = app.add_option("--g2o", arguments.g2o, "a pose graph to fit in one batch, plain or gz");
   auto* landmarks = add_landmarks(app, arguments.landmarks);
   app.add_flag("--json", arguments.json, "print JSON");
   relations->needs(output);
   truth->needs(output);
-  try {
-    app.parse(argc, argv);
+  return run_program(app, argc, argv, [&] {
     if (!*relations && !*truth && !*g2o && !*landmarks)
       throw CLI::RequiredError("--relations, --truth, --g2o or --landmarks");
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
     const Evaluation evaluation = evaluate(arguments);
     std::fputs((arguments.json ? to_json(evaluation) : to_text(evaluation)).c_str(), stdout);
-    if (evaluation.pose_graph && !evaluation.pose_graph->failure.empty())
-      throw std::runtime_error(evaluation.pose_graph->failure);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "isthmus-evaluate: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+    if (const std::string failure = failure_of(evaluation); !failure.empty())
+      throw std::runtime_error(failure);
+  });
 }

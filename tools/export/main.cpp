@@ -1,12 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <vector>
 
-#include "server/output/format/atomic_file.hpp"
 #include "server/output/vector_plan/plan_files.hpp"
+#include "server/program/command_line.hpp"
+#include "server/program/finite_number.hpp"
+#include "server/program/new_output.hpp"
+#include "tools/export/map_identification.hpp"
 #include "tools/replay/read_map.hpp"
-#include "tools/text/finite_number.hpp"
 #include "tools/text/progress.hpp"
 
 namespace {
@@ -20,6 +21,9 @@ struct Arguments {
   double resolution_m = 0.05;
   std::vector<double> align = {0, 0, 0};
   bool floor_plan = false;
+  bool force = false;
+  std::string map_link;
+  std::string map_name = "isthmus";
 };
 
 ReplayResult replayed(const Arguments& arguments) {
@@ -35,14 +39,17 @@ ReplayResult replayed(const Arguments& arguments) {
 }
 
 void run(const Arguments& arguments) {
-  make_directory(arguments.output);  // an output that cannot be written is better known before the replay
+  check_new_directory(arguments.output, arguments.force);  // better known before the replay
   const ReplayResult result = replayed(arguments);
   OutputOptions options;
   options.resolution_m = arguments.resolution_m;
   options.align = {arguments.align[0], arguments.align[1], wrap_angle(arguments.align[2])};
   const MapCopy map = result.engine.copy();
   write_outputs(map, result.cost, arguments.output, options);
-  if (arguments.floor_plan) write_plans(aligned(map, options.align), arguments.output);
+  const MapCopy moved = aligned(map, options.align);
+  if (!arguments.map_link.empty())
+    write_map_identification(moved, arguments.map_name, arguments.map_link, arguments.output);
+  if (arguments.floor_plan) write_plans(moved, arguments.output);
 }
 
 }  // namespace
@@ -53,7 +60,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   app.add_option("journal", arguments.log, "a journal directory, a snapshot of one, or an LCM event log")
       ->required();
-  app.add_option("--output", arguments.output, "directory for the files, made where missing")->required();
+  app.add_option("-o,--output", arguments.output, "directory for the files, made where missing")->required();
   app.add_option("--resolution", arguments.resolution_m, "size of a grid cell in metres")
       ->check(finite_number & CLI::Range(0.005, 10.0))
       ->capture_default_str();
@@ -65,16 +72,13 @@ int main(int argc, char** argv) {
   app.add_flag("--floor-plan", arguments.floor_plan,
                "also write each island's walls, openings and poles as SVG, DXF and GeoJSON");
   app.add_option("--config", arguments.config_file, "TOML configuration, instead of the journal's own");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    run(arguments);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "isthmus-export: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  auto* link =
+      app.add_option("--map-link", arguments.map_link,
+                     "where the files will be: also write vda5050-maps.json, the maps as VDA 5050 names them")
+          ->type_name("URL");
+  app.add_option("--map-name", arguments.map_name, "what mapId begins with")
+      ->needs(link)
+      ->capture_default_str();
+  add_force(app, arguments.force);
+  return run_program(app, argc, argv, [&] { run(arguments); });
 }

@@ -1,13 +1,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <functional>
 #include <memory>
 
+#include "server/program/command_line.hpp"
+#include "server/program/finite_number.hpp"
+#include "server/program/new_output.hpp"
 #include "server/wire/journal/event_log.hpp"
 #include "tools/import/import.hpp"
 #include "tools/import/mrclam.hpp"
-#include "tools/text/finite_number.hpp"
 #include "tools/text/progress.hpp"
 
 namespace {
@@ -53,6 +54,8 @@ void import_into(const std::string& output, const Import& what,
   }
   writer.finish();
   print(report, output);
+  if (report.scans + report.odometry + report.sightings == 0)
+    throw std::runtime_error(output + ": nothing was imported");
 }
 
 /// What one way of importing needs: its options, and what it does once they are read.
@@ -61,7 +64,7 @@ struct Command {
   std::function<void()> run;
 };
 
-Command carmen_command(CLI::App& app, CarmenImport& what, std::string& output) {
+Command carmen_command(CLI::App& app, CarmenImport& what, std::string& output, bool& force) {
   CLI::App* carmen = app.add_subcommand("carmen", "CARMEN logs (ODOM, FLASER, ROBOTLASER1), plain or gz");
   auto robots = std::make_shared<std::vector<std::string>>();
   carmen->add_option("--robot", *robots, "a robot and its log, NAME=FILE; repeat for a team")->required();
@@ -73,13 +76,15 @@ Command carmen_command(CLI::App& app, CarmenImport& what, std::string& output) {
   carmen->add_option("--range-max", what.range_max_m, "ranges of this and more are no return, metres");
   carmen->add_flag("--skip-bad-lines", what.skip_bad_lines, "skip and count lines that cannot be read");
   carmen->add_option("-o,--output", output, "the LCM event log to write")->required();
+  add_force(*carmen, force);
   carmen->parse_complete_callback([robots, &what] {
     for (const std::string& robot : *robots) what.logs.push_back(parse_robot(robot));
   });
   return {carmen, [&] { import_into(output, what, &import_carmen); }};
 }
 
-Command mrclam_command(CLI::App& app, MrclamImport& what, std::string& output, std::string& truth) {
+Command mrclam_command(CLI::App& app, MrclamImport& what, std::string& output, std::string& truth,
+                       bool& force) {
   CLI::App* mrclam = app.add_subcommand("mrclam", "a UTIAS MRCLAM set: robots and landmarks with barcodes");
   const auto number = [&](const char* name, double& value, const char* help, const CLI::Validator& check) {
     mrclam->add_option(name, value, help)->check(check)->capture_default_str();
@@ -88,6 +93,7 @@ Command mrclam_command(CLI::App& app, MrclamImport& what, std::string& output, s
   const CLI::Range seconds(0.0, 60.0);
   mrclam->add_option("directory", what.directory, "the set's files, plain or gz")->required();
   mrclam->add_option("-o,--output", output, "the LCM event log to write")->required();
+  add_force(*mrclam, force);
   mrclam->add_option("--truth", truth, "write the true ROBOT.tum and tags.csv into this directory");
   number("--range-std", what.range_std_m, "standard deviation of a range of 0 m, metres", sigma);
   number("--range-std-share", what.range_std_share, "standard deviation added per metre of range",
@@ -115,20 +121,13 @@ int main(int argc, char** argv) {
   MrclamImport mrclam;
   std::string output;
   std::string truth;
-  const Command commands[] = {carmen_command(app, carmen, output),
-                              mrclam_command(app, mrclam, output, truth)};
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
+  bool force = false;
+  const Command commands[] = {carmen_command(app, carmen, output, force),
+                              mrclam_command(app, mrclam, output, truth, force)};
+  return run_program(app, argc, argv, [&] {
+    check_new_file(output, force);
     for (const Command& command : commands) {
       if (command.app->parsed()) command.run();
     }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "isthmus-import: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

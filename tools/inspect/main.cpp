@@ -1,12 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <vector>
 
 #include "server/output/report.hpp"
+#include "server/program/command_line.hpp"
 #include "tools/inspect/confidence_text.hpp"
 #include "tools/inspect/overview.hpp"
 #include "tools/inspect/pose_graph.hpp"
@@ -74,16 +74,5 @@ int main(int argc, char** argv) {
                  "A B: how well patch B is determined with respect to patch A (ids as in patches.csv)")
       ->expected(2);
   app.add_option("--config", arguments.config_file, "TOML configuration, instead of the journal's own");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    std::fputs(inspect(arguments).c_str(), stdout);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "isthmus-inspect: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return run_program(app, argc, argv, [&] { std::fputs(inspect(arguments).c_str(), stdout); });
 }

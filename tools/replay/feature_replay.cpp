@@ -49,7 +49,7 @@ FeatureReplayResult replay_features(const std::string& path, const FeatureReplay
   read(path, options, mapper);
   FeatureReplayResult result;
   result.maps = mapper.maps();
-  result.cost.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  result.cost.wall_s = seconds_of(Clock::now() - start);
   result.cost.cpu_s = process_cpu_s() - cpu_start_s;
   result.cost.peak_rss_mb = process_peak_rss_mb();
   return result;

@@ -1,15 +1,16 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include "server/engine/input/tuning.hpp"
 #include "server/output/format/csv.hpp"
+#include "server/program/command_line.hpp"
+#include "server/program/finite_number.hpp"
+#include "server/program/new_output.hpp"
 #include "tools/replay/feature_replay.hpp"
 #include "tools/replay/summary.hpp"
-#include "tools/text/finite_number.hpp"
 #include "tools/text/progress.hpp"
 
 namespace {
@@ -25,6 +26,7 @@ struct Arguments {
   double until_s = std::numeric_limits<double>::infinity();
   bool refine = false;
   bool json = false;
+  bool force = false;
   std::optional<FeatureMapKind> features;  ///< the estimator; none: the manifold map
 };
 
@@ -44,6 +46,9 @@ class MemoryFile {
  private:
   CsvFile file_;
 };
+
+/// Its configuration is an event of every log.
+bool holds_nothing(const Counters& counters) { return counters.events <= 1 && counters.dropped.empty(); }
 
 void run(const Arguments& arguments) {
   ReplayOptions options;
@@ -69,6 +74,8 @@ void run(const Arguments& arguments) {
   const MapCopy map = result.map();
   write_outputs(map, result.cost, arguments.output);
   std::fputs((arguments.json ? summary_json(result, map) : summary_text(result, map)).c_str(), stdout);
+  if (holds_nothing(map.counters))
+    throw std::runtime_error(arguments.log + ": holds no message of a robot (lcmtypes/README.md: channels)");
 }
 
 void run_features(const Arguments& arguments) {
@@ -98,7 +105,8 @@ void run_features(const Arguments& arguments) {
 
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("log", arguments.log, "an LCM event log, or a journal directory")->required();
-  app.add_option("--output", arguments.output, "directory for the map, trajectories and report")->required();
+  app.add_option("-o,--output", arguments.output, "directory for the map, trajectories and report")
+      ->required();
   app.add_option("--config", arguments.config_file, "TOML configuration, instead of the log's own");
   app.add_option("--forbid", arguments.forbid, "id of a closure that must not be made; repeat for several");
   app.add_option("--until", arguments.until_s,
@@ -120,6 +128,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->check(CLI::IsMember({"manifold", "segments", "points"}))
       ->default_str("manifold");
   app.add_flag("--json", arguments.json, "print the summary as JSON");
+  add_force(app, arguments.force);
   app.add_flag_callback("--list-tuning", list_tuning,
                         "only print the values that [tuning] of the configuration can set, for experiments");
 }
@@ -131,19 +140,11 @@ int main(int argc, char** argv) {
   CLI::App app("Maps a recorded log: the server's engine, reading as fast as it can.", "isthmus-replay");
   Arguments arguments;
   add_options(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
+  return run_program(app, argc, argv, [&] {
+    check_new_directory(arguments.output, arguments.force);
     if (arguments.features)
       run_features(arguments);
     else
       run(arguments);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "isthmus-replay: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

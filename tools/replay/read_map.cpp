@@ -16,7 +16,7 @@ ReplayResult finished(ServedMap map, Clock::time_point start, const ReplayOption
   result.engine = std::move(map.engine);
   finish_map(result.engine, options);
   result.messages = map.events;
-  result.cost.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  result.cost.wall_s = seconds_of(Clock::now() - start);
   result.cost.cpu_s = process_cpu_s();
   result.cost.peak_rss_mb = process_peak_rss_mb();
   return result;

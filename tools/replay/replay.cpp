@@ -17,10 +17,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 double now_s(clockid_t clock) {
   timespec now{};
   clock_gettime(clock, &now);
@@ -54,8 +50,8 @@ class Replay {
     if (options_.refine) command(Verb::refine);
     finish_map(result_.engine, options_);
     if (options_.refine) refine();
-    result_.cost.finish_s = seconds_since(finish);
-    result_.cost.wall_s = seconds_since(start);
+    result_.cost.finish_s = seconds_of(Clock::now() - finish);
+    result_.cost.wall_s = seconds_of(Clock::now() - start);
     result_.cost.cpu_s = cpu_now_s() - cpu_start_s;
     result_.cost.peak_rss_mb = process_peak_rss_mb();
     return std::move(result_);
@@ -159,7 +155,7 @@ class Replay {
     const double thread_start_s = now_s(CLOCK_THREAD_CPUTIME_ID);
     const Clock::time_point start = Clock::now();
     work();
-    result_.cost.event_latency.add(seconds_since(start));
+    result_.cost.event_latency.add(seconds_of(Clock::now() - start));
     result_.event_cpu.add(now_s(CLOCK_THREAD_CPUTIME_ID) - thread_start_s);
     return cpu_now_s() - cpu_start_s;
   }

@@ -1,12 +1,11 @@
 #include <CLI/CLI.hpp>
-#include <exception>
-#include <iostream>
 
+#include "server/program/command_line.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/wild/command.hpp"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Maps many simulated runs, and judges the maps by the truth."};
+  CLI::App app("Maps many simulated runs, and judges the maps by the truth.", "isthmus-campaign");
   app.require_subcommand(1);
   isthmus::add_confidence_command(app);
   isthmus::add_sightings_command(app);
@@ -16,11 +15,5 @@ int main(int argc, char** argv) {
   isthmus::add_features_command(app);
   isthmus::add_rendezvous_command(app);
   isthmus::add_floor_plans_command(app);
-  try {
-    CLI11_PARSE(app, argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "isthmus-campaign: " << error.what() << '\n';
-    return 1;
-  }
-  return 0;
+  return isthmus::run_program(app, argc, argv);
 }

@@ -1,8 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <exception>
 #include <iostream>
 #include <stdexcept>
 
+#include "server/program/command_line.hpp"
+#include "server/program/new_output.hpp"
 #include "server/wire/journal/event_log.hpp"
 #include "tools/simulate/run/simulation.hpp"
 #include "tools/simulate/scenario/scenario_file.hpp"
@@ -18,6 +19,7 @@ struct Arguments {
   std::string truth;
   std::vector<std::string> overrides;
   bool list = false;
+  bool force = false;
 };
 
 constexpr const char* wild = "wild";
@@ -31,6 +33,7 @@ void list() {
 }
 
 void run(const Arguments& arguments) {
+  isthmus::check_new_file(arguments.log, arguments.force);
   if (arguments.scenario == wild) {
     if (!arguments.overrides.empty())
       throw std::runtime_error("--set: a wild building is drawn from its seed");
@@ -50,7 +53,8 @@ void run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app{"Simulates robots in a building and writes an LCM event log, with the truth beside it."};
+  CLI::App app("Simulates robots in a building and writes an LCM event log, with the truth beside it.",
+               "isthmus-simulate");
   auto* list_option = app.add_flag("--list", arguments.list, "Name the scenarios that come with Isthmus");
   app.add_option("--scenario", arguments.scenario, "A scenario's name, or a TOML file");
   app.add_option("--seed", arguments.seed, "Varies noise and waypoints; the same seed gives the same log")
@@ -58,21 +62,13 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", arguments.log, "The log to write")->type_name("FILE");
   app.add_option("--truth", arguments.truth, "Where to write true poses, relations and the floor plan")
       ->type_name("DIR");
-  app.add_option("--set", arguments.overrides,
-                 "Override a setting of the scenario: laps=10, robots.R1.laps=3")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+  app.add_option("--set", arguments.overrides, "Override settings of the scenario: laps=10 robots.R1.laps=3")
+      ->type_name("KEY=VALUE");
+  isthmus::add_force(app, arguments.force);
   app.callback([&] {
     if (list_option->count() > 0) return;
     if (arguments.scenario.empty()) throw CLI::RequiredError("--scenario");
     if (arguments.log.empty()) throw CLI::RequiredError("--output");
   });
-  CLI11_PARSE(app, argc, argv);
-  try {
-    arguments.list ? list() : run(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "isthmus-simulate: " << error.what() << '\n';
-    return 1;
-  }
-  return 0;
+  return isthmus::run_program(app, argc, argv, [&] { arguments.list ? list() : run(arguments); });
 }

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 
+#include "server/program/command_line.hpp"
 #include "server/wire/journal/recovery/snapshots.hpp"
 
 namespace {
@@ -45,16 +45,5 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 1'000'000));
   app.add_flag("--wait", arguments.wait,
                "where another process is making snapshots, wait for it to end and do the rest");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    run(arguments);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "isthmus-snapshot: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return run_program(app, argc, argv, [&] { run(arguments); });
 }

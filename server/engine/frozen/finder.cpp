@@ -61,6 +61,7 @@ void Finder::take_scan(const Robot& robot, Observation observation, const Pose& 
     sighted_.clear();
     found_.reset();
     query_.reset();
+    decided_.reset();
     since_utime_ = utime;
   }
   if (way_.newest_first.empty() || way_.newest_first.front() != robot_.place->last_patch)
@@ -90,9 +91,11 @@ std::int64_t Finder::step(const Map& map, const std::vector<RigidPiece>& places,
     return query_->search_next(*place, terms, options);
   }
   const PlaceDecision decision = query_->decide(map, terms, options);
+  decided_ = decision.ambiguous ? NotFound::ambiguous : NotFound::fits_nowhere;
   if (decision.ambiguous) ++counts.ambiguous;
   if (decision.find) {
     ++counts.finds;
+    decided_ = NotFound::found_once;
     take(map, *decision.find, options.finder);
   }
   query_.reset();
@@ -131,6 +134,11 @@ void Finder::take(const Map& map, const Find& find, const FinderOptions& options
   if (agreed) found_ = sighted;
   sighted_.push_back(sighted);
   if (sighted_.size() > options.max_finds) sighted_.pop_front();
+}
+
+NotFound Finder::why(const FinderOptions& options) const {
+  if (decided_) return *decided_;
+  return way_.length_m() < options.min_piece_way_m ? NotFound::way_too_short : NotFound::searching;
 }
 
 std::optional<ManifoldPose> Finder::take_found() {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/engine/frozen/lost_robot.hpp"
 #include "server/engine/places/place_searcher.hpp"
 #include "server/engine/places/recent_way.hpp"
 #include "server/engine/robot/robot.hpp"
@@ -42,6 +43,10 @@ class Finder {
   /// Where on the map the robot was at its last scan, if it was found since this was last asked.
   std::optional<ManifoldPose> take_found();
 
+  /// Why it is not found yet.
+  NotFound why(const FinderOptions& options) const;
+  double way_m() const { return way_.length_m(); }
+
   /// Since when its odometry tells where it was at one time as seen from another: it was not carried away.
   std::int64_t since_utime() const { return since_utime_; }
 
@@ -68,6 +73,7 @@ class Finder {
   std::optional<PlaceSearcher> query_;
   std::deque<Sighted> sighted_;
   std::optional<Sighted> found_;
+  std::optional<NotFound> decided_;  ///< by the newest search that came to its end
 };
 
 }  // namespace isthmus

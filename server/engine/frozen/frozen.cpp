@@ -127,6 +127,16 @@ void Frozen::advance(const Map& map, const EngineOptions& options, std::int64_t 
   }
 }
 
+std::vector<LostRobot> Frozen::lost(const std::function<bool(const std::string& robot)>& is_placed,
+                                    const EngineOptions& options) const {
+  std::vector<LostRobot> lost;
+  for (const auto& [name, lookout] : lookouts_) {
+    const NotFound why = is_placed(name) ? NotFound::trying_a_place : lookout.finder.why(options.finder);
+    lost.push_back({name, why, lookout.finder.way_m(), options.finder.min_piece_way_m});
+  }
+  return lost;
+}
+
 bool Frozen::has_work() const {
   return std::ranges::any_of(lookouts_, [](const auto& entry) { return entry.second.finder.has_work(); });
 }

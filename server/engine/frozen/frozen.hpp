@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -32,6 +33,10 @@ class Frozen {
   /// Searches on, on credit that grows with time, in bounded steps.
   void advance(const Map& map, const EngineOptions& options, std::int64_t now_utime);
   bool has_work() const;
+
+  /// Those that are not on the map for sure, by name; `is_placed`: whether scans are matched somewhere.
+  std::vector<LostRobot> lost(const std::function<bool(const std::string& robot)>& is_placed,
+                              const EngineOptions& options) const;
 
   const FinderCounts& counts() const { return counts_; }
 

@@ -5,9 +5,13 @@
 
 #include "server/wire/message/message.hpp"
 #include "server/wire/trust/envelope.hpp"
+#include "server/wire/trust/order_in.hpp"
 
 namespace isthmus {
 namespace {
+
+/// Where servers tell how they are: this one, and whoever else is on the network.
+constexpr std::string_view status_channel = "ISTHMUS_STATUS";
 
 /// Inputs that only a robot that has introduced itself may send.
 bool has_owner(Input input) {
@@ -21,24 +25,29 @@ bool is_for_us(const std::optional<Channel>& channel) {
 
 }  // namespace
 
-Reception::Reception(Inbox& inbox, ChannelNames configured, Authenticator authenticator, Log log)
+Reception::Reception(Inbox& inbox, ChannelNames configured, Authenticator authenticator, ReceptionWatch watch)
     : inbox_(inbox),
       configured_(std::move(configured)),
       authenticator_(std::move(authenticator)),
-      log_(std::move(log)) {}
+      watch_(std::move(watch)) {}
 
 LcmSink Reception::sink() {
   return {[this](std::string_view channel) { return wants(std::string(channel)); },
           [this](std::int64_t utime, std::string_view channel, std::span<const std::uint8_t> bytes) {
-            take(utime, std::string(channel), bytes);
+            if (channel == status_channel)
+              watch_.mistakes->heard_status(bytes);
+            else
+              take(utime, std::string(channel), bytes);
           },
           [this](std::string_view channel, DropReason reason) {
+            if (channel == status_channel) return;  // none of ours
             const std::optional<Channel> found = find_channel(configured_, std::string(channel));
             inbox_.count_drop(found ? found->robot : "", reason);
           }};
 }
 
 bool Reception::wants(const std::string& channel) const {
+  if (channel == status_channel) return watch_.mistakes != nullptr;
   return channel == signed_channel || is_for_us(find_channel(configured_, channel));
 }
 
@@ -47,7 +56,9 @@ DropReason Reception::take(std::int64_t utime, const std::string& name,
   // Nothing may escape into liblcm, whose next handle() would abort.
   try {
     const std::lock_guard lock(mutex_);
-    return let_in(utime, name, bytes);
+    const DropReason reason = let_in(utime, name, bytes);
+    if (reason != DropReason::none) tell_refused(utime, name, bytes, reason);
+    return reason;
   } catch (const std::exception& error) {
     std::cerr << "isthmus-server: a message was lost on receipt: " << error.what() << "\n";
     return DropReason::queue_full;
@@ -70,27 +81,37 @@ DropReason Reception::let_in(std::int64_t utime, const std::string& name,
     push(*channel, utime, name, bytes);
     return DropReason::none;
   }
-  inbox_.count_drop(channel->robot, DropReason::not_signed);
+  count_refused(channel->robot, DropReason::not_signed);
   return DropReason::not_signed;
+}
+
+void Reception::tell_refused(std::int64_t utime, const std::string& channel,
+                             std::span<const std::uint8_t> bytes, DropReason reason) const {
+  if (!watch_.refused_order) return;
+  if (const std::optional<command_t> order = order_in(channel, bytes))
+    watch_.refused_order(*order, reason, utime);
 }
 
 /// Strangers are refused here, where they have cost nothing yet. What comes right behind a robot's first
 /// introduction is let in: it need not wait for the engine.
 void Reception::push(const Channel& channel, std::int64_t utime, const std::string& name,
                      std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature) {
-  if (has_owner(channel.input) && inbox_.is_stranger(channel.robot)) return refuse_stranger(channel.robot);
+  if (has_owner(channel.input) && inbox_.is_stranger(channel.robot)) return refuse_stranger(channel, bytes);
   const bool introduces = channel.input == Input::robot && inbox_.is_stranger(channel.robot) &&
                           decode(configured_, name, bytes, utime).event;
   if (introduces) inbox_.introduce(channel.robot);
   inbox_.push(channel.robot, channel.input == Input::scan, utime, name, bytes, signature);
 }
 
-void Reception::refuse_stranger(const std::string& robot) {
-  constexpr std::size_t max_told = 16;  // enough to see a robot that forgets to introduce itself
+void Reception::refuse_stranger(const Channel& channel, std::span<const std::uint8_t> bytes) {
   inbox_.count_drop("(others)", DropReason::unknown_robot);
-  if (!log_ || strangers_told_.size() >= max_told || !strangers_told_.insert(robot).second) return;
-  log_(LogLevel::warning, "messages of a robot that has not introduced itself are refused",
-       {{"robot", robot}});
+  if (watch_.mistakes) watch_.mistakes->note(channel, bytes, DropReason::unknown_robot, 0);
+}
+
+/// For its signature, or because it has none.
+void Reception::count_refused(const std::string& robot, DropReason reason) {
+  inbox_.count_drop(robot, reason);
+  if (watch_.mistakes) watch_.mistakes->note_refused(robot, reason);
 }
 
 bool Reception::take_waiting(const Message& logged) {
@@ -110,7 +131,7 @@ bool Reception::take_waiting(const Message& logged) {
 /// What an envelope holds; counts those that are refused.
 Opened Reception::opened(std::int64_t utime, std::span<const std::uint8_t> bytes) {
   Opened envelope = authenticator_.open(configured_, utime, bytes);
-  if (!envelope.message) inbox_.count_drop(envelope.robot, envelope.reason);
+  if (!envelope.message) count_refused(envelope.robot, envelope.reason);
   return envelope;
 }
 

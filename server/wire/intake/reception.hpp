@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 
@@ -11,16 +12,26 @@
 #include "server/wire/message/channel.hpp"
 #include "server/wire/network/reassembly.hpp"
 #include "server/wire/trust/authenticator.hpp"
-#include "server/wire/watch/log_line.hpp"
+#include "server/wire/watch/mistakes.hpp"
 
 namespace isthmus {
+
+/// Told of an operator's order that is refused before the engine could see it, and of who signed it. Any
+/// thread.
+using RefusedOrder = std::function<void(const command_t& order, DropReason reason, std::int64_t utime)>;
+
+/// Who is told of what is received.
+struct ReceptionWatch {
+  RefusedOrder refused_order;          ///< empty: nobody
+  std::shared_ptr<Mistakes> mistakes;  ///< none: nobody
+};
 
 /// Decides which of the messages that were received are let into the inbox; the others are counted there by
 /// reason. Envelopes are opened. Any thread.
 class Reception {
  public:
   Reception(Inbox& inbox, ChannelNames configured, Authenticator authenticator = Authenticator(),
-            Log log = {});
+            ReceptionWatch watch = {});
 
   /// A network's message. Where keys are configured, those without an envelope are refused. Returns why it
   /// was refused; none where it is in the inbox, or was none of ours.
@@ -39,14 +50,16 @@ class Reception {
   DropReason let_in(std::int64_t utime, const std::string& name, std::span<const std::uint8_t> bytes);
   void push(const Channel& channel, std::int64_t utime, const std::string& name,
             std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature = std::nullopt);
-  void refuse_stranger(const std::string& robot);
+  void refuse_stranger(const Channel& channel, std::span<const std::uint8_t> bytes);
+  void count_refused(const std::string& robot, DropReason reason);
+  void tell_refused(std::int64_t utime, const std::string& channel, std::span<const std::uint8_t> bytes,
+                    DropReason reason) const;
 
   Inbox& inbox_;
   ChannelNames configured_;
   Authenticator authenticator_;
-  Log log_;
-  std::mutex mutex_;  ///< of what follows, and of the authenticator
-  std::set<std::string> strangers_told_;
+  ReceptionWatch watch_;
+  std::mutex mutex_;  ///< of the authenticator
 };
 
 }  // namespace isthmus

@@ -75,9 +75,11 @@ LcmLink::LcmLink(const std::string& url, Log log) : log_(std::move(log)), log_fi
 
 LcmLink::~LcmLink() { stop(); }
 
-void LcmLink::receive_into(Inbox& inbox, ChannelNames configured, Authenticator authenticator) {
+void LcmLink::receive_into(Inbox& inbox, ChannelNames configured, Authenticator authenticator,
+                           ReceptionWatch watch) {
   // Made in place: what others call by reference is not moved.
-  subscriber_.reset(new LcmSubscriber{Reception(inbox, configured, std::move(authenticator), log_)});
+  subscriber_.reset(
+      new LcmSubscriber{Reception(inbox, configured, std::move(authenticator), std::move(watch))});
   if (!lcm_) {
     thread_ = std::jthread([this](const std::stop_token& stop) { receive_log(stop); });
     return;

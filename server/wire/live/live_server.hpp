@@ -18,12 +18,15 @@
 #include "server/wire/journal/journal.hpp"
 #include "server/wire/journal/recovery/crash_guard.hpp"
 #include "server/wire/journal/recovery/recovery.hpp"
+#include "server/wire/live/answers.hpp"
 #include "server/wire/live/map_publisher.hpp"
 #include "server/wire/live/rendezvous_publisher.hpp"
 #include "server/wire/live/snapshot_process.hpp"
 #include "server/wire/trust/authenticator.hpp"
 #include "server/wire/watch/closure_log.hpp"
+#include "server/wire/watch/live_warnings.hpp"
 #include "server/wire/watch/log_line.hpp"
+#include "server/wire/watch/mistakes.hpp"
 
 namespace isthmus {
 
@@ -58,6 +61,8 @@ struct LiveOptions {
   /// Takes the metrics with each status; empty: nobody does.
   std::function<void(std::string metrics)> metrics;
   Viewers viewers;
+  /// Shared with whoever receives; none: only what arrives in the inbox is looked at.
+  std::shared_ptr<Mistakes> mistakes;
 };
 
 /// The engine at work on what arrives in an inbox: checks and decodes each message, journals it, lets the
@@ -89,6 +94,8 @@ class LiveServer {
   Authenticator authenticator() const { return Authenticator(authentication_, counters_); }
 
  private:
+  static constexpr double handling_share = 0.5;  ///< of the time to stop in
+
   void begin();
   void begin_spool();
   void begin_guard();
@@ -103,7 +110,8 @@ class LiveServer {
   void handle(Message message);
   DropReason refusal(const Event& event);
   DropReason take(const Event& event);
-  void tell_sender(const Event& event, DropReason reason) const;
+  DropReason hand_on(const Message& message, const Decoded& decoded);
+  void tell_sender(const Message& message, const Decoded& decoded, DropReason reason) const;
   bool journal(const Message& message);
   void reserve_queue(const Event& event);
   std::string finish_journal();
@@ -117,6 +125,8 @@ class LiveServer {
   void publish_status_if_due();
   void keep_snapshots();
   ServerCounters server_counters() const;
+  void note_mistakes(const Message& message, DropReason reason);
+  void update_warnings(const MapCopy& map, status_t& status);
   bool is_past(double share_of_time) const;
   void count_left_over();
   void end();
@@ -128,6 +138,7 @@ class LiveServer {
   std::unique_ptr<CrashGuard> guard_;  ///< with a journal
   Inbox& inbox_;
   Publish publish_;
+  Answers answers_;
   Authentication authentication_;
   SignatureCounters counters_;
   ServedMap map_;
@@ -140,6 +151,7 @@ class LiveServer {
   std::chrono::steady_clock::time_point stop_asked_;  ///< valid once there is a deadline
   std::atomic<std::chrono::steady_clock::time_point> deadline_{std::chrono::steady_clock::time_point::max()};
   ClosureLog closure_log_;
+  LiveWarnings warnings_;
   std::unique_ptr<Journal> journal_;
   std::shared_ptr<Spool> spool_;  ///< with a journal
   std::unique_ptr<Settlement> settlement_;

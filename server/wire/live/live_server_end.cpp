@@ -1,7 +1,9 @@
 // How a LiveServer ends: in a bounded time, and never without results.
 
 #include <optional>
+#include <stdexcept>
 
+#include "server/output/output.hpp"
 #include "server/wire/live/live_server.hpp"
 #include "server/wire/message/message.hpp"
 
@@ -47,10 +49,26 @@ void LiveServer::end() {
   write_results(false);  // whatever comes
   const Clock::time_point written = Clock::now();
   const bool finished = finish_map(written - begun);
-  finish_s_ = std::chrono::duration<double>(Clock::now() - written).count();
+  finish_s_ = seconds_of(Clock::now() - written);
   closure_log_.tell(map_.engine.copy().closures, options_.log);
   write_results(finished && recovered_all_);
   if (!lost.empty()) throw std::runtime_error(lost);
+}
+
+/// What is to be said of events that the disk refused to the end, or that were taken from it; empty: nothing.
+std::string LiveServer::finish_journal() {
+  if (!journal_) return "";
+  settlement_->record_drops(map_.last_utime);
+  const std::size_t lost = journal_->finish();
+  const std::string incomplete = journal_->why_incomplete();
+  settlement_->settle();
+  settlement_.reset();
+  spool_->finish();
+  journal_.reset();
+  if (!incomplete.empty()) return "the journal is not whole any more: " + incomplete;
+  if (lost == 0) return "";
+  return options_.journal_directory + ": events that the disk refused to the end: " + std::to_string(lost) +
+         "; the map has them, the journal does not";
 }
 
 /// False: there was no time to finish it and write it once more.
@@ -68,6 +86,18 @@ bool LiveServer::finish_map(Clock::duration time_to_write) {
   }
   publish_poses(outcome);
   return true;
+}
+
+void LiveServer::write_results(bool finished) {
+  if (options_.output_directory.empty()) return;
+  RunCost cost;
+  cost.finished = finished;
+  cost.finish_s = finish_s_;
+  cost.wall_s = seconds_of(Clock::now() - start_);
+  cost.cpu_s = process_cpu_s();
+  cost.peak_rss_mb = process_peak_rss_mb();
+  cost.event_latency = latency_;
+  write_outputs(map_.engine.copy(), cost, options_.output_directory);
 }
 
 }  // namespace isthmus

@@ -1,6 +1,7 @@
 #include "server/wire/live/map_publisher.hpp"
 
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "server/output/grid/grid.hpp"
@@ -72,6 +73,8 @@ void MapPublisher::loop(const std::stop_token& stop) {
 
     if (whole) next_whole = Clock::now() + options_.whole_map_interval;
     publish_map(*map, utime, whole, stop);
+    withdraw_grids(*map, utime);
+    if (whole) publish_grids_again(stop);
     if (Clock::now() < next_grid || stop.stop_requested()) continue;
     const Clock::time_point start = Clock::now();
     publish_one_grid(*map, utime);
@@ -90,6 +93,27 @@ void MapPublisher::publish_map(const MapCopy& map, std::int64_t utime, bool whol
   }
 }
 
+/// As they were drawn last, for those who came late.
+void MapPublisher::publish_grids_again(const std::stop_token& stop) {
+  for (const auto& [island, grid] : rendered_) {
+    if (stop.stop_requested()) return;
+    publish_("ISTHMUS_GRID", grid.message);
+    std::this_thread::sleep_for(options_.chunk_pause);
+  }
+}
+
+/// Of islands that merged into others.
+void MapPublisher::withdraw_grids(const MapCopy& map, std::int64_t utime) {
+  std::set<IslandId> islands;
+  for (const std::vector<PatchId>& island : map.graph.islands()) islands.insert(island.front());
+  std::erase_if(rendered_, [&](const auto& grid) {
+    const IslandId island = grid.first;
+    if (islands.contains(island)) return false;
+    publish_("ISTHMUS_GRID", encoded(grid_message({}, island, utime)));
+    return true;
+  });
+}
+
 /// The next island, in turn, that looks otherwise than when it was last sent.
 void MapPublisher::publish_one_grid(const MapCopy& map, std::int64_t utime) {
   const std::vector<std::vector<PatchId>> islands = map.graph.islands();
@@ -106,8 +130,9 @@ void MapPublisher::publish_one_grid(const MapCopy& map, std::int64_t utime) {
   last_rendered_ = next->first;
   const OccupancyGrid grid =
       render_island(map, map.graph.patches_of(last_rendered_), pixel_m, options_.grid_pixels);
-  publish_("ISTHMUS_GRID", encoded(grid_message(grid, last_rendered_, utime)));
-  rendered_[last_rendered_] = {std::move(next->second)};
+  RenderedIsland& rendered = rendered_[last_rendered_];
+  rendered = {std::move(next->second), encoded(grid_message(grid, last_rendered_, utime))};
+  publish_("ISTHMUS_GRID", rendered.message);
 }
 
 }  // namespace isthmus

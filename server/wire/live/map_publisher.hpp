@@ -20,30 +20,34 @@ namespace isthmus {
 using Publish = std::function<void(const std::string& channel, const std::vector<std::uint8_t>& bytes)>;
 
 struct MapPublisherOptions {
-  std::chrono::milliseconds whole_map_interval{60'000};
-  std::chrono::milliseconds grid_interval{5'000};  ///< at most one island's grid in this time
-  std::size_t grid_pixels = 1'000'000;             ///< larger islands are sent more coarsely
-  std::chrono::milliseconds chunk_pause{2};        ///< so that a burst of chunks fits receivers' buffers
+  std::chrono::milliseconds whole_map_interval{60'000};  ///< and of the grids that go with it
+  std::chrono::milliseconds grid_interval{5'000};        ///< at most one island's grid in this time
+  std::size_t grid_pixels = 1'000'000;                   ///< larger islands are sent more coarsely
+  std::chrono::milliseconds chunk_pause{2};  ///< so that a burst of chunks fits receivers' buffers
 };
 
 /// Publishes ISTHMUS_MAP and ISTHMUS_GRID from copies of the map, in a thread of its own. While it is busy
-/// only the latest copy waits.
+/// only the latest copy waits. With each whole map the newest grid of each island is sent again; the grid of
+/// an island that is no more is withdrawn at once, by one of no cells.
 class MapPublisher {
  public:
   MapPublisher(Publish publish, MapPublisherOptions options = {});
   ~MapPublisher();
 
   void offer(std::shared_ptr<const MapCopy> map, std::int64_t utime);
-  /// The next copy is sent whole.
+  /// The next copy is sent whole, and grids with it.
   void request_whole();
 
  private:
   struct RenderedIsland {
-    std::vector<Pose> poses;  ///< of its patches, when its grid was sent
+    std::vector<Pose> poses;            ///< of its patches, when its grid was drawn
+    std::vector<std::uint8_t> message;  ///< its grid
   };
 
   void loop(const std::stop_token& stop);
   void publish_map(const MapCopy& map, std::int64_t utime, bool whole, const std::stop_token& stop);
+  void publish_grids_again(const std::stop_token& stop);
+  void withdraw_grids(const MapCopy& map, std::int64_t utime);
   void publish_one_grid(const MapCopy& map, std::int64_t utime);
 
   Publish publish_;

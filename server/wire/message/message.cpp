@@ -173,6 +173,14 @@ Decoded decode(const ChannelNames& configured, const std::string& channel,
   return decoded;
 }
 
+std::optional<command_t> read_order(std::span<const std::uint8_t> bytes) {
+  if (check_bytes(command_t::getHash(), command_members, bytes) != DropReason::none) return std::nullopt;
+  command_t order;
+  const int size = static_cast<int>(bytes.size());
+  if (order.decode(bytes.data(), 0, size) != size) return std::nullopt;
+  return order;
+}
+
 bool may_be_input(std::span<const std::uint8_t> beginning, std::int64_t bytes) {
   return std::any_of(input_types.begin(), input_types.end(), [&](const InputType& type) {
     return may_begin(type.fingerprint(), type.members, beginning, bytes);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "isthmus/command_t.hpp"
 #include "server/engine/input/drop_reason.hpp"
 #include "server/engine/input/event.hpp"
 #include "server/wire/message/server_configuration.hpp"
@@ -41,6 +42,10 @@ struct Decoded {
 /// then the values (finite, within reason), and makes an event.
 Decoded decode(const ChannelNames& configured, const std::string& channel,
                std::span<const std::uint8_t> bytes, std::int64_t receive_utime);
+
+/// What an order's message says, whether or not it is one that can be carried out; nothing where the bytes
+/// are not safe to decode.
+std::optional<command_t> read_order(std::span<const std::uint8_t> bytes);
 
 /// Whether these can be the first bytes of an input message of so many, on whatever channel: by its
 /// fingerprint and the counts that it holds.

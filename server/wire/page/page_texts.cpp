@@ -69,11 +69,13 @@ Json robots_json(const ShownMap& shown) {
   return json;
 }
 
-Json warnings_json(const MapCopy& map) {
+Json warnings_json(const status_t& status) {
   Json warnings = Json::array();
-  for (const HealthRecord& robot : map.health) {
-    for (const HealthWarning& warning : robot.warnings)
-      warnings.push_back({{"robot", robot.robot}, {"key", warning.key}, {"text", warning.text}});
+  for (const warning_t& warning : status.warnings) {
+    warnings.push_back({{"kind", warning.kind},
+                        {"robot", warning.robot},
+                        {"text", warning.text},
+                        {"since", as_seconds(warning.begin_utime)}});
   }
   return warnings;
 }
@@ -209,7 +211,7 @@ std::string status_text(const ShownMap& shown) {
                {"frozen", shown.view.frozen},
                {"robots", robots_json(shown)},
                {"left_out", left_out_robots(shown.map())},
-               {"warnings", warnings_json(shown.map())}});
+               {"warnings", warnings_json(status)}});
 }
 
 std::string meeting_text(const ShownMap& shown) {

@@ -118,6 +118,12 @@ void add_robots(MetricsText& text, const status_t& status) {
   }
 }
 
+void add_warnings(MetricsText& text, const status_t& status) {
+  text.begin("warning", "gauge", "1 for each warning that holds now.");
+  for (const warning_t& warning : status.warnings)
+    text.add(std::int64_t{1}, label("kind", warning.kind) + "," + label("robot", warning.robot));
+}
+
 }  // namespace
 
 std::string metrics_text(const status_t& status) {
@@ -125,6 +131,7 @@ std::string metrics_text(const status_t& status) {
   add_map(text, status);
   add_server(text, status);
   add_robots(text, status);
+  add_warnings(text, status);
   return text.take();
 }
 

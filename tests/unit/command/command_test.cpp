@@ -46,10 +46,11 @@ TEST(Order, SaysWhatItIs) {
   EXPECT_EQ(to_text({0, Verb::send_map, -1, ""}), "send_map");
 }
 
-/// Decodes what is published on ISTHMUS_COMMAND as the server does, and answers with a status.
+/// Decodes what is published on ISTHMUS_COMMAND as the server does, and answers.
 struct Server {
   lcm::LCM& lcm;
   std::vector<CommandEvent> orders;
+  std::string reason;  ///< why it refuses; empty: it does not
 
   static void handle(const lcm_recv_buf_t* buffer, const char* channel, void* self) {
     static_cast<Server*>(self)->take(channel,
@@ -60,28 +61,63 @@ struct Server {
     const Decoded decoded = decode(ChannelNames{}, channel, bytes_of_order, 1);
     ASSERT_TRUE(decoded.event) << word(decoded.reason);
     orders.push_back(std::get<CommandEvent>(decoded.event->body));
-    const auto bytes = encoded(status_t{});
-    lcm.publish("ISTHMUS_STATUS", bytes.data(), static_cast<unsigned>(bytes.size()));
+    answer(orders.back().utime - 1);  // another's
+    answer(orders.back().utime);
+  }
+
+  void answer(std::int64_t order_utime) {
+    answer_t answer{};
+    answer.order_utime = order_utime;
+    answer.reason = order_utime == orders.back().utime ? reason : "of_another";
+    answer.done = answer.reason.empty() ? 1 : 0;
+    const auto bytes = encoded(answer);
+    lcm.publish("ISTHMUS_ANSWER", bytes.data(), static_cast<unsigned>(bytes.size()));
   }
 };
 
-TEST(SendOrder, ReachesTheServerAndHearsItsStatus) {
+TEST(SendOrder, ReachesTheServerAndHearsItsAnswer) {
   lcm::LCM lcm("memq://");
-  Server server{lcm, {}};
+  Server server{lcm, {}, ""};
   lcm_subscribe(lcm.getUnderlyingLCM(), "ISTHMUS_COMMAND", &Server::handle, &server);
-  EXPECT_TRUE(send_order(lcm, {7, Verb::forbid, 3, ""}, std::nullopt, milliseconds(2000)));
+  const OrderOutcome outcome = send_order(lcm, {7, Verb::forbid, 3, ""}, std::nullopt, milliseconds(2000));
+  ASSERT_TRUE(outcome.answer);
+  EXPECT_TRUE(outcome.answer->done);
   ASSERT_EQ(server.orders.size(), 1U);
   EXPECT_EQ(server.orders[0].utime, 7);
   EXPECT_EQ(server.orders[0].verb, Verb::forbid);
   EXPECT_EQ(server.orders[0].closure, 3);
+  server.reason = "no_such_closure";
+  const OrderOutcome refused = send_order(lcm, {9, Verb::forbid, 4, ""}, std::nullopt, milliseconds(2000));
+  ASSERT_TRUE(refused.answer);
+  EXPECT_FALSE(refused.answer->done);
+  EXPECT_EQ(refused.answer->reason, "no_such_closure");
 }
 
-TEST(SendOrder, SaysWhereNoServerIsHeard) {
+void say_something_else(const lcm_recv_buf_t*, const char*, void* lcm) {
+  const std::vector<std::uint8_t> other(30, 0);  // neither status_t nor answer_t
+  for (const char* channel : {"ISTHMUS_STATUS", "ISTHMUS_ANSWER"})
+    static_cast<lcm::LCM*>(lcm)->publish(channel, other.data(), 30);
+}
+
+void say_status(const lcm_recv_buf_t*, const char*, void* lcm) {
+  const auto bytes = encoded(status_t{});
+  static_cast<lcm::LCM*>(lcm)->publish("ISTHMUS_STATUS", bytes.data(), static_cast<unsigned>(bytes.size()));
+}
+
+TEST(SendOrder, SaysWhetherAnyServerIsHeard) {
   lcm::LCM lcm("memq://");
-  EXPECT_FALSE(send_order(lcm, {7, Verb::refine, -1, ""}, std::nullopt, milliseconds(20)));
-  const std::vector<std::uint8_t> other(30, 0);  // not a status_t
-  lcm.publish("ISTHMUS_STATUS", other.data(), 30);
-  EXPECT_FALSE(send_order(lcm, {7, Verb::refine, -1, ""}, std::nullopt, milliseconds(20)));
+  const auto heard = [&] {
+    return send_order(lcm, {7, Verb::refine, -1, ""}, std::nullopt, milliseconds(20));
+  };
+  EXPECT_FALSE(heard().any_server);
+  lcm_subscription_t* first =
+      lcm_subscribe(lcm.getUnderlyingLCM(), "ISTHMUS_COMMAND", &say_something_else, &lcm);
+  EXPECT_FALSE(heard().any_server);
+  lcm_unsubscribe(lcm.getUnderlyingLCM(), first);
+  lcm_subscribe(lcm.getUnderlyingLCM(), "ISTHMUS_COMMAND", &say_status, &lcm);
+  const OrderOutcome outcome = heard();
+  EXPECT_TRUE(outcome.any_server);
+  EXPECT_FALSE(outcome.answer);
 }
 
 TEST(OperatorKey, IsReadFromAFileOfOneLine) {

@@ -1,4 +1,4 @@
-#include "tools/text/finite_number.hpp"
+#include "server/program/finite_number.hpp"
 
 #include <gtest/gtest.h>
 

@@ -28,9 +28,8 @@ void CampaignRuns::add_runs(CLI::App& command) {
   add_seeds(command);
   command
       .add_option("--set", overrides,
-                  "Override a setting of every scenario, {seed} being the run's seed: floor.seed={seed}")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+                  "Override settings of every scenario, {seed} being the run's seed: floor.seed={seed}")
+      ->type_name("KEY=VALUE");
 }
 
 void CampaignRuns::add_scenario(CLI::App& command) {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "server/program/finite_number.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/features.hpp"
 #include "tools/simulate/run/simulation.hpp"
-#include "tools/text/finite_number.hpp"
 
 namespace isthmus {
 namespace {

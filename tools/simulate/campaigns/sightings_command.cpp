@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "server/program/finite_number.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/sightings.hpp"
-#include "tools/text/finite_number.hpp"
 
 namespace isthmus {
 namespace {

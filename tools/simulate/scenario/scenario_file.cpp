@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "server/program/spelling.hpp"
 #include "tools/simulate/scenario/building_file.hpp"
 #include "tools/simulate/scenario/floor_file.hpp"
 #include "tools/simulate/scenario/robot_file.hpp"
@@ -143,6 +144,14 @@ fs::path scenario_directory() {
   return ISTHMUS_SCENARIO_DIRECTORY;
 }
 
+std::vector<std::string> scenario_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(scenario_directory()))
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  std::ranges::sort(names);
+  return names;
+}
+
 }  // namespace
 
 Scenario load_scenario(const std::string& name_or_file, const std::vector<std::string>& overrides) {
@@ -150,7 +159,8 @@ Scenario load_scenario(const std::string& name_or_file, const std::vector<std::s
   if (name_or_file.find('/') == std::string::npos && file.extension() != ".toml") {
     file = scenario_directory() / (name_or_file + ".toml");
     if (!fs::exists(file)) {
-      throw std::runtime_error("no scenario is called '" + name_or_file + "'; --list names them");
+      throw std::runtime_error("no scenario is called '" + name_or_file + "'; --list names them" +
+                               did_you_mean(name_or_file, scenario_names()));
     }
   }
   Setting root = read_toml(file.string());
@@ -160,16 +170,14 @@ Scenario load_scenario(const std::string& name_or_file, const std::vector<std::s
 
 std::vector<ScenarioSummary> list_scenarios() {
   std::vector<ScenarioSummary> scenarios;
-  for (const auto& entry : fs::directory_iterator(scenario_directory())) {
-    if (entry.path().extension() != ".toml") continue;
-    ScenarioSummary one{entry.path().stem().string(), ""};
-    const Setting root = read_toml(entry.path().string());
+  for (const std::string& name : scenario_names()) {
+    ScenarioSummary one{name, ""};
+    const Setting root = read_toml((scenario_directory() / (name + ".toml")).string());
     if (const Setting* summary = Fields(root).find("summary")) {
       if (const auto* text = std::get_if<std::string>(&summary->value)) one.summary = *text;
     }
     scenarios.push_back(std::move(one));
   }
-  std::ranges::sort(scenarios, {}, &ScenarioSummary::name);
   return scenarios;
 }
 

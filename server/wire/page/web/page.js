@@ -132,7 +132,7 @@ class Page {
   showLists() {
     if (!this.status) return;
     showFigures(this.status, this.scene.islands);
-    showWarnings(this.status.warnings);
+    showWarnings(this.status);
     showRobots(this, (name) => this.follow(name), (order) => this.order(order));
   }
 

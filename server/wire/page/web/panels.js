@@ -48,10 +48,13 @@ export function showFigures(status, islands) {
     (row, [, value]) => tell(row.lastChild, String(value)));
 }
 
-export function showWarnings(warnings) {
+export function showWarnings({ warnings, time }) {
   element("warnings-section").hidden = warnings.length === 0;
-  bring(element("warnings"), warnings, (warning) => `${warning.robot} ${warning.key}`, () => made("li"),
-    (row, warning) => tell(row, warning.text));
+  bring(element("warnings"), warnings, (warning) => `${warning.robot} ${warning.kind}`, () => made("li"),
+    (row, warning) => {
+      tell(row, warning.text);
+      row.title = `for ${Math.round(time - warning.since)} s`;
+    });
 }
 
 export function showRobots(world, follow, order) {

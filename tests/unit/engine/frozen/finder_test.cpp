@@ -49,6 +49,31 @@ struct Lost {
   Pose here;
 };
 
+// Until it is found: a way that is too short, then a search, then one find that another must bear out.
+TEST(Finder, SaysWhyARobotIsNotFoundYet) {
+  Map map;
+  add_way(map, niched_hall(), along_the_hall());
+  Lost lost(map);
+  lost.start = {5, 0.4, 0};
+  std::vector<NotFound> reasons = {lost.finder.why(lost.options.finder)};
+  const auto note = [&] {
+    const NotFound why = lost.finder.why(lost.options.finder);
+    if (why != reasons.back()) reasons.push_back(why);
+  };
+  std::optional<ManifoldPose> found;
+  for (double x = 5; x < 14 && !found; x += 0.1) {
+    lost.scan({x, 0.4, 0});
+    note();
+    while (lost.finder.has_work()) lost.finder.step(map, lost.places, lost.options, lost.counts);
+    note();
+    found = lost.finder.take_found();
+  }
+  ASSERT_TRUE(found);
+  EXPECT_EQ(reasons.front(), NotFound::way_too_short);
+  EXPECT_EQ(reasons[1], NotFound::searching);
+  EXPECT_EQ(reasons.back(), NotFound::found_once);
+}
+
 TEST(Finder, FindsARobotThatIsSomewhereOnTheMap) {
   Map map;
   add_way(map, niched_hall(), along_the_hall());

@@ -9,6 +9,7 @@
 #include <memory>
 #include <thread>
 
+#include "isthmus/answer_t.hpp"
 #include "isthmus/grid_t.hpp"
 #include "isthmus/manifold_pose_t.hpp"
 #include "isthmus/map_t.hpp"
@@ -115,6 +116,10 @@ TEST(LiveServer, SendsTheWholeMapOnRequest) {
   const auto before = whole_maps();
   push(inbox, "", encode({1, CommandEvent{5, Verb::send_map, -1, ""}}));
   EXPECT_TRUE(happens([&] { return whole_maps() > before; })) << "no whole map";
+  const std::size_t grids = published.of<grid_t>("ISTHMUS_GRID").size();
+  push(inbox, "", encode({1, CommandEvent{6, Verb::send_map, -1, ""}}));
+  EXPECT_TRUE(happens([&] { return published.of<grid_t>("ISTHMUS_GRID").size() > grids; }))
+      << "no grid with it";
   inbox.close();
   engine_thread.join();
 }
@@ -147,6 +152,71 @@ TEST(LiveServer, ShowsViewersPosesTheMapAndWhatBecameOfOrders) {
   EXPECT_FALSE(newest->patches.empty());
   EXPECT_EQ(orders, (std::vector<std::pair<std::int64_t, DropReason>>{{5, DropReason::no_such_closure},
                                                                       {6, DropReason::none}}));
+}
+
+TEST(LiveServer, TellsWhatLooksWrongWhileItDoes) {
+  LiveOptions options = quick_options();
+  auto now = std::make_shared<std::atomic<std::int64_t>>(0);
+  options.mistakes = std::make_shared<Mistakes>(
+      [now] { return Mistakes::Clock::time_point(std::chrono::seconds(now->load())); });
+  Published published;
+  Inbox inbox;
+  LiveServer server(options, inbox, published.sink());
+  std::thread engine_thread([&] { server.run(); });
+  const BoxRoomRobot robot("R1");
+  push(inbox, "R1", robot.introduction());
+  for (int i = 0; i < 5; ++i)
+    push(inbox, "R1", encode({1, SightingEvent{"R1", 1'000'000'000 + i, 77, 2, 0.1, 0, 0.1}}));
+  const auto newest = [&] {
+    const auto statuses = published.of<status_t>("ISTHMUS_STATUS");
+    return statuses.empty() ? status_t{} : statuses.back();
+  };
+  EXPECT_TRUE(happens([&] { return newest().nwarnings == 1; }));
+  EXPECT_EQ(newest().warnings.at(0).kind, "barcode_of_nobody");
+  EXPECT_GT(newest().warnings.at(0).begin_utime, 0);
+  *now += 11;
+  EXPECT_TRUE(happens([&] { return newest().nwarnings == 0; }));
+  inbox.close();
+  engine_thread.join();
+}
+
+TEST(LiveServer, AnswersAndLogsEachOrder) {
+  LiveOptions options = quick_options();
+  std::vector<std::string> lines;
+  options.log = [&](LogLevel level, std::string_view text, const LogFields& fields) {
+    if (text.starts_with("an order")) lines.push_back(log_line(0, level, text, fields).substr(30));
+  };
+  Published published;
+  Inbox inbox;
+  LiveServer server(options, inbox, published.sink());
+  push(inbox, "", encode({1, CommandEvent{5, Verb::withdraw, 3, ""}}));
+  Message refine = encode({1, CommandEvent{6, Verb::refine, -1, ""}});
+  refine.signature = Signature{"ALICE@0123456789ab", "ISTHMUS_COMMAND", 1};
+  inbox.push("", false, 1, refine.channel, refine.bytes, refine.signature);
+  command_t nonsense{};
+  nonsense.utime = 7;
+  nonsense.verb = "explode";
+  push(inbox, "", {1, "ISTHMUS_COMMAND", encoded(nonsense)});
+  inbox.close();
+  server.run();
+
+  const auto answers = published.of<answer_t>("ISTHMUS_ANSWER");
+  ASSERT_EQ(answers.size(), 3U);
+  EXPECT_EQ(answers[0].order_utime, 5);
+  EXPECT_EQ(answers[0].verb, "withdraw");
+  EXPECT_EQ(answers[0].closure, 3);
+  EXPECT_FALSE(answers[0].done);
+  EXPECT_EQ(answers[0].reason, "no_such_closure");
+  EXPECT_EQ(answers[1].order_utime, 6);
+  EXPECT_TRUE(answers[1].done);
+  EXPECT_EQ(answers[1].sender, "ALICE");
+  EXPECT_EQ(answers[2].order_utime, 7);
+  EXPECT_EQ(answers[2].reason, "unknown_command");
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[0],
+            "level=warning msg=\"an order is refused\" order=withdraw closure=3 by=(unsigned) "
+            "reason=no_such_closure");
+  EXPECT_EQ(lines[1], "level=info msg=\"an order is carried out\" order=refine by=ALICE");
 }
 
 TEST(LiveServer, CountsBadMessagesAndKeepsThemOutOfTheJournal) {

@@ -80,13 +80,20 @@ TEST(PageTexts, RobotsThatHaveNotBeenHeardAndThoseLeftOutAreToldToo) {
   map.left_out = {PatchId{0}};
   HealthRecord health;
   health.robot = "R1";
-  health.warnings = {{"clock_ahead", "R1's clock is ahead"}};
   map.health = {health};
-  const Json status = Json::parse(status_text(shown_of(map)));
+  ShownMap shown = shown_of(map);
+  warning_t warning{};
+  warning.kind = "clock_ahead";
+  warning.text = "R1's clock is ahead";
+  warning.begin_utime = 2'500'000;
+  shown.view.status.warnings = {warning};
+  const Json status = Json::parse(status_text(shown));
   EXPECT_EQ(status.at("left_out"), Json({"R1"}));
   ASSERT_EQ(status.at("robots").size(), 1U);
   EXPECT_EQ(status.at("robots")[0].at("heard"), 0);
   EXPECT_EQ(status.at("warnings")[0].at("text"), "R1's clock is ahead");
+  EXPECT_EQ(status.at("warnings")[0].at("kind"), "clock_ahead");
+  EXPECT_EQ(status.at("warnings")[0].at("since"), 2.5);
 }
 
 TEST(PageTexts, WhatIsNoNumberIsNoBrokenText) {

@@ -33,12 +33,17 @@ TEST(Metrics, AreTheCountersOfTheStatus) {
   robot.last_heard_utime = 1'500'000;
   robot.share_matched = 0.25;
   status.robots.push_back(robot);
+  warning_t warning{};
+  warning.kind = "clock_ahead";
+  warning.robot = "R1";
+  status.warnings.push_back(warning);
   const std::string text = metrics_text(status);
   for (const std::string line :
        {"# TYPE isthmus_events_total counter", "isthmus_events_total 12",
         "isthmus_closures{state=\"waiting\"} 3", "isthmus_dropped_total{reason=\"forged\"} 7",
         "isthmus_robot_last_heard_seconds{robot=\"R1\"} 1.5",
-        "isthmus_robot_share_matched{robot=\"R1\"} 0.25"})
+        "isthmus_robot_share_matched{robot=\"R1\"} 0.25",
+        "isthmus_warning{kind=\"clock_ahead\",robot=\"R1\"} 1"})
     EXPECT_TRUE(has_line(text, line)) << line << "\n" << text;
 }
 

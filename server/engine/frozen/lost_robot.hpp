@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "server/engine/input/words.hpp"
+
+namespace isthmus {
+
+/// Why a robot on a finished map is not found yet.
+enum class NotFound : std::uint8_t {
+  way_too_short,   ///< what lies on so short a way would fit in many places
+  searching,       ///< all over the map
+  fits_nowhere,    ///< what lies on its way is nowhere on the map
+  ambiguous,       ///< it fits two places about as well
+  found_once,      ///< another piece of the way must say the same
+  trying_a_place,  ///< scans are matched where it may be
+};
+
+template <>
+inline constexpr auto words_of<NotFound> = std::to_array<std::string_view>({
+    "way_too_short",
+    "searching",
+    "fits_nowhere",
+    "ambiguous",
+    "found_once",
+    "trying_a_place",
+});
+static_assert(words_of<NotFound>.size() == static_cast<std::size_t>(NotFound::trying_a_place) + 1);
+
+/// A robot that gets no pose.
+struct LostRobot {
+  std::string robot;
+  NotFound why = NotFound::searching;
+  double way_m = 0;        ///< that it is looked for by
+  double least_way_m = 0;  ///< that a search takes
+};
+
+}  // namespace isthmus

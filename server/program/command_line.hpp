@@ -1,0 +1,24 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace isthmus {
+
+/// Exit codes of every program.
+constexpr int exit_failed = 1;  ///< what was asked for could not be done; the reason is on stderr
+constexpr int exit_usage = 2;   ///< nobody can tell what was asked for
+
+/// A program's way from its command line to its exit code: --version is added, the arguments are read, and
+/// `run` does what they ask for. What `run` throws is told on stderr. Of wrong usage it is told what was
+/// probably meant; of a missing command, which there are.
+int run_program(CLI::App& app, int argc, const char* const* argv, const std::function<void()>& run = {});
+
+/// Adds --force, for programs that keep from writing over what is there.
+void add_force(CLI::App& app, bool& force);
+
+}  // namespace isthmus

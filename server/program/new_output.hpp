@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+namespace isthmus {
+
+/// Before any work is done for it: a file that is to be written. Throws std::runtime_error where it holds
+/// something already and `force` does not say that this may go.
+void check_new_file(const std::string& file, bool force);
+
+/// The same for a directory, which is made where it is missing. Throws std::runtime_error where nothing can
+/// be written into it, or where it holds results (a report.json) and `force` does not say that they may go.
+void check_new_directory(const std::string& directory, bool force);
+
+}  // namespace isthmus

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "isthmus/command_t.hpp"
+
+namespace isthmus {
+
+/// What a message says that is an operator's order, in an envelope or without, whether or not it is believed
+/// or can be carried out; nothing where it is none.
+std::optional<command_t> order_in(const std::string& channel, std::span<const std::uint8_t> bytes);
+
+}  // namespace isthmus
