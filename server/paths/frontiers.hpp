@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "server/paths/roadmap.hpp"
+
+namespace isthmus {
+
+/// Free ground that borders on what nobody has seen (Yamauchi 1997), of one layer.
+struct Frontier {
+  NodeId node = -1;                                  ///< the cell of it that is nearest to its middle
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();  ///< in the island's frame, metres
+  double size_m = 0;                                 ///< its cells side by side
+  double gain_m2 = 0;     ///< the unseen that a laser at the viewpoint would see if nothing stood in it
+  NodeId viewpoint = -1;  ///< where the footprint fits, near it; -1: nowhere
+  double cost_m = 0;      ///< of the way to the viewpoint; infinity where there is none
+};
+
+struct FrontierOptions {
+  double least_size_m = 0.5;  ///< smaller ones are gaps between beams
+  double least_gain_m2 = 1;   ///< and so are those behind which there is little
+  double view_m = 4;          ///< how far the gain looks
+  double reach_m = 1.5;       ///< of the viewpoint from the frontier, along the surface
+};
+
+/// The frontiers of a ground by falling gain. `from`: where the robot is, a cell that fits; -1: nobody asks
+/// for costs, which are all 0 then. Costs are up to a tenth too high.
+std::vector<Frontier> find_frontiers(const Roadmap& roadmap, NodeId from,
+                                     const FrontierOptions& options = {});
+
+}  // namespace isthmus

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/paths/ground.hpp"
+
+namespace isthmus {
+
+/// What a robot needs around its centre, in metres.
+struct Footprint {
+  double radius_m = 0.25;
+  double clearance_m = 0.1;  ///< more than that from walls
+};
+
+/// A square of a layer: its number in a roadmap; -1: none.
+using SquareId = std::int32_t;
+
+/// Where on a ground a footprint fits: its cells, joined to squares of 20 cm a side at most, and which
+/// squares one steps between. Never changed.
+class Roadmap {
+ public:
+  Roadmap(std::shared_ptr<const Ground> ground, const Footprint& footprint);
+
+  const Ground& ground() const { return *ground_; }
+  const Footprint& footprint() const { return footprint_; }
+
+  bool fits(NodeId node) const { return square(node) >= 0; }
+  SquareId square(NodeId node) const { return square_[static_cast<std::size_t>(node)]; }
+  std::size_t squares() const { return middle_.size(); }
+  /// One of a square's cells, which stands for it.
+  NodeId middle(SquareId square) const { return middle_[static_cast<std::size_t>(square)]; }
+  std::span<const SquareId> beside(SquareId square) const {
+    const auto i = static_cast<std::size_t>(square);
+    return {beside_.data() + first_beside_[i], first_beside_[i + 1] - first_beside_[i]};
+  }
+
+  /// The cell that one comes to straight from another where the footprint fits all along.
+  std::optional<NodeId> straight(NodeId from, const Cell& to) const;
+  bool sees(NodeId from, NodeId to) const { return straight(from, ground_->cell(to)) == to; }
+
+ private:
+  void find_squares(const Footprint& footprint);
+  void flood(NodeId start);
+  void find_beside();
+
+  std::shared_ptr<const Ground> ground_;
+  Footprint footprint_;
+  std::vector<SquareId> square_;  // by node
+  std::vector<NodeId> middle_;    // by square
+  std::vector<std::uint32_t> first_beside_{0};
+  std::vector<SquareId> beside_;
+};
+
+}  // namespace isthmus

@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "server/paths/ground_keeper.hpp"
+#include "server/paths/pull.hpp"
+#include "server/paths/relative_pose.hpp"
+#include "server/paths/route.hpp"
+#include "tests/support/ground_scenes.hpp"
+
+namespace isthmus {
+namespace {
+
+using testing::node_at;
+using testing::Seen;
+
+constexpr int side = 40;
+
+/// Open ground with so many blocks of 3 x 3 cells in it.
+std::shared_ptr<const Ground> scattered(int blocks) {
+  std::vector<Cell> at;
+  for (int i = 0; i < blocks; ++i) at.push_back({*rc::gen::inRange(0, side), *rc::gen::inRange(0, side)});
+  return testing::ground_of(side, [at](int x, int y) {
+    for (const Cell& block : at)
+      if (std::abs(x - block.x) <= 1 && std::abs(y - block.y) <= 1) return Seen::occupied;
+    return Seen::open;
+  });
+}
+
+RC_GTEST_PROP(GroundProperty, DistancesAreThoseToTheNearestWall, ()) {
+  const auto ground = scattered(*rc::gen::inRange(1, 8));
+  for (NodeId node = 0; node < static_cast<NodeId>(ground->size()); node += 7) {
+    double least = Ground::reach_m;
+    for (NodeId other = 0; other < static_cast<NodeId>(ground->size()); ++other) {
+      if (!ground->layer(other).occupied) continue;
+      const double apart = (ground->centre(node) - ground->centre(other)).norm();
+      least = std::min(least, std::max(0.0, apart - std::sqrt(0.5) * ground_cell_m));
+    }
+    // A brushfire errs by a fraction of a cell where fires from three sides meet.
+    RC_ASSERT(std::abs(ground->wall_m(node) - least) <= 0.2 * ground_cell_m);
+  }
+}
+
+RC_GTEST_PROP(RouteProperty, IsFoundWhereStepsAloneLeadThereAndKeepsClear, ()) {
+  const Roadmap roadmap(scattered(*rc::gen::inRange(0, 12)), {0.1, 0.0});
+  const Ground& ground = roadmap.ground();
+  const NodeId from = node_at(ground, 5, 5), to = node_at(ground, side - 6, side - 6);
+  RC_PRE(roadmap.fits(from) && roadmap.fits(to));
+  const auto route = find_route(roadmap, from, to, 100'000);
+  std::vector<std::uint8_t> reached(ground.size());
+  std::vector<NodeId> open{from};
+  while (!open.empty()) {
+    const NodeId node = open.back();
+    open.pop_back();
+    if (std::exchange(reached[static_cast<std::size_t>(node)], 1)) continue;
+    visit_beside(ground.cell(node), [&](const Cell& beside) {
+      const NodeId next = ground.step(node, beside);
+      if (next >= 0 && roadmap.fits(next)) open.push_back(next);
+    });
+  }
+  RC_ASSERT(route.has_value() == (reached[static_cast<std::size_t>(to)] != 0));
+  if (!route) return;
+  const std::vector<NodeId> taut = pull(roadmap, *route);
+  RC_ASSERT(length_m(ground, taut) <= length_m(ground, *route) + 1e-9);
+  RC_ASSERT(length_m(ground, taut) >= (ground.centre(to) - ground.centre(from)).norm() - 1e-9);
+  for (std::size_t i = 1; i < taut.size(); ++i) RC_ASSERT(roadmap.sees(taut[i - 1], taut[i]));
+}
+
+/// The same layers at the same cells.
+bool same_ground(const Ground& a, const Ground& b) {
+  if (a.size() != b.size()) return false;
+  for (NodeId node = 0; node < static_cast<NodeId>(a.size()); ++node) {
+    if (a.cell(node) != b.cell(node) || a.layer(node).leader != b.layer(node).leader ||
+        a.layer(node).occupied != b.layer(node).occupied || a.wall_m(node) != b.wall_m(node))
+      return false;
+  }
+  return true;
+}
+
+RC_GTEST_PROP(GroundKeeperProperty, KeepingUpGivesWhatStartingAnewGives, ()) {
+  Map map;
+  testing::add_round_way(map, testing::furnished_room(), {{-1, 0, 0}});
+  GroundKeeper kept;
+  kept.update(testing::copy_of(map));
+  for (int change = 0; change < 3; ++change) {
+    if (*rc::gen::arbitrary<bool>()) {
+      const double x = 0.1 * *rc::gen::inRange(-30, 30);
+      testing::add_round_way(map, testing::furnished_room(), {{x, -0.5, 0.1 * change}});
+      const PatchId id{map.manifold().next_id().value - 1};
+      if (*rc::gen::arbitrary<bool>())
+        map.relate(testing::odometry_relation(PatchId{0}, id, map.relative_pose(PatchId{0}, id)));
+    } else {
+      map.move_island(IslandId{0}, {0.1 * *rc::gen::inRange(-20, 20), 0.3, 0.2});
+    }
+    kept.update(testing::copy_of(map));
+  }
+  GroundKeeper anew;
+  anew.update(testing::copy_of(map));
+  for (const auto& island : map.graph().islands())
+    RC_ASSERT(same_ground(*kept.ground(island.front()), *anew.ground(island.front())));
+}
+
+Pose any_pose(double reach_m) {
+  const auto share = [] { return 0.001 * *rc::gen::inRange(-1000, 1001); };
+  return {reach_m * share(), reach_m * share(), std::numbers::pi * share()};
+}
+
+RC_GTEST_PROP(RelativePoseProperty, TheOtherWayRoundIsTheInverseWithItsCovariance, ()) {
+  Map map;
+  const int patches = *rc::gen::inRange(1, 6);
+  for (int i = 0; i < patches; ++i) {
+    map.add(testing::round_patch(testing::furnished_room(), PatchId{i}, {}, 1), any_pose(10));
+    for (int other = std::max(0, i - 2); other < i; ++other)
+      map.relate(testing::odometry_relation(PatchId{other}, PatchId{i},
+                                            map.relative_pose(PatchId{other}, PatchId{i})));
+  }
+  const MapCopy copy = testing::copy_of(map);
+  const auto object = [&] {
+    const Eigen::Vector3d sigmas(0.01 * *rc::gen::inRange(1, 20), 0.02, 0.01);
+    return PlacedObject{{PatchId{*rc::gen::inRange(0, patches)}, any_pose(5)},
+                        sigmas.cwiseAbs2().asDiagonal()};
+  };
+  const PlacedObject a = object(), b = object();
+  const auto there = relative_pose(copy, a, b), back = relative_pose(copy, b, a);
+  RC_ASSERT(there.refusal == Refusal::none);
+  const Pose inverted = inverse(there.a_from_b);
+  RC_ASSERT(wrapped_difference(back.a_from_b, inverted).norm() < 1e-9);
+  const Eigen::Matrix3d by = inverse_jacobian(there.a_from_b);
+  const Eigen::Matrix3d expected = by * there.covariance * by.transpose();
+  RC_ASSERT((back.covariance - expected).norm() < 1e-6 * expected.norm());
+}
+
+}  // namespace
+}  // namespace isthmus

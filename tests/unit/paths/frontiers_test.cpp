@@ -1,0 +1,74 @@
+#include "server/paths/frontiers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/support/ground_scenes.hpp"
+
+namespace isthmus {
+namespace {
+
+using testing::node_at;
+using testing::Seen;
+
+constexpr Footprint slim{0.1, 0.05};
+
+/// A room of 5 m with walls all round, but for a doorway of so many cells in the wall at x = 5 m.
+std::shared_ptr<const Ground> room_with_door(int door_cells) {
+  return testing::ground_of(100, [door_cells](int x, int y) {
+    const bool edge = x == 0 || y == 0 || x == 99 || y == 99;
+    const bool door = x == 99 && y >= 40 && y < 40 + door_cells;
+    return edge && !door ? Seen::occupied : Seen::open;
+  });
+}
+
+TEST(Frontiers, ADoorwayToTheUnseenIsOne) {
+  const Roadmap roadmap(room_with_door(20), slim);
+  const auto found = find_frontiers(roadmap, node_at(roadmap.ground(), 20, 50));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].size_m, 20 * ground_cell_m, 0.1);
+  EXPECT_NEAR((found[0].middle - Eigen::Vector2d(4.975, 2.5)).norm(), 0, 0.05);
+  ASSERT_GE(found[0].viewpoint, 0);
+  EXPECT_TRUE(roadmap.fits(found[0].viewpoint));
+  EXPECT_NEAR(found[0].cost_m, 4, 0.4);
+}
+
+TEST(Frontiers, TheGainIsWhatWouldBeSeenThroughIt) {
+  const Roadmap narrow(room_with_door(16), slim), wide(room_with_door(40), slim);
+  const NodeId from = node_at(narrow.ground(), 20, 50);
+  const auto small = find_frontiers(narrow, from), large = find_frontiers(wide, from);
+  ASSERT_EQ(small.size(), 1U);
+  ASSERT_EQ(large.size(), 1U);
+  EXPECT_GT(small[0].gain_m2, 1);
+  EXPECT_GT(large[0].gain_m2, 1.3 * small[0].gain_m2);
+  EXPECT_LT(large[0].gain_m2, 0.5 * 3.15 * 16 + 1);  // half a disc of 4 m
+}
+
+TEST(Frontiers, AClosedRoomAndAGapBetweenBeamsHaveNone) {
+  for (const int door_cells : {0, 3}) {
+    const Roadmap roadmap(room_with_door(door_cells), slim);
+    EXPECT_TRUE(find_frontiers(roadmap, node_at(roadmap.ground(), 20, 50)).empty()) << door_cells;
+  }
+}
+
+TEST(Frontiers, OneThatCannotBeReachedCostsInfinitely) {
+  const auto ground = testing::ground_of(100, [](int x, int y) {
+    const bool edge = x == 0 || y == 0 || y == 99;
+    return edge || x == 50 ? Seen::occupied : Seen::open;
+  });
+  const Roadmap roadmap(ground, slim);
+  const auto found = find_frontiers(roadmap, node_at(*ground, 20, 50));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].cost_m, std::numeric_limits<double>::infinity());
+}
+
+TEST(Frontiers, WithoutARobotCostsAreTheWayFromTheViewpoint) {
+  const Roadmap roadmap(room_with_door(20), slim);
+  const auto found = find_frontiers(roadmap, -1);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_LE(found[0].cost_m, 0.5);
+}
+
+}  // namespace
+}  // namespace isthmus

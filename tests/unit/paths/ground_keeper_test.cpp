@@ -1,0 +1,86 @@
+#include "server/paths/ground_keeper.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/ground_scenes.hpp"
+
+namespace isthmus {
+namespace {
+
+TEST(GroundKeeper, AGroundStaysWhileNothingOnItChanges) {
+  Map map;
+  testing::add_round_way(map, testing::furnished_room(), {{-1, 0, 0}, {1, 0, 0}});
+  GroundKeeper keeper;
+  keeper.update(testing::copy_of(map));
+  const auto before = keeper.ground(IslandId{0});
+  MapCopy nudged = testing::copy_of(map);
+  nudged.poses[1].x += 0.01;  // less than half a cell
+  keeper.update(nudged);
+  EXPECT_EQ(keeper.ground(IslandId{0}), before);
+  nudged.poses[1].x += 0.05;
+  keeper.update(nudged);
+  EXPECT_NE(keeper.ground(IslandId{0}), before);
+}
+
+TEST(GroundKeeper, AnotherIslandsGroundStaysWhenOneGrows) {
+  Map map;
+  testing::add_round_way(map, testing::furnished_room(), {{-1, 0, 0}, {1, 0, 0}});
+  map.add(testing::round_patch(testing::furnished_room(), PatchId{2}, {}), {});
+  GroundKeeper keeper;
+  keeper.update(testing::copy_of(map));
+  const auto first = keeper.ground(IslandId{0}), second = keeper.ground(IslandId{2});
+  map.add(testing::round_patch(testing::furnished_room(), PatchId{3}, {1, 0, 0}), {1, 0, 0});
+  map.relate(testing::odometry_relation(PatchId{2}, PatchId{3}, {1, 0, 0}));
+  keeper.update(testing::copy_of(map));
+  EXPECT_EQ(keeper.ground(IslandId{0}), first);
+  EXPECT_NE(keeper.ground(IslandId{2}), second);
+}
+
+TEST(GroundKeeper, ARelationMakesLayersOneThoughNoPatchMoves) {
+  testing::Spiral spiral;
+  GroundKeeper keeper;
+  const auto layers = [&] {
+    keeper.update(testing::copy_of(spiral.map));
+    const auto [first, last] =
+        keeper.ground(IslandId{0})->at(cell_of(position(spiral.map.manifold().pose(PatchId{20}))));
+    return last - first;
+  };
+  EXPECT_EQ(layers(), 2);
+  spiral.close(20);
+  EXPECT_EQ(layers(), 1);
+}
+
+TEST(GroundKeeper, AnIslandThatIsGoneHasNoGround) {
+  Map map;
+  map.add(testing::round_patch(testing::furnished_room(), PatchId{0}, {}), {});
+  map.add(testing::round_patch(testing::furnished_room(), PatchId{1}, {}), {});
+  GroundKeeper keeper;
+  keeper.update(testing::copy_of(map));
+  EXPECT_NE(keeper.ground(IslandId{1}), nullptr);
+  map.relate(testing::odometry_relation(PatchId{0}, PatchId{1}, {}));
+  keeper.update(testing::copy_of(map));
+  EXPECT_EQ(keeper.ground(IslandId{1}), nullptr);
+  EXPECT_NE(keeper.ground(IslandId{0}), nullptr);
+}
+
+TEST(GroundKeeper, WhereARobotDroveIsGroundThatNoBeamHasToHaveSeen) {
+  Map map;
+  map.add(testing::round_patch(testing::corridor(), PatchId{0}, {}, 3), {});
+  MapCopy copy = testing::copy_of(map);
+  GroundKeeper keeper;
+  const Cell ahead = cell_of({5, 0});
+  keeper.update(copy);
+  EXPECT_EQ(keeper.ground(IslandId{0})->find(ahead, PatchId{0}), -1);
+  const auto rows = std::make_shared<TrajectoryStore>();
+  for (int i = 0; i < 60; ++i) rows->append({i, 0, PatchId{0}, {0.1 * i, 0, 0}});
+  ASSERT_TRUE(rows->flush());
+  copy.trajectory = rows;
+  copy.trajectory_rows = rows->size();
+  keeper.update(copy);
+  const NodeId node = keeper.ground(IslandId{0})->find(ahead, PatchId{0});
+  ASSERT_GE(node, 0);
+  EXPECT_FALSE(keeper.ground(IslandId{0})->layer(node).occupied);
+}
+
+}  // namespace
+}  // namespace isthmus
