@@ -14,25 +14,6 @@ namespace {
 
 Eigen::Matrix3d symmetric(const Eigen::Matrix3d& m) { return 0.5 * (m + m.transpose()); }
 
-Eigen::Matrix3d covariance_after(const Eigen::Matrix3d& before, const ComposeJacobians& j,
-                                 const Eigen::Matrix3d& step) {
-  return symmetric(j.by_left * before * j.by_left.transpose() + j.by_right * step * j.by_right.transpose());
-}
-
-// Odometry that is back at its origin: the robot was switched off and on, perhaps elsewhere.
-bool begins_again(const Pose& odom_from_robot, const LocaliseOptions& options) {
-  return std::hypot(odom_from_robot.x, odom_from_robot.y) < options.origin_m &&
-         std::abs(odom_from_robot.yaw) < options.origin_rad;
-}
-
-bool is_plausible(const Pose& step, double seconds, const Pose& odom_from_robot,
-                  const LocaliseOptions& options) {
-  const double way_m = std::hypot(step.x, step.y);
-  return way_m <= options.slack_m + options.max_speed_m_per_s * seconds &&
-         std::abs(step.yaw) <= options.slack_rad + options.max_turn_rad_per_s * seconds &&
-         !(way_m > options.restart_jump_m && begins_again(odom_from_robot, options));
-}
-
 SearchWindow window_of(const Expectation& expectation, const LocaliseOptions& options) {
   const auto half = [&](double variance, double min, double max) {
     return std::clamp(options.window_sigmas * std::sqrt(variance), min, max);
@@ -41,6 +22,23 @@ SearchWindow window_of(const Expectation& expectation, const LocaliseOptions& op
   return {expectation.local_from_robot, half(covariance(0, 0), options.min_window_m, options.max_window_m),
           half(covariance(1, 1), options.min_window_m, options.max_window_m),
           half(covariance(2, 2), options.min_window_rad, options.max_window_rad)};
+}
+
+// Where a robot can be by now, at all headings that it can have turned to since its last match. What odometry
+// tells late, scans have shown already: the robot may also be where it was.
+SearchWindow window_anew(const Robot& robot, const Expectation& expectation, std::int64_t utime,
+                         const LocaliseOptions& options) {
+  const Localisation& place = *robot.place;
+  const Pose& was = place.pose.patch_from_object;
+  const double period_s = std::max(options.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
+  SearchWindow window = window_of(expectation, options);
+  const Eigen::Vector2d half_step = 0.5 * (position(was) - position(window.centre));
+  window.centre = {window.centre.x + half_step.x(), window.centre.y + half_step.y(), was.yaw};
+  window.half_x_m += std::abs(half_step.x());
+  window.half_y_m += std::abs(half_step.y());
+  window.half_yaw_rad = std::min(
+      std::numbers::pi, options.slack_rad + options.max_turn_rad_per_s * period_s * (place.lost_scans + 1));
+  return window;
 }
 
 MatchOptions from_scan_to_scan(const EngineOptions& options) {
@@ -70,35 +68,6 @@ Placement placement_of(Match match, const Expectation& expectation, double share
 
 }  // namespace
 
-void OdometryPath::append(const Pose& step, const Eigen::Matrix3d& step_covariance) {
-  covariance = covariance_after(covariance, compose_jacobians(start_from_end, step), step_covariance);
-  start_from_end = start_from_end * step;
-}
-
-Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
-                   const EngineOptions& options) {
-  const Localisation& place = *robot.place;
-  Expectation expectation;
-  expectation.step = expectation.claimed_step = ominus(odom_from_robot, place.odom_from_robot);
-  const LocaliseOptions& its = options.localise;
-  const double seconds = std::max(its.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
-  expectation.plausible = is_plausible(expectation.step, seconds, odom_from_robot, its);
-  expectation.step = robot.bias.corrected(expectation.claimed_step);
-  Eigen::Matrix3d noise = robot.noise.covariance(expectation.step, options.odometry_noise);
-  if (!expectation.plausible) {
-    expectation.step = Pose{};  // what it says is no motion of a robot; where it is, only matching can tell
-    noise = Eigen::Vector3d(its.implausible_variance_m2, its.implausible_variance_m2,
-                            its.implausible_variance_rad2)
-                .asDiagonal();
-  }
-  const Pose& r = place.pose.patch_from_object;
-  const ComposeJacobians jacobians = compose_jacobians(r, expectation.step);
-  expectation.local_from_robot = r * expectation.step;
-  expectation.covariance = covariance_after(place.covariance, jacobians, noise);
-  expectation.tracking_covariance = covariance_after(place.tracking_covariance, jacobians, noise);
-  return expectation;
-}
-
 Placement localise(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
                    std::span<const ScanPoint> points, const EngineOptions& options) {
   Placement placement;
@@ -117,15 +86,11 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
   const LocaliseOptions& its = options.localise;
   const MatchOptions match_options = from_scan_to_scan(options);
   const Eigen::Matrix3d information = expectation.tracking_covariance.inverse();
-  // Far from where it was expected, or where odometry cannot be believed, a match needs more to be.
+  // Where odometry cannot be believed, a match needs more to be. How far it is from where odometry has the
+  // robot is weighed below.
   const bool doubtful = !expectation.plausible || robot.place->suspect;
-  const auto fits = [&](const Match& match) {
-    const bool surprising = surprise(match.local_from_robot, expectation, its) > its.far_surprise.value();
-    const double min_score = doubtful     ? its.min_score_implausible
-                             : surprising ? its.min_score_far
-                                          : its.min_score;
-    return match.ok && match.quality.score >= min_score;
-  };
+  const double min_score = doubtful ? its.min_score_implausible : its.min_score;
+  const auto fits = [&](const Match& match) { return match.ok && match.quality.score >= min_score; };
 
   Match best = match_scan(local_map, points, {expectation.local_from_robot, information}, match_options);
   // Other beginnings hold the prediction loosely, and must fit better by so much to be preferred.
@@ -158,7 +123,14 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
 }
 
 bool is_doubtful(const Placement& placement, const LocaliseOptions& options) {
-  return !placement.matched || placement.match.quality.score < options.min_score_far;
+  return !placement.matched || placement.match.quality.score < options.doubtful_score;
+}
+
+bool rivals(const Match& match, const Match& other, const EngineOptions& options) {
+  const Pose apart = ominus(other.local_from_robot, match.local_from_robot);
+  return other.ok && other.quality.score > match.quality.score - options.localise.other_start_gain &&
+         (std::hypot(apart.x, apart.y) > options.correlative.apart_m ||
+          std::abs(apart.yaw) > options.correlative.apart_rad);
 }
 
 std::optional<Placement> localise_anew(const Robot& robot, const Expectation& expectation,
@@ -166,19 +138,25 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
                                        std::int64_t utime, const EngineOptions& options) {
   if (static_cast<int>(points.size()) < options.match.min_pairs || near.patches.empty()) return std::nullopt;
   const LocaliseOptions& its = options.localise;
-  const Localisation& place = *robot.place;
-  const double period_s = std::max(its.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
-  SearchWindow window = window_of(expectation, its);
-  window.centre.yaw = place.pose.patch_from_object.yaw;
-  window.half_yaw_rad =
-      std::min(std::numbers::pi, its.slack_rad + its.max_turn_rad_per_s * period_s * (place.lost_scans + 1));
-  const CorrelativeResult found = search_window(near, points, window, options.correlative);
-  if (found.score <= 0 || found.exhausted || found.second_score >= options.ambiguity.share * found.score)
+  const MatchOptions match_options = from_scan_to_scan(options);
+  const CorrelativeResult found =
+      search_window(near, points, window_anew(robot, expectation, utime, its), options.correlative);
+  if (found.score <= 0 || found.exhausted) return std::nullopt;
+  const Eigen::Matrix3d loose = its.loose_share * expectation.tracking_covariance.inverse();
+  const auto match_from = [&](const Pose& start) {
+    return match_scan(near, points, {start, loose}, match_options);
+  };
+  Match match = match_from(found.local_from_robot);
+  if (!match.ok) return std::nullopt;
+  // What the search, in its coarse cells, takes for as good need not be.
+  if (found.second_score >= options.ambiguity.share * found.score &&
+      rivals(match, match_from(found.second_local_from_robot), options))
     return std::nullopt;
-  Match match = match_scan(
-      near, points, {found.local_from_robot, its.loose_share * expectation.tracking_covariance.inverse()},
-      from_scan_to_scan(options));
-  if (!match.ok || match.quality.score < its.min_score_far) return std::nullopt;
+  if (expectation.plausible && !robot.place->suspect)
+    if (std::optional<Match> held =
+            held_by_odometry(near, points, expectation, match, match_options, options))
+      match = *std::move(held);
+  if (!match.ok || match.quality.score < its.doubtful_score) return std::nullopt;
   return placement_of(std::move(match), expectation, its.loose_share, options);
 }
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "scanmatch/match.hpp"
-#include "server/engine/localise/localise.hpp"
+#include "server/engine/localise/expectation.hpp"
 
 namespace isthmus {
 

@@ -10,7 +10,7 @@ namespace isthmus {
 /// Where a robot is at a scan (Howard et al. 2006, IV-A, steps 1 to 4), see localise/localise.hpp.
 struct LocaliseOptions {
   double min_score = 0.25;
-  double min_score_far = 0.45;
+  double doubtful_score = 0.45;
   double min_score_implausible = 0.6;
   double match_trust = 5;
   double max_speed_m_per_s = 5;
@@ -25,7 +25,6 @@ struct LocaliseOptions {
   double implausible_variance_rad2 = 0.1;
   double match_variance_m2 = 4e-4;
   double match_variance_rad2 = 1e-4;
-  ChiSquaredBound far_surprise{0.999985, 3};
   ChiSquaredBound doubted_surprise{0.999, 3};
   ChiSquaredBound weighed_surprise{0.5, 3};
   double slip_log_odds = 10;
@@ -44,7 +43,9 @@ struct LocaliseOptions {
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(min_score, "min_score", "share", "score below which a match is not believed");
-    option(min_score_far, "min_score_far", "share", "the same of one far from where odometry put the robot");
+    option(
+        doubtful_score, "doubtful_score", "share",
+        "below which a scan is looked for anew in all that lies near, and not believed where that finds it");
     option(min_score_implausible, "min_score_implausible", "share",
            "the same of one after odometry did what no robot does");
     option(match_trust, "match_trust", "factor",
@@ -65,8 +66,6 @@ struct LocaliseOptions {
     option(match_variance_m2, "match_variance_m2", "m²",
            "what matching itself errs by, for the surprise at a match that ends away from the prediction");
     option(match_variance_rad2, "match_variance_rad2", "rad²", "the same of the yaw");
-    option(far_surprise, "far_surprise", "probability",
-           "χ² of 3 beyond which a match is far from where it was expected");
     option(doubted_surprise, "doubted_surprise", "probability",
            "χ² of 3 beyond which other beginnings are tried");
     option(weighed_surprise, "weighed_surprise", "probability",

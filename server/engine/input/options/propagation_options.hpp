@@ -60,7 +60,7 @@ struct TrialOptions {
   double min_way_m = 15;
   double log_odds_per_way_m = 0.4;
   double log_odds_per_width_m = 1;
-  double min_loop_log_odds = 10;
+  double min_loop_log_odds = 7;
   double min_width_m = 2;
   double min_own_m = 5;
   double min_whole_log_odds = 25;
@@ -103,7 +103,8 @@ struct TrialOptions {
     option(log_odds_per_width_m, "log_odds_per_width_m", "log-odds/m",
            "the same of what matches across its length: corridors repeat themselves most");
     option(min_loop_log_odds, "min_loop_log_odds", "log-odds",
-           "of those, and of where the map had its ends, for which it is accepted");
+           "of those, and of where the map had its ends, for which it is accepted: 10, less 3 for the 95 in "
+           "100 of such loops that are true (281 of 296 in simulated and recorded buildings)");
     option(min_width_m, "min_width_m", "m",
            "of what is shared across its length: less is called one corridor");
     option(min_own_m, "min_own_m", "m", "of way of either map beyond what they share");

@@ -1,0 +1,61 @@
+#include "server/engine/localise/expectation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace isthmus {
+namespace {
+
+Eigen::Matrix3d covariance_after(const Eigen::Matrix3d& before, const ComposeJacobians& j,
+                                 const Eigen::Matrix3d& step) {
+  const Eigen::Matrix3d after =
+      j.by_left * before * j.by_left.transpose() + j.by_right * step * j.by_right.transpose();
+  return 0.5 * (after + after.transpose());
+}
+
+// Odometry that is back at its origin: the robot was switched off and on, perhaps elsewhere.
+bool begins_again(const Pose& odom_from_robot, const LocaliseOptions& options) {
+  return std::hypot(odom_from_robot.x, odom_from_robot.y) < options.origin_m &&
+         std::abs(odom_from_robot.yaw) < options.origin_rad;
+}
+
+bool is_plausible(const Pose& step, double seconds, const Pose& odom_from_robot,
+                  const LocaliseOptions& options) {
+  const double way_m = std::hypot(step.x, step.y);
+  return way_m <= options.slack_m + options.max_speed_m_per_s * seconds &&
+         std::abs(step.yaw) <= options.slack_rad + options.max_turn_rad_per_s * seconds &&
+         !(way_m > options.restart_jump_m && begins_again(odom_from_robot, options));
+}
+
+}  // namespace
+
+void OdometryPath::append(const Pose& step, const Eigen::Matrix3d& step_covariance) {
+  covariance = covariance_after(covariance, compose_jacobians(start_from_end, step), step_covariance);
+  start_from_end = start_from_end * step;
+}
+
+Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
+                   const EngineOptions& options) {
+  const Localisation& place = *robot.place;
+  Expectation expectation;
+  expectation.step = expectation.claimed_step = ominus(odom_from_robot, place.odom_from_robot);
+  const LocaliseOptions& its = options.localise;
+  const double seconds = std::max(its.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
+  expectation.plausible = is_plausible(expectation.step, seconds, odom_from_robot, its);
+  expectation.step = robot.bias.corrected(expectation.claimed_step);
+  Eigen::Matrix3d noise = robot.noise.covariance(expectation.step, options.odometry_noise);
+  if (!expectation.plausible) {
+    expectation.step = Pose{};  // what it says is no motion of a robot; where it is, only matching can tell
+    noise = Eigen::Vector3d(its.implausible_variance_m2, its.implausible_variance_m2,
+                            its.implausible_variance_rad2)
+                .asDiagonal();
+  }
+  const Pose& r = place.pose.patch_from_object;
+  const ComposeJacobians jacobians = compose_jacobians(r, expectation.step);
+  expectation.local_from_robot = r * expectation.step;
+  expectation.covariance = covariance_after(place.covariance, jacobians, noise);
+  expectation.tracking_covariance = covariance_after(place.tracking_covariance, jacobians, noise);
+  return expectation;
+}
+
+}  // namespace isthmus

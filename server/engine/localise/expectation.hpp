@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/engine/robot/robot.hpp"
+
+namespace isthmus {
+
+/// Where a robot is expected at a scan, by its odometry (eq. 11).
+struct Expectation {
+  Pose local_from_robot;       ///< in the frame of the robot's patch
+  Eigen::Matrix3d covariance;  ///< grown from the calibrated covariance
+  Eigen::Matrix3d tracking_covariance;
+  Pose step;              ///< odometry since the last scan, without its bias; none where that is implausible
+  Pose claimed_step;      ///< what odometry said
+  bool plausible = true;  ///< false: no robot moves like that
+};
+Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
+                   const EngineOptions& options);
+
+}  // namespace isthmus
