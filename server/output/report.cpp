@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "server/engine/record/self_check.hpp"
 #include "server/output/format/atomic_file.hpp"
 #include "server/output/tables/trajectories.hpp"
 
@@ -99,6 +100,22 @@ Json warnings(const MapCopy& map) {
   return object;
 }
 
+/// Where the map contradicts itself.
+Json contradictions(const MapCopy& map) {
+  Json list = Json::array();
+  for (const SelfContradiction& found : self_contradictions(map)) {
+    std::vector<std::int32_t> patches;
+    for (const PatchId id : found.patches) patches.push_back(id.value);
+    list.push_back({{"island", found.island.value},
+                    {"x_m", found.centre_m.x()},
+                    {"y_m", found.centre_m.y()},
+                    {"pairs", found.pairs},
+                    {"robots", found.robots},
+                    {"patches", patches}});
+  }
+  return list;
+}
+
 Json health(const MapCopy& map) {
   Json object = Json::object();
   for (const HealthRecord& robot : map.health) {
@@ -166,6 +183,7 @@ std::string report_json(const MapCopy& map, const RankedIslands& islands, const 
                        {"sessions", sessions(map, islands)},
                        {"warnings", warnings(map)},
                        {"health", health(map)},
+                       {"contradictions", contradictions(map)},
                        {"closures", closures(map)},
                        {"hypotheses", hypotheses(map.hypotheses)},
                        {"log_duration_s", log_duration_s},

@@ -131,13 +131,25 @@ std::string closures(const Json& report, const MeetingCounts& meetings) {
   return table(rows);
 }
 
+/// Where the map contradicts itself; a map of an older version does not say.
+std::string contradictions(const Json& report) {
+  const Json found = report.value("contradictions", Json::array());
+  if (found.empty()) return "";
+  std::vector<Row> rows = {{"island id", "x m", "y m", "patches", "pairs", "robots"}};
+  for (const Json& one : found)
+    rows.push_back({one.at("island").dump(), decimal(one.at("x_m").get<double>(), 1),
+                    decimal(one.at("y_m").get<double>(), 1), std::to_string(one.at("patches").size()),
+                    one.at("pairs").dump(), joined(one.at("robots"))});
+  return "\ncontradictions of the map with itself\n" + table(rows);
+}
+
 }  // namespace
 
 std::string overview(const std::string& report_json, const MeetingCounts& meetings, const std::string& file) {
   try {
     const Json report = Json::parse(report_json);
     return counters(report, meetings) + "\nislands\n" + islands(report) + "\nsessions\n" + sessions(report) +
-           "\nclosures\n" + closures(report, meetings);
+           "\nclosures\n" + closures(report, meetings) + contradictions(report);
   } catch (const Json::exception& error) {
     throw std::runtime_error(file + ": not a report of Isthmus: " + error.what());
   }

@@ -152,6 +152,7 @@ class LiveServer {
   std::atomic<std::chrono::steady_clock::time_point> deadline_{std::chrono::steady_clock::time_point::max()};
   ClosureLog closure_log_;
   LiveWarnings warnings_;
+  SelfCheck self_check_;
   std::unique_ptr<Journal> journal_;
   std::shared_ptr<Spool> spool_;  ///< with a journal
   std::unique_ptr<Settlement> settlement_;

@@ -40,11 +40,15 @@ void LiveServer::publish_status_if_due() {
   keep_snapshots();
 }
 
-/// Of health, and of what clients do wrong.
+/// Of health, of what clients do wrong, and of the map itself, of which some patches are looked at each time.
 void LiveServer::update_warnings(const MapCopy& map, status_t& status) {
   std::vector<LiveWarning> now = health_warnings_of(map);
   for (LiveWarning& lost : warnings_of_lost(map_.engine.lost_robots())) now.push_back(std::move(lost));
   for (LiveWarning& mistake : options_.mistakes->warnings()) now.push_back(std::move(mistake));
+  constexpr std::size_t patches_looked_at = 16;
+  self_check_.look_at(map, patches_looked_at);
+  for (LiveWarning& of_map : warnings_of_contradictions(self_check_.found(map)))
+    now.push_back(std::move(of_map));
   warnings_.update(std::move(now), status.utime, options_.log);
   for (const LiveWarning& warning : warnings_.current()) status.warnings.push_back(warning_message(warning));
   status.nwarnings = static_cast<std::int32_t>(status.warnings.size());

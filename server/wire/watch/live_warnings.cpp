@@ -75,6 +75,16 @@ std::vector<LiveWarning> warnings_of_lost(const std::vector<LostRobot>& robots) 
   return warnings;
 }
 
+std::vector<LiveWarning> warnings_of_contradictions(const std::vector<SelfContradiction>& found) {
+  if (found.empty()) return {};
+  const SelfContradiction& most = found.front();
+  std::string text = "the map contradicts itself around x " + metres(most.centre_m.x()) + " m, y " +
+                     metres(most.centre_m.y()) + " m of island " + std::to_string(most.island.value) +
+                     ": a place may be on it twice";
+  if (found.size() > 1) text += "; and at " + std::to_string(found.size() - 1) + " more";
+  return {{"map_contradicts_itself", "", text, 0}};
+}
+
 void LiveWarnings::update(std::vector<LiveWarning> now, std::int64_t utime, const Log& log) {
   std::ranges::stable_sort(now, {}, key_of);
   for (LiveWarning& warning : now) {

@@ -7,6 +7,7 @@
 #include "isthmus/warning_t.hpp"
 #include "server/engine/frozen/lost_robot.hpp"
 #include "server/engine/record/map_copy.hpp"
+#include "server/engine/record/self_check.hpp"
 #include "server/wire/watch/log_line.hpp"
 
 namespace isthmus {
@@ -24,6 +25,9 @@ std::vector<LiveWarning> health_warnings_of(const MapCopy& map);
 
 /// Robots that are not found on a finished map, and why.
 std::vector<LiveWarning> warnings_of_lost(const std::vector<LostRobot>& robots);
+
+/// That the map contradicts itself, and where most.
+std::vector<LiveWarning> warnings_of_contradictions(const std::vector<SelfContradiction>& found);
 
 /// Keeps the warnings that hold, and tells the log of each once when it begins and once when it ends.
 class LiveWarnings {

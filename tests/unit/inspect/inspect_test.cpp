@@ -144,6 +144,20 @@ TEST(Overview, ShowsWhatARunWithoutSightingsHas) {
   EXPECT_NE(text.find("  sightings  7\n"), std::string::npos) << text;
 }
 
+TEST(Overview, ShowsWhereTheMapContradictsItself) {
+  EXPECT_EQ(overview(report, {}, "report.json").find("contradict"), std::string::npos);
+  std::string contradicted = report;
+  contradicted.insert(contradicted.find_last_of('}'),
+                      R"(, "contradictions": [{"island": 2, "x_m": 1.26, "y_m": -4.0, "pairs": 12,
+                          "robots": ["R1", "R2"], "patches": [3, 4, 8]}])");
+  const std::string text = overview(contradicted, {}, "report.json");
+  const std::string shown =
+      "\ncontradictions of the map with itself\n"
+      "  island id  x m  y m   patches  pairs  robots\n"
+      "  2          1.3  -4.0  3        12     R1 R2\n";
+  EXPECT_TRUE(text.ends_with(shown)) << text;
+}
+
 TEST(MeetingCounts, AreTheSameFromAMapAndFromItsTables) {
   MapCopy map;
   for (int i = 0; i < 3; ++i) map.graph.add_patch(PatchId{i});

@@ -48,6 +48,20 @@ TEST(LiveWarnings, HealthIsThatOfTheReport) {
   EXPECT_EQ(warning_message(warnings[0]).text, "R1's clock is ahead");
 }
 
+TEST(LiveWarnings, SayWhereTheMapContradictsItselfMost) {
+  EXPECT_TRUE(warnings_of_contradictions({}).empty());
+  const SelfContradiction most{PatchId{3}, {1.24, -2}, {PatchId{3}, PatchId{9}}, {"R1"}, 20};
+  const auto one = warnings_of_contradictions({most});
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_EQ(one[0].kind, "map_contradicts_itself");
+  EXPECT_EQ(one[0].robot, "");
+  EXPECT_EQ(one[0].text,
+            "the map contradicts itself around x 1.2 m, y -2.0 m of island 3: a place may be on it twice");
+  const auto two = warnings_of_contradictions({most, most});
+  ASSERT_EQ(two.size(), 1U);
+  EXPECT_NE(two[0].text.find("and at 1 more"), std::string::npos) << two[0].text;
+}
+
 TEST(LiveWarnings, SayWhyARobotIsNotFound) {
   const auto warnings =
       warnings_of_lost({{"R1", NotFound::way_too_short, 1.23, 2}, {"R2", NotFound::ambiguous}});
