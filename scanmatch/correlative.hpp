@@ -4,6 +4,7 @@
 #include <tuple>
 #include <vector>
 
+#include "patches/option_unit.hpp"
 #include "scanmatch/local_map.hpp"
 
 namespace isthmus {
@@ -23,7 +24,7 @@ struct AmbiguityOptions {
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(share, "share", "share",
+    option(share, "share", share_unit,
            "of the best answer's score: with a second one above it, who knows which it is. At 0.95 aliased "
            "corridors of recorded logs get in");
   }
@@ -51,7 +52,8 @@ struct CorrelativeOptions {
     option(max_points, "max_points", "count", "of the scan that are used; more are thinned evenly");
     option(apart_m, "apart_m", "m", "a second answer is at least so far from the best in position,");
     option(apart_rad, "apart_rad", "rad", "or so far in yaw");
-    option(second_share, "second_share", "share", "of the best score, below which no answers are looked for");
+    option(second_share, "second_share", share_unit,
+           "of the best score, below which no answers are looked for");
     option(max_evaluations, "max_evaluations", "count",
            "of all beams at one pose: when spent, the best answer so far is returned");
   }

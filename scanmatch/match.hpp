@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "patches/option_unit.hpp"
 #include "scanmatch/local_map.hpp"
 
 namespace isthmus {
@@ -40,7 +41,7 @@ struct MatchOptions {
     option(min_pairs, "min_pairs", "count", "of beams: where fewer are paired there is no match");
     option(max_normal_angle_rad, "max_normal_angle_rad", "rad",
            "between the normals of two points that may be paired");
-    option(thin_direction, "thin_direction", "share",
+    option(thin_direction, "thin_direction", share_unit,
            "a direction of the plane with a smaller share f of the beams' information is held by a few beams "
            "only, which may well be wrong together (a corridor's door frames, somebody walking): it is "
            "trusted by f² / (f² + thin²)");

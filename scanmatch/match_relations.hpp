@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "patches/option_unit.hpp"
 #include "relations/relation.hpp"
 #include "scanmatch/match.hpp"
 
@@ -23,8 +24,8 @@ struct MatchRelationOptions {
     option(min_rms_m, "min_rms_m", "m", "smaller RMS distances count as this");
     option(min_correspondences, "min_correspondences", "count",
            "of a patch with the scan; with fewer it gets no relation");
-    option(min_weight, "min_weight", "share", "robust weight below which a pair is left out");
-    option(min_trust, "min_trust", "share", "trust in its direction below which a pair is left out");
+    option(min_weight, "min_weight", share_unit, "robust weight below which a pair is left out");
+    option(min_trust, "min_trust", share_unit, "trust in its direction below which a pair is left out");
   }
 };
 

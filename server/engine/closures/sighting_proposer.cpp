@@ -103,7 +103,11 @@ std::optional<GroupAgreement> SightingProposer::look_at(World world, const std::
   if (group.members.size() > 2 && before == now && !world.no_more_waiting) return std::nullopt;
   before = now;
   const auto tried = tried_.find(group.key);
-  const std::size_t least = tried == tried_.end() ? 2 : tried->second * 3 / 2 + 1;
+  std::size_t least = 2;
+  if (tried != tried_.end()) {
+    const double enough = world.options.closures.retry_growth * static_cast<double>(tried->second);
+    least = static_cast<std::size_t>(enough) + 1;
+  }
   if (group.members.size() < least) return std::nullopt;
   const SightingGroup some = evenly_taken(group, world.options.closures.max_compared);
   if (!group.is_merge() && pool[some.members.front()].is_tag)

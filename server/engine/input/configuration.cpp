@@ -88,6 +88,10 @@ RobotConfiguration read_robot(const Setting& table, const std::string& name) {
   return configuration;
 }
 
+std::string barcode_taken(std::int32_t barcode, const std::string& robot, const std::string& wearer) {
+  return "barcode " + std::to_string(barcode) + " of robot " + robot + " is given already to " + wearer;
+}
+
 void read_robots(const Setting& robots, Configuration& configuration) {
   std::map<std::int32_t, std::string> wearers;
   for (const auto& [key, setting] : std::get<Setting::Table>(robots.value)) {
@@ -100,9 +104,7 @@ void read_robots(const Setting& robots, Configuration& configuration) {
     if (!is_new) fail_at(setting.where, "robot " + name + " is given twice (names compare without case)");
     const std::int32_t barcode = robot->second.robot.barcode;
     const auto [wearer, is_free] = wearers.emplace(barcode, name);
-    if (barcode >= 0 && !is_free)
-      fail_at(setting.where, "barcode " + std::to_string(barcode) + " of robot " + name +
-                                 " is given already to " + wearer->second);
+    if (barcode >= 0 && !is_free) fail_at(setting.where, barcode_taken(barcode, name, wearer->second));
   }
 }
 

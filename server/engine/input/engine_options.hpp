@@ -99,6 +99,12 @@ struct EngineOptions {
     group("footprints", footprints);
     group("odometry_noise", odometry_noise);
     group("odometry_bias", odometry_bias);
+    visit_team_tuning(group);
+  }
+
+  /// The groups of what is between robots, and of what is done with a map.
+  template <class Visitor>
+  void visit_team_tuning(Visitor&& group) {
     group("pose_history", pose_history);
     group("teammates", teammates);
     group("health", health);

@@ -161,8 +161,10 @@ void Fields::finish() const {
   for (const auto& [key, setting] : *table_) {
     if (known_.contains(key)) continue;
     std::string known;
-    for (const std::string& one : known_) known += (known.empty() ? "" : ", ") + one;
-    fail_at(setting.where, "unknown key '" + key + "'" + name_ + " (known: " + known + ")");
+    for (const std::string& one : known_) known.append(known.empty() ? "" : ", ").append(one);
+    std::string reason = "unknown key '";
+    reason.append(key).append("'").append(name_).append(" (known: ").append(known).append(")");
+    fail_at(setting.where, reason);
   }
 }
 

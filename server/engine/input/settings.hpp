@@ -38,8 +38,8 @@ Setting parse_settings(const std::string& toml, const std::string& file);
 ///
 ///     void read_trial(const Setting& table, TrialOptions& options) {
 ///       Fields fields(table, " in [tuning.trial]");
-///       fields.read_within("seam_m", options.seam_m, 0.1, 100);
-///       fields.read_within("least_matches", options.least_matches, 1, 1000);
+///       fields.read_within("min_way_m", options.min_way_m, 0.1, 100);
+///       fields.read_within("max_pairs", options.max_pairs, 1, 1000);
 ///       fields.finish();
 ///     }
 ///     if (const Setting* trial = fields.table("trial")) read_trial(*trial, options.trial);

@@ -18,19 +18,19 @@ constexpr double min_tail = 1e-9;  // of a probability
 struct GroupReader {
   Fields& fields;
 
-  void operator()(double& value, const char* name, const std::string& unit, const char*) const {
+  void operator()(double& value, const char* name, const OptionUnit& unit, const char*) const {
     const double max = value > 0 ? value * max_factor : max_factor;
-    fields.read_within(name, value, value / max_factor, unit == "share" ? std::min(1.0, max) : max);
+    fields.read_within(name, value, value / max_factor, std::min(unit.max, max));
   }
 
-  void operator()(ChiSquaredBound& bound, const char* name, const char*, const char*) const {
+  void operator()(ChiSquaredBound& bound, const char* name, const OptionUnit&, const char*) const {
     double probability = bound.probability();
     fields.read_within(name, probability, min_tail, 1 - min_tail);
     bound = ChiSquaredBound(probability, bound.degrees_of_freedom());
   }
 
   template <std::integral Integer>
-  void operator()(Integer& value, const char* name, const char*, const char*) const {
+  void operator()(Integer& value, const char* name, const OptionUnit&, const char*) const {
     const auto given = static_cast<std::int64_t>(value);
     constexpr auto factor = static_cast<std::int64_t>(max_factor);
     constexpr std::int64_t max = std::min<std::uint64_t>(std::numeric_limits<Integer>::max(),
@@ -68,11 +68,11 @@ void read_tuning(const Setting& table, EngineOptions& options) {
 std::string tuning_text(EngineOptions options) {
   std::string text = "[tuning]\n";
   options.visit_tuning([&](const std::string& group_name, auto& group) {
-    group.visit_options([&](const auto& value, const std::string& name, const std::string& unit,
-                            const char* meaning) {
-      text +=
-          "# " + unit + ": " + meaning + "\n" + group_name + "." + name + " = " + number_text(value) + "\n";
-    });
+    group.visit_options(
+        [&](const auto& value, const std::string& name, const OptionUnit& unit, const char* meaning) {
+          text += std::string("# ") + unit.text + ": " + meaning + "\n" + group_name + "." + name + " = " +
+                  number_text(value) + "\n";
+        });
   });
   return text;
 }

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "patches/option_unit.hpp"
+
 namespace isthmus {
 
 /// What becomes of sightings (Howard et al. 2006, IV-C), see sightings/ and closures/.
@@ -22,6 +24,7 @@ struct ClosureOptions {
   std::int64_t encounter_us = 60'000'000;
   std::size_t max_waiting = 400;
   std::size_t max_compared = 24;
+  double retry_growth = 1.5;
   std::size_t max_reopened = 2'000;
   std::int64_t step_price_us = 5'000;
   double work_share = 0.5;
@@ -55,10 +58,12 @@ struct ClosureOptions {
     option(encounter_us, "encounter_us", "µs", "sightings of a loop so far apart are different encounters");
     option(max_waiting, "max_waiting", "count", "of sightings of one group, or of a tag that is nowhere");
     option(max_compared, "max_compared", "count", "of them, taken evenly, each with each");
+    option(retry_growth, "retry_growth", "factor",
+           "in a group's sightings after which a joining that was refused is tried again");
     option(max_reopened, "max_reopened", "count",
            "of refused sightings, the newest, that are looked at again once a merge was contradicted");
     option(step_price_us, "step_price_us", "µs", "nominal, of one step of a trial");
-    option(work_share, "work_share", "share", "of event time for trials");
+    option(work_share, "work_share", share_unit, "of event time for trials");
     option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
     option(
         alike_m, "alike_m", "m",

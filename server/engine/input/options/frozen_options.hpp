@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "patches/option_unit.hpp"
+
 namespace isthmus {
 
 /// Finding a robot that is somewhere on a finished map, see frozen/finder.hpp. Anchors and windows are those
@@ -27,7 +29,7 @@ struct FinderOptions {
     option(min_piece_way_m, "min_piece_way_m", "m", "of its way before it is searched for");
     option(min_half_window_rad, "min_half_window_rad", "rad",
            "of a window: one that is too much for one step is searched in halves down to this");
-    option(min_score, "min_score", "share", "of the search at a place that is an answer");
+    option(min_score, "min_score", share_unit, "of the search at a place that is an answer");
     option(agreeing_m, "agreeing_m", "m", "within which two finds say the same");
     option(agreeing_rad, "agreeing_rad", "rad", "within which two finds say the same");
     option(agreeing_way_m, "agreeing_way_m", "m", "between two finds: less is the same view twice");
@@ -59,7 +61,7 @@ struct FrozenOptions {
     option(max_tries, "max_tries", "count", "of scans matched in vain where the robot was thought to be");
     option(guess_variance_m2, "guess_variance_m2", "m²", "of each axis where a robot is thought to be");
     option(guess_variance_rad2, "guess_variance_rad2", "rad²", "of its yaw there");
-    option(work_share, "work_share", "share", "of event time for the search: nothing else is to be done");
+    option(work_share, "work_share", share_unit, "of event time for the search: nothing else is to be done");
     option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
   }
 };

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "patches/option_unit.hpp"
+
 namespace isthmus {
 
 /// Searching for what robots saw last wherever it may have been before, see hypotheses/hypotheses.hpp.
@@ -35,10 +37,10 @@ struct HypothesisOptions {
     option(max_piece_way_m, "max_piece_way_m", "m", "of its way that is searched for");
     option(min_piece_way_m, "min_piece_way_m", "m", "of its way before it is searched for");
     option(max_queries, "max_queries", "count", "that wait; the oldest goes");
-    option(min_score, "min_score", "share", "of the search at a place that is an answer");
-    option(min_score_anywhere, "min_score_anywhere", "share",
+    option(min_score, "min_score", share_unit, "of the search at a place that is an answer");
+    option(min_score_anywhere, "min_score_anywhere", share_unit,
            "the same on islands where nothing says where to look");
-    option(work_share, "work_share", "share", "of event time for the search");
+    option(work_share, "work_share", share_unit, "of event time for the search");
     option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
     option(step_price_us, "step_price_us", "µs", "nominal, of one step at least");
     option(evaluation_price_us, "evaluation_price_us", "µs", "nominal, of an evaluation of the search");

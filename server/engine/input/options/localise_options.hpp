@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "patches/option_unit.hpp"
 #include "relations/chi_squared.hpp"
 
 namespace isthmus {
@@ -42,11 +43,11 @@ struct LocaliseOptions {
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(min_score, "min_score", "share", "score below which a match is not believed");
+    option(min_score, "min_score", share_unit, "score below which a match is not believed");
     option(
-        doubtful_score, "doubtful_score", "share",
+        doubtful_score, "doubtful_score", share_unit,
         "below which a scan is looked for anew in all that lies near, and not believed where that finds it");
-    option(min_score_implausible, "min_score_implausible", "share",
+    option(min_score_implausible, "min_score_implausible", share_unit,
            "the same of one after odometry did what no robot does");
     option(match_trust, "match_trust", "factor",
            "on a match's information against odometry's, from scan to scan: a match with many patches errs "
@@ -63,6 +64,12 @@ struct LocaliseOptions {
     option(implausible_variance_m2, "implausible_variance_m2", "m²",
            "of each axis after implausible odometry, when only matching can tell where the robot is");
     option(implausible_variance_rad2, "implausible_variance_rad2", "rad²", "the same of the yaw");
+    visit_surprise_options(option);
+  }
+
+  /// What is done with a match that ends far from the prediction.
+  template <class Visitor>
+  void visit_surprise_options(Visitor&& option) {
     option(match_variance_m2, "match_variance_m2", "m²",
            "what matching itself errs by, for the surprise at a match that ends away from the prediction");
     option(match_variance_rad2, "match_variance_rad2", "rad²", "the same of the yaw");
@@ -77,10 +84,10 @@ struct LocaliseOptions {
     option(moving_thing_m, "moving_thing_m", "m",
            "wider than this, a thing does not move along with the robot as people and robots do");
     option(loose_share, "loose_share", "factor", "on the information of the prediction from there");
-    option(loose_gain, "loose_gain", "share",
+    option(loose_gain, "loose_gain", share_unit,
            "that the score must be better by from the same beginning, held loosely");
-    option(other_start_gain, "other_start_gain", "share", "the same from another beginning");
-    option(claimed_start_loss, "claimed_start_loss", "share",
+    option(other_start_gain, "other_start_gain", share_unit, "the same from another beginning");
+    option(claimed_start_loss, "claimed_start_loss", share_unit,
            "that the score may be worse by where implausible odometry says that the robot is: odometry that "
            "stood still and then jumps may well be right");
     option(window_sigmas, "window_sigmas", "sigmas", "half width of the window that is searched at last,");
@@ -108,7 +115,7 @@ struct FollowOptions {
     option(reselect_rad, "reselect_rad", "rad", "or of rotation");
     option(clearly_nearer_m, "clearly_nearer_m", "m",
            "by which another patch must be nearer for the robot to change to it");
-    option(well_seen, "well_seen", "share",
+    option(well_seen, "well_seen", share_unit,
            "determinant of the trust in both directions of the plane, above which a match tells of both");
     option(max_lost_scans, "max_lost_scans", "count",
            "of scans in a row, unmatched after implausible odometry: the robot is somewhere else");
@@ -137,10 +144,10 @@ struct ExtendOptions {
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(thin_score, "thin_score", "share", "a match below this is on new ground: worth a patch");
-    option(turned_score, "turned_score", "share",
+    option(thin_score, "thin_score", share_unit, "a match below this is on new ground: worth a patch");
+    option(turned_score, "turned_score", share_unit,
            "a match below this, turned away from its neighbours, is worth a patch");
-    option(turned_uncovered_share, "turned_uncovered_share", "share",
+    option(turned_uncovered_share, "turned_uncovered_share", share_unit,
            "of the free area that none of them covers, above which one turned away is worth a patch");
     option(here_share, "here_share", "factor",
            "on the spacing of patches: nearer to one than this, a match on new ground adds none");
@@ -151,9 +158,9 @@ struct ExtendOptions {
     option(sampled_beams, "sampled_beams", "count", "of the free space, for the share that is covered");
     option(max_sample_m, "max_sample_m", "m", "free space farther away is not looked at");
     option(min_sample_m, "min_sample_m", "m", "beams no longer than this are left out");
-    option(first_sample, "first_sample", "share", "of a beam's length at which it is looked at,");
-    option(second_sample, "second_sample", "share", "and again,");
-    option(third_sample, "third_sample", "share", "and again");
+    option(first_sample, "first_sample", share_unit, "of a beam's length at which it is looked at,");
+    option(second_sample, "second_sample", share_unit, "and again,");
+    option(third_sample, "third_sample", share_unit, "and again");
   }
 };
 

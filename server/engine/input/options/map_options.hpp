@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "patches/option_unit.hpp"
 #include "relations/chi_squared.hpp"
 
 namespace isthmus {
@@ -29,7 +30,7 @@ struct SurroundingsOptions {
     option(loop_patches, "loop_patches", "count",
            "of patches, nearest in the graph, among which local loops are looked for");
     option(reach_m, "reach_m", "m", "patches with origins farther away are left out of the local map");
-    option(min_overlap, "min_overlap", "share",
+    option(min_overlap, "min_overlap", share_unit,
            "of the scan's points that have a point of the patch near them; patches with less are left out");
     option(overlap_points, "overlap_points", "count", "of the scan that this share is taken of");
     option(oldest, "oldest", "count", "of patches of the local map: the oldest hold the map together");
@@ -60,10 +61,10 @@ struct LocalLoopOptions {
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(min_score, "min_score", "share", "score of a match, over all beams, that closes a local loop");
-    option(min_score_partly_known, "min_score_partly_known", "share",
+    option(min_score, "min_score", share_unit, "score of a match, over all beams, that closes a local loop");
+    option(min_score_partly_known, "min_score_partly_known", share_unit,
            "the same over the beams that found something to pair with, where the rest may look elsewhere");
-    option(min_paired, "min_paired", "share", "of the beams that must then have found something");
+    option(min_paired, "min_paired", share_unit, "of the beams that must then have found something");
     option(max_surprise, "max_surprise", "probability",
            "χ² of 3 of a match that ends away from where the map expected the robot");
     option(unambiguous_half_width_m, "unambiguous_half_width_m", "m",

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "patches/option_unit.hpp"
 #include "relations/chi_squared.hpp"
 
 namespace isthmus {
@@ -35,14 +36,14 @@ struct PlaceCandidateOptions {
     option(window_margin_m, "window_margin_m", "m", "beyond that, on the robot's own island");
     option(reach_m, "reach_m", "m", "so near, two views overlap");
     option(min_way_m, "min_way_m", "m", "over the map: nearer, it is the same stretch of way");
-    option(drift_per_way, "drift_per_way", "share",
+    option(drift_per_way, "drift_per_way", share_unit,
            "of the way: more than any map errs before loops close, whatever it believes of itself");
     option(min_drift_m, "min_drift_m", "m", "of that, however short the way");
     option(drift_rad_per_m, "drift_rad_per_m", "rad/m", "the same of the yaw");
     option(min_drift_rad, "min_drift_rad", "rad", "of that, however short the way");
     option(window_sigmas, "window_sigmas", "sigmas",
            "of the covariance by which a window is wider than that drift, and that the drift stands for");
-    option(systematic_share, "systematic_share", "share",
+    option(systematic_share, "systematic_share", share_unit,
            "of the way that maps err by beyond their covariance: no sensor errs at random only (standard "
            "deviation)");
     option(systematic_m, "systematic_m", "m", "and however short the way");
@@ -98,13 +99,13 @@ struct PlaceSearchOptions {
     option(coarse_evaluations, "coarse_evaluations", "count", "correlative.max_evaluations of that");
     option(fine_window_m, "fine_window_m", "m", "half width of the second search, about what was found");
     option(fine_window_rad, "fine_window_rad", "rad", "the same in yaw");
-    option(fine_second_share, "fine_second_share", "share", "correlative.second_share of that");
-    option(min_score, "min_score", "share", "of a match of one scan and of the whole piece");
-    option(min_bent_score, "min_bent_score", "share", "of the whole piece, where one scan of it");
-    option(min_carrier_score, "min_carrier_score", "share", "fits as well as this");
+    option(fine_second_share, "fine_second_share", share_unit, "correlative.second_share of that");
+    option(min_score, "min_score", share_unit, "of a match of one scan and of the whole piece");
+    option(min_bent_score, "min_bent_score", share_unit, "of the whole piece, where one scan of it");
+    option(min_carrier_score, "min_carrier_score", share_unit, "fits as well as this");
     option(max_weak_sigma_m, "max_weak_sigma_m", "m",
            "standard deviation of that scan along the direction that its beams determine least");
-    option(max_contradiction, "max_contradiction", "share",
+    option(max_contradiction, "max_contradiction", share_unit,
            "of hits in the other's free space before the trial has laid the two together");
     option(bent_kernel_m, "bent_kernel_m", "m",
            "scale of the robust loss for the whole piece: some metres of way are not quite rigid");

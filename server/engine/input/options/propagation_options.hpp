@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "patches/option_unit.hpp"
 #include "relations/chi_squared.hpp"
 
 namespace isthmus {
@@ -82,13 +83,19 @@ struct TrialOptions {
     option(slip_variance_rad2, "slip_variance_rad2", "rad²", "the same of the yaw");
     option(strong_support, "strong_support", "count",
            "of sightings that may say that those sigmas were too small");
-    option(max_contradiction, "max_contradiction", "share",
+    option(max_contradiction, "max_contradiction", share_unit,
            "of hits that may lie deep in the other side's free space");
     option(max_sighting_cost, "max_sighting_cost", "χ² of 1",
            "mean over the sightings after the fit; true ones stay below 0.55");
     option(max_find_cost, "max_find_cost", "χ² of 3", "mean over the finds' relations after the fit");
     option(max_relation_cost, "max_relation_cost", "χ²", "of one relation that counts for these means");
-    option(min_matched_share, "min_matched_share", "share",
+    visit_scan_options(option);
+  }
+
+  /// What scans are asked for.
+  template <class Visitor>
+  void visit_scan_options(Visitor&& option) {
+    option(min_matched_share, "min_matched_share", share_unit,
            "of the patches that were compared that must match");
     option(few_compared, "few_compared", "count", "of patches: fewer prove nothing");
     option(min_support_two_way, "min_support_two_way", "count",
@@ -134,7 +141,7 @@ struct ProximityMatchingOptions {
   void visit_options(Visitor&& option) {
     option(step_price_us, "step_price_us", "µs", "nominal, of one step");
     option(max_credit_us, "max_credit_us", "µs", "that can be saved up");
-    option(work_share, "work_share", "share", "of event time that becomes credit");
+    option(work_share, "work_share", share_unit, "of event time that becomes credit");
   }
 };
 

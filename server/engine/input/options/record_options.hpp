@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "patches/option_unit.hpp"
+
 namespace isthmus {
 
 /// The last pass over a log (isthmus-replay --refine), see record/refinement.hpp.
@@ -18,7 +20,7 @@ struct RefinementOptions {
     option(max_patches, "max_patches", "count",
            "of a local map: the nearest, as none is newer than another here");
     option(max_points, "max_points", "count", "of a scan: no robot waits, so nearly all");
-    option(min_score, "min_score", "share", "of a match that is taken over");
+    option(min_score, "min_score", share_unit, "of a match that is taken over");
     option(start_kernel_m, "start_kernel_m", "m",
            "match.start_kernel_m of these: the scan lies nearly right");
     option(carried_sigma_m, "carried_sigma_m", "m",

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "patches/option_unit.hpp"
+
 namespace isthmus {
 
 /// Where two robots should meet to settle a hypothesis, see rendezvous/meeting_plan.hpp.
@@ -59,7 +61,7 @@ struct RendezvousOptions {
     option(max_gap_us, "max_gap_us", "µs", "between scans: after a longer one a watch begins anew");
     option(beyond_m, "beyond_m", "m", "behind the middle of where the other would be");
     option(min_distance_m, "min_distance_m", "m", "nearer than that the two would touch");
-    option(seen_share, "seen_share", "share", "of the other's radius that the beams must meet");
+    option(seen_share, "seen_share", share_unit, "of the other's radius that the beams must meet");
   }
 };
 

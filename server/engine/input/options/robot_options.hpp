@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "patches/option_unit.hpp"
+
 namespace isthmus {
 
 /// How far odometry is trusted, see robot/odometry_noise.hpp. Variances are those at scale 1: they grow with
@@ -39,15 +41,15 @@ struct OdometryNoiseOptions {
         first_path_scale, "first_path_scale", "factor",
         "on variances of a path of many steps, before anything is learned: errors of successive steps have "
         "a common part");
-    option(forgetting, "forgetting", "share", "of the learned variance that one step replaces");
+    option(forgetting, "forgetting", share_unit, "of the learned variance that one step replaces");
     option(min_scale, "min_scale", "factor", "that is learned at least");
     option(max_scale, "max_scale", "factor", "that is learned at most");
-    option(well_known, "well_known", "share",
+    option(well_known, "well_known", share_unit,
            "trust in the direction of the way above which translation is learned from a match");
     option(rest_m, "rest_m", "m", "a shorter way tells only how matching trembles");
     option(rest_rad, "rest_rad", "rad", "and a smaller rotation");
     option(outlier_sigmas, "outlier_sigmas", "sigmas", "larger disagreements count as this");
-    option(path_forgetting, "path_forgetting", "share", "of the path's scale that one path replaces");
+    option(path_forgetting, "path_forgetting", share_unit, "of the path's scale that one path replaces");
     option(plausible_path, "plausible_path", "χ² of 3",
            "that a path may be off by, 95 % of them; where it is off by more, its covariance is widened");
     option(min_path_scale, "min_path_scale", "factor", "on variances of a path that is learned at least");
@@ -74,17 +76,18 @@ struct OdometryBiasOptions {
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(turn_per_m_sigma, "turn_per_m_sigma", "rad/m", "that a robot turns by as it drives, unnoticed");
-    option(turn_share_sigma, "turn_share_sigma", "share", "of turns that are not counted");
-    option(aside_share_sigma, "aside_share_sigma", "share", "of the way that it drives aside");
+    option(turn_share_sigma, "turn_share_sigma", share_unit, "of turns that are not counted");
+    option(aside_share_sigma, "aside_share_sigma", share_unit, "of the way that it drives aside");
     option(aside_per_rad_sigma, "aside_per_rad_sigma", "m/rad", "that it moves aside as it turns");
-    option(way_share_sigma, "way_share_sigma", "share", "of the way that is not counted");
+    option(way_share_sigma, "way_share_sigma", share_unit, "of the way that is not counted");
     option(memory_m, "memory_m", "m",
            "of way after which a step counts for a third: floors and loads change");
     option(memory_rad, "memory_rad", "rad", "of turns likewise");
     option(match_sigma_m, "match_sigma_m", "m", "standard deviation of a matched step");
     option(match_sigma_rad, "match_sigma_rad", "rad", "and of its yaw");
     option(outlier_sigmas, "outlier_sigmas", "sigmas", "a disagreement beyond this counts less (Huber)");
-    option(well_known, "well_known", "share", "trust in a direction above which it is learned from a match");
+    option(well_known, "well_known", share_unit,
+           "trust in a direction above which it is learned from a match");
     option(rest_m, "rest_m", "m", "a shorter way tells only how matching trembles");
     option(rest_rad, "rest_rad", "rad", "and a smaller rotation");
   }
@@ -160,8 +163,8 @@ struct HealthOptions {
     option(still_m, "still_m", "m", "of way by which odometry says that nothing moved");
     option(still_rad, "still_rad", "rad", "of rotation by which it says so");
     option(changed_m, "changed_m", "m", "of a beam's range that has changed,");
-    option(changed_range_share, "changed_range_share", "share", "and of the range");
-    option(changed_share, "changed_share", "share",
+    option(changed_range_share, "changed_range_share", share_unit, "and of the range");
+    option(changed_share, "changed_share", share_unit,
            "of the beams: a scan shows other surroundings; more than people who walk by hide");
   }
 };
@@ -201,22 +204,22 @@ struct HealthWarningOptions {
     option(never_moved_m, "never_moved_m", "m", "of odometry that never moved");
     option(never_turned_rad, "never_turned_rad", "rad", "of odometry that never turned");
     option(min_changes, "min_changes", "count", "of scans that show other surroundings");
-    option(freezing_share, "freezing_share", "share", "of these while odometry stood still");
-    option(poorly_explained, "poorly_explained", "share",
+    option(freezing_share, "freezing_share", share_unit, "of these while odometry stood still");
+    option(poorly_explained, "poorly_explained", share_unit,
            "of the motion seen by the laser; odometry of recorded logs explains 0.87 of ways, 0.74 of turns");
     option(other_unit, "other_unit", "factor", "too much or too little: no wheel wears off so far");
     option(near_unit, "near_unit", "factor", "within which a ratio is that of a known unit");
-    option(still_share, "still_share", "share", "of odometry's way that the laser saw: it stood still");
+    option(still_share, "still_share", share_unit, "of odometry's way that the laser saw: it stood still");
     option(still_units, "still_units", "factor", "on other_unit, for the same");
     option(other_scale, "other_scale", "factor", "too much or too little of one unit");
     option(other_direction_rad, "other_direction_rad", "rad", "between odometry's way and the laser's: 25°");
     option(backwards_rad, "backwards_rad", "rad", "the same of a laser mounted backwards: 135°");
-    option(steady, "steady", "share", "of a direction that is always the same; 0.96 in recorded logs");
-    option(turned_over, "turned_over", "share",
+    option(steady, "steady", share_unit, "of a direction that is always the same; 0.96 in recorded logs");
+    option(turned_over, "turned_over", share_unit,
            "by which turns go against one another (negative correlation)");
     option(late_scans, "late_scans", "count", "of scans that odometry is late");
-    option(better_late, "better_late", "share", "of what is off without a shift");
-    option(mostly, "mostly", "share", "of the scans");
+    option(better_late, "better_late", share_unit, "of what is off without a shift");
+    option(mostly, "mostly", share_unit, "of the scans");
   }
 };
 

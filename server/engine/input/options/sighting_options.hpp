@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "patches/option_unit.hpp"
 #include "relations/chi_squared.hpp"
 
 namespace isthmus {
@@ -32,7 +33,7 @@ struct AlignmentOptions {
            "χ² of 1, the same of range or bearing alone");
     option(min_baseline_m, "min_baseline_m", "m", "between two points that give a relative pose");
     option(length_slack_m, "length_slack_m", "m", "that two measures of this distance may differ by,");
-    option(length_slack_share, "length_slack_share", "share", "and of the distance");
+    option(length_slack_share, "length_slack_share", share_unit, "and of the distance");
     option(rival_us, "rival_us", "µs", "around the supporters: who disagrees within it is a rival");
     option(lone_pair_us, "lone_pair_us", "µs", "that a pair of sightings waits for a third");
     option(min_supporters, "min_supporters", "count", "of sightings that need not wait");

@@ -52,10 +52,12 @@ TEST(Tuning, EachMemberOfEachGroupIsListedOnceWithUnitAndMeaning) {
     std::set<const void*> members;
     std::set<std::string> names;
     group.visit_options(
-        [&](auto& value, const char* key, const std::string& unit, const std::string& meaning) {
+        [&](auto& value, const char* key, const OptionUnit& option_unit, const std::string& meaning) {
+          const std::string unit = option_unit.text;
           EXPECT_TRUE(members.insert(&value).second) << name << "." << key;
           EXPECT_TRUE(names.insert(key).second) << name << "." << key;
           EXPECT_FALSE(unit.empty() || contains(unit, ":")) << name << "." << key;
+          EXPECT_EQ(unit == "share", option_unit.max == 1) << name << "." << key << ": use share_unit";
           EXPECT_FALSE(meaning.empty() || contains(meaning, "\n")) << name << "." << key;
           const auto* at = reinterpret_cast<const char*>(&value);
           const auto* begin = reinterpret_cast<const char*>(&group);
