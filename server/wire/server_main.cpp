@@ -68,10 +68,7 @@ void add_periods(CLI::App& app, Arguments& arguments) {
   add("--grid-period", arguments.grid_s, 0.1, "in which the grid of one island that changed is sent");
 }
 
-void add_options(CLI::App& app, Arguments& arguments) {
-  app.add_option("--config", arguments.config_file, "TOML configuration; none is needed");
-  app.add_option("--lcm-url", arguments.lcm_url, "LCM network, or file://LOG for a log")
-      ->capture_default_str();
+void add_journal_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--journal", arguments.journal_directory,
                  "directory for the record of all events; one that exists is continued");
   app.add_option("--segment-mb", arguments.segment_mb, "size of one file of the journal")
@@ -90,17 +87,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag("--frozen", arguments.frozen,
                "localise robots in the map of a journal, which is only read: neither changes")
       ->needs("--journal");
-  app.add_option("-o,--output", arguments.output_directory,
-                 "directory for maps and trajectories, written at the end");
-  add_force(app, arguments.force);
-  add_periods(app, arguments);
-  app.add_option(
-         "--stop-timeout", arguments.stop_timeout_s,
-         "time limit for stopping: results are written at once, and again when the map is finished or "
-         "this time is over")
-      ->type_name("SECONDS")
-      ->check(CLI::Range(1, 86'400))
-      ->capture_default_str();
+}
+
+void add_page_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--metrics-port", arguments.metrics_port,
                  "Prometheus metrics at http://127.0.0.1:PORT/metrics; 0: none")
       ->check(CLI::Range(0, 65535));
@@ -114,6 +103,25 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--http-token-file", arguments.http_token_file,
                  "file with a token that viewers of the page must have")
       ->needs("--http-port");
+}
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  app.add_option("--config", arguments.config_file, "TOML configuration; none is needed");
+  app.add_option("--lcm-url", arguments.lcm_url, "LCM network, or file://LOG for a log")
+      ->capture_default_str();
+  add_journal_options(app, arguments);
+  app.add_option("-o,--output", arguments.output_directory,
+                 "directory for maps and trajectories, written at the end");
+  add_force(app, arguments.force);
+  add_periods(app, arguments);
+  app.add_option(
+         "--stop-timeout", arguments.stop_timeout_s,
+         "time limit for stopping: results are written at once, and again when the map is finished or "
+         "this time is over")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(1, 86'400))
+      ->capture_default_str();
+  add_page_options(app, arguments);
   app.add_option("--check-config", arguments.checked_file,
                  "check this configuration, report errors, and exit");
   app.add_option("--log-level", arguments.log_level, "lowest level that is logged on stderr")
@@ -128,8 +136,8 @@ std::string read_configuration(const std::string& file) {
   if (file.empty()) return "";
   std::string toml = read_text_file(file);
   const ServerConfiguration configuration = parse_server_configuration(toml, file);
-  for (const std::string& doubt : configuration_doubts(configuration.engine))
-    say("warning: " + file + ": " + doubt);
+  const std::string warning_of_file = "warning: " + file + ": ";
+  for (const std::string& doubt : configuration_doubts(configuration.engine)) say(warning_of_file + doubt);
   const Authentication& keys = configuration.authentication;
   if (keys.withheld) throw std::runtime_error(file + ": a key in [auth] is empty");
   if (!keys.is_required()) return toml;
@@ -190,7 +198,9 @@ void check_output(const Arguments& arguments, const Log& log) {
   check_new_directory(arguments.output_directory, arguments.force || goes_on);
 }
 
-LiveOptions live_options(const Arguments& arguments, const std::string& toml, const Log& log) {
+/// Of a server that hears the network, or reads `log_file` where there is one.
+LiveOptions live_options(const Arguments& arguments, const std::string& toml, const std::string& log_file,
+                         const Log& log) {
   LiveOptions options;
   options.toml = toml;
   options.journal_directory = arguments.journal_directory;
@@ -205,7 +215,19 @@ LiveOptions live_options(const Arguments& arguments, const std::string& toml, co
   options.journal.waiting_bytes = arguments.journal_waiting_mb * 1024 * 1024;
   options.journal.report = [log](const std::string& text) { log(LogLevel::warning, text, {}); };
   options.log = log;
+  options.mistakes = std::make_shared<Mistakes>();
+  if (log_file.empty()) {
+    options.clock = std::make_shared<EventClock>();
+  } else {
+    options.start_utime = first_utime(log_file);
+  }
   return options;
+}
+
+/// A log's messages in its order; senders of a network in turn, by the server's clock.
+Inbox inbox_of(const LiveOptions& options) {
+  if (!options.clock) return Inbox({}, InboxOrder::arrival, {});
+  return Inbox({}, InboxOrder::fair, [clock = options.clock] { return clock->now(); });
 }
 
 /// The page, where one is asked for.
@@ -231,6 +253,26 @@ Viewers viewers_of(PageServer& page, bool frozen) {
           [&page](const CommandEvent& order, DropReason reason) { page.orders().answered(order, reason); }};
 }
 
+void log_addresses(const Arguments& arguments, const std::string& url, const PageServer* page,
+                   const Log& log) {
+  log(LogLevel::info, "listening", {{"url", url}});
+  if (page)
+    log(LogLevel::info, "page",
+        {{"url", "http://" + arguments.http_address + ":" + std::to_string(page->port()) + "/"}});
+}
+
+/// Until a signal or the end of the log, and until what was received by then is handled.
+void run_to_the_end(LiveServer& server, LcmLink& link, Inbox& inbox, const sigset_t& signals,
+                    std::chrono::seconds stop_timeout, bool of_network, const Log& log,
+                    std::future<void>& running) {
+  wait_for_end(signals, running, server, stop_timeout, log, [&] { return link.ended(); });
+  if (of_network) link.stop();  // what was received before is still handled
+  inbox.close();
+  link.stop();
+  if (link.ended()) wait_for_end(signals, running, server, stop_timeout, log, [] { return false; });
+  running.get();
+}
+
 void serve(const Arguments& arguments, const std::string& toml) {
   const Log log = log_to_stderr(*parse_log_level(arguments.log_level));
   check_output(arguments, log);
@@ -240,13 +282,8 @@ void serve(const Arguments& arguments, const std::string& toml) {
     log(LogLevel::warning, warning, {});
   LcmLink link(url, log);
   const std::string log_file = log_file_of(url);
-  LiveOptions options = live_options(arguments, toml, log);
-  if (log_file.empty()) options.clock = std::make_shared<EventClock>();
-  ClockReading receive_utime;
-  if (options.clock) receive_utime = [clock = options.clock] { return clock->now(); };
-  Inbox inbox({}, log_file.empty() ? InboxOrder::fair : InboxOrder::arrival, receive_utime);
-  if (!options.clock) options.start_utime = first_utime(log_file);
-  options.mistakes = std::make_shared<Mistakes>();
+  LiveOptions options = live_options(arguments, toml, log_file, log);
+  Inbox inbox = inbox_of(options);
   options.publish_failures = [&] { return link.publish_failures(); };
   std::optional<HttpPage> metrics;
   if (arguments.metrics_port > 0) {
@@ -259,28 +296,20 @@ void serve(const Arguments& arguments, const std::string& toml) {
     return receiving ? link.take(channel, bytes) : DropReason::stopped;
   });
   if (page) options.viewers = viewers_of(*page, arguments.frozen);
-  LiveServer server(options, inbox,
-                    [&](const auto& channel, const auto& bytes) { link.publish(channel, bytes); });
+  const auto publish = [&](const auto& channel, const auto& bytes) { link.publish(channel, bytes); };
+  LiveServer server(options, inbox, publish);
 
   const ChannelNames channels = server.channels();
   auto running = std::async(std::launch::async, [&] { server.run(); });
-  const Answers answers([&](const auto& channel, const auto& bytes) { link.publish(channel, bytes); }, log);
+  const Answers answers(publish, log);
   const auto tell_refused = [&](const command_t& order, DropReason reason, std::int64_t utime) {
     answers.tell(order, std::nullopt, reason, utime);
   };
   link.receive_into(inbox, channels, server.authenticator(), {tell_refused, options.mistakes});
   receiving = true;
-  log(LogLevel::info, "listening", {{"url", url}});
-  if (page)
-    log(LogLevel::info, "page",
-        {{"url", "http://" + arguments.http_address + ":" + std::to_string(page->port()) + "/"}});
-  const std::chrono::seconds stop_timeout(arguments.stop_timeout_s);
-  wait_for_end(signals, running, server, stop_timeout, log, [&] { return link.ended(); });
-  if (log_file.empty()) link.stop();  // what was received before is still handled
-  inbox.close();
-  link.stop();
-  if (link.ended()) wait_for_end(signals, running, server, stop_timeout, log, [] { return false; });
-  running.get();
+  log_addresses(arguments, url, page.get(), log);
+  run_to_the_end(server, link, inbox, signals, std::chrono::seconds(arguments.stop_timeout_s),
+                 log_file.empty(), log, running);
 }
 
 }  // namespace

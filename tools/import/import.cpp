@@ -86,20 +86,10 @@ std::map<std::string, ListSource> sighting_sources(const std::vector<SightingEve
   return sources;
 }
 
-}  // namespace
-
-ImportReport import_carmen(const CarmenImport& what, const std::function<void(const Event&)>& sink,
-                           const std::function<void(double)>& progress) {
-  const std::vector<RobotLog> logs = checked_logs(what);
-  ImportReport report;
+/// Reads all logs once for what they tell of robots. Returns the earliest stamp.
+std::int64_t survey_logs(const CarmenImport& what, const std::vector<RobotLog>& logs, ImportReport& report) {
   std::map<std::string, RobotRow> table;
   if (!what.robots_csv.empty()) table = read_robot_table(what.robots_csv);
-  std::vector<SightingEvent> sightings;
-  if (!what.sightings_csv.empty()) {
-    sightings = read_sighting_table(what.sightings_csv, what.skip_bad_lines, report.bad_lines);
-  }
-  auto observers = sighting_sources(sightings, logs, what.sightings_csv);
-
   std::int64_t start = std::numeric_limits<std::int64_t>::max();
   for (const RobotLog& log : logs) {
     if (!what.robots_csv.empty() && !table.contains(log.robot)) {
@@ -112,6 +102,22 @@ ImportReport import_carmen(const CarmenImport& what, const std::function<void(co
     report.robots.push_back(describe(log.robot, what, table[log.robot], facts));
     start = std::min(start, facts.first_utime);
   }
+  return start;
+}
+
+}  // namespace
+
+ImportReport import_carmen(const CarmenImport& what, const std::function<void(const Event&)>& sink,
+                           const std::function<void(double)>& progress) {
+  const std::vector<RobotLog> logs = checked_logs(what);
+  ImportReport report;
+  std::vector<SightingEvent> sightings;
+  if (!what.sightings_csv.empty()) {
+    sightings = read_sighting_table(what.sightings_csv, what.skip_bad_lines, report.bad_lines);
+  }
+  auto observers = sighting_sources(sightings, logs, what.sightings_csv);
+
+  std::int64_t start = survey_logs(what, logs, report);
   report.sightings = static_cast<long>(sightings.size());
   for (const SightingEvent& sighting : sightings) start = std::min(start, sighting.utime);
 

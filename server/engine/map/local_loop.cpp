@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "scanmatch/correlative.hpp"
@@ -102,6 +103,30 @@ SearchWindow window_about(const Pose& anchor_from_robot, const Eigen::Matrix3d& 
           half_width(2, options.max_window_rad)};
 }
 
+double widest_half_m(const SearchWindow& window) { return std::max(window.half_x_m, window.half_y_m); }
+
+// The scan's fit within the window, as wide as the walls leave it open; none where it does not fit well, fits
+// elsewhere about as well, or is farther from where the map has it than `information` lets it be.
+std::optional<Match> match_in_window(const LocalMap& local, const LoopQuery& query,
+                                     const SearchWindow& window, const Eigen::Matrix3d& information,
+                                     bool unambiguous, const EngineOptions& options) {
+  const LocalLoopOptions& its = options.local_loops;
+  const CorrelativeResult search = search_window(local, query.points, window, options.correlative);
+  if (search.score <= 0 || search.exhausted) return std::nullopt;
+  if (!unambiguous && search.second_score > options.ambiguity.share * search.score) return std::nullopt;
+  Match match = match_scan(local, query.points, {search.local_from_robot, its.prediction_share * information},
+                           options.match);
+  if (!fits(match, query, its) || (!unambiguous && match.quality.degenerate)) return std::nullopt;
+  const Eigen::Vector3d innovation = wrapped_difference(match.local_from_robot, window.centre);
+  if (innovation.dot(information * innovation) > its.max_surprise.value()) return std::nullopt;
+
+  const double weak_sigma_m = sigma_along_weak_direction(local, query.points, match,
+                                                         std::min(widest_half_m(window), its.looked_along_m),
+                                                         options.match, options.weak_direction);
+  widen(match, weak_sigma_m, relation_sigma_m(match.quality, options.relations), options.match);
+  return match;
+}
+
 }  // namespace
 
 LocalLoop match_loop(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
@@ -124,32 +149,23 @@ LocalLoop match_loop(const Map& map, const Surroundings& surroundings, const Loo
   const Eigen::Matrix3d information = covariance.inverse();
   if (query.whole_window && !within_window(covariance, its)) return found;
   const SearchWindow window = window_about(anchor_from_robot, covariance, its);
-  const double widest_m = std::max(window.half_x_m, window.half_y_m);
+  const double widest_m = widest_half_m(window);
   found.unambiguous = widest_m <= its.unambiguous_half_width_m;
 
   const LocalMap local =
       rigid_map(map, surroundings, query, around_anchor, anchor_from_robot, widest_m, options);
   if (local.patches.empty()) return found;
   found.compared = true;
-  const CorrelativeResult search = search_window(local, query.points, window, options.correlative);
-  if (search.score <= 0 || search.exhausted) return found;
-  if (!found.unambiguous && search.second_score > options.ambiguity.share * search.score) return found;
-  Match match = match_scan(local, query.points, {search.local_from_robot, its.prediction_share * information},
-                           options.match);
-  if (!fits(match, query, its) || (!found.unambiguous && match.quality.degenerate)) return found;
-  const Eigen::Vector3d innovation = wrapped_difference(match.local_from_robot, anchor_from_robot);
-  if (innovation.dot(information * innovation) > its.max_surprise.value()) return found;
-
-  const double weak_sigma_m =
-      sigma_along_weak_direction(local, query.points, match, std::min(widest_m, its.looked_along_m),
-                                 options.match, options.weak_direction);
-  widen(match, weak_sigma_m, relation_sigma_m(match.quality, options.relations), options.match);
+  const std::optional<Match> match =
+      match_in_window(local, query, window, information, found.unambiguous, options);
+  if (!match) return found;
 
   const Pose map_from_anchor = map.manifold().pose(anchor->patch);
   const Pose before = map_from_anchor * anchor_from_robot;
-  found.map_from_map = map_from_anchor * match.local_from_robot * inverse(before);
+  found.map_from_map = map_from_anchor * match->local_from_robot * inverse(before);
   found.position = position(before);
-  found.relations = match_relations(local, query.points, match, query.patch, query.origin, options.relations);
+  found.relations =
+      match_relations(local, query.points, *match, query.patch, query.origin, options.relations);
   return found;
 }
 

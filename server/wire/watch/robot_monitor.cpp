@@ -93,21 +93,23 @@ status_t RobotMonitor::status(const MapCopy& map, const ServerCounters& server, 
   }
   std::map<std::string, Robot> shown = robots_;
   for (const auto& [name, dropped] : map.counters.dropped_by_robot) shown.try_emplace(name);
-  for (const auto& [name, robot] : shown) {
-    robot_status_t one{};
-    one.robot = name;
-    one.last_heard_utime = robot.last_heard_utime;
-    one.message_rate_hz = robot.message_rate_hz;
-    one.scan_rate_hz = robot.scan_rate_hz;
-    one.scans = robot.scans;
-    one.share_matched =
-        robot.scans > 0 ? static_cast<double>(robot.scans_matched) / static_cast<double>(robot.scans) : 0;
-    const auto dropped = map.counters.dropped_by_robot.find(name);
-    if (dropped != map.counters.dropped_by_robot.end()) one.dropped = to_counts(dropped->second);
-    one.ndropped = static_cast<std::int32_t>(one.dropped.size());
-    status.robots.push_back(std::move(one));
-  }
+  for (const auto& [name, robot] : shown) status.robots.push_back(status_of(name, robot, map));
   status.nrobots = static_cast<std::int32_t>(status.robots.size());
+  return status;
+}
+
+robot_status_t RobotMonitor::status_of(const std::string& name, const Robot& robot, const MapCopy& map) {
+  robot_status_t status{};
+  status.robot = name;
+  status.last_heard_utime = robot.last_heard_utime;
+  status.message_rate_hz = robot.message_rate_hz;
+  status.scan_rate_hz = robot.scan_rate_hz;
+  status.scans = robot.scans;
+  status.share_matched =
+      robot.scans > 0 ? static_cast<double>(robot.scans_matched) / static_cast<double>(robot.scans) : 0;
+  const auto dropped = map.counters.dropped_by_robot.find(name);
+  if (dropped != map.counters.dropped_by_robot.end()) status.dropped = to_counts(dropped->second);
+  status.ndropped = static_cast<std::int32_t>(status.dropped.size());
   return status;
 }
 

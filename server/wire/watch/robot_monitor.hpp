@@ -51,6 +51,8 @@ class RobotMonitor {
     }
   };
 
+  static robot_status_t status_of(const std::string& name, const Robot& robot, const MapCopy& map);
+
   std::map<std::string, Robot> robots_;
 };
 
