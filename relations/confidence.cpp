@@ -15,6 +15,9 @@ std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
 /// and what hangs by them moves with them.
 constexpr double max_variance = 1e4;
 
+/// Half the width of a 95 % interval of a normal distribution, in standard deviations.
+constexpr double sigmas_of_95_percent = 1.96;
+
 bool determined(const Eigen::Matrix3d& covariance) {
   return covariance.allFinite() && covariance.diagonal().maxCoeff() < max_variance;
 }
@@ -88,7 +91,8 @@ bool well_determined(const Eigen::Matrix3d& relative_covariance, const Confidenc
   const double half_difference = std::hypot(0.5 * (position(0, 0) - position(1, 1)), position(0, 1));
   const double longest = std::sqrt(std::max(0.0, middle + half_difference));
   const double sigma_yaw = std::sqrt(std::max(0.0, relative_covariance(2, 2)));
-  return 1.96 * longest <= threshold.position_m && 1.96 * sigma_yaw <= threshold.yaw_rad;
+  return sigmas_of_95_percent * longest <= threshold.position_m &&
+         sigmas_of_95_percent * sigma_yaw <= threshold.yaw_rad;
 }
 
 }  // namespace isthmus

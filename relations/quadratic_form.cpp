@@ -11,6 +11,9 @@ namespace {
 /// Columns of R below this share of the largest are taken as no information at all.
 constexpr double rank_tolerance = 1e-9;
 
+/// Of Newton's method on the yaw, which doubles its digits each time once it is near.
+constexpr int max_iterations = 50;
+
 double squared_scale(const Matrix5d& r) { return r.topLeftCorner<5, 4>().colwise().squaredNorm().maxCoeff(); }
 
 /// The form with its translation eliminated: |R v|² at the best (x, y) for a yaw is |B (cos, sin, 1)|².
@@ -34,7 +37,7 @@ class YawProblem {
   /// Newton's method on the one angle, with the absolute value of the curvature, so that it leaves a maximum
   /// as fast as it approaches a minimum (Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4).
   double minimise(double yaw) const {
-    for (int iteration = 0; iteration < 50; ++iteration) {
+    for (int iteration = 0; iteration < max_iterations; ++iteration) {
       const Eigen::Matrix<double, 5, 1> e = value(yaw);
       const Eigen::Matrix<double, 5, 1> de =
           b_.leftCols<2>() * Eigen::Vector2d(-std::sin(yaw), std::cos(yaw));

@@ -6,6 +6,8 @@
 namespace isthmus {
 namespace {
 
+constexpr int max_iterations = 15;  // of Gauss-Newton: what has not come to rest by then is no circle
+
 struct Normals {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
@@ -41,7 +43,7 @@ Circle first_guess(std::span<const BeamPoint> points) {
 std::optional<Circle> fit_circle(std::span<const BeamPoint> points, double most_m) {
   if (points.size() < 4) return std::nullopt;
   Circle circle = first_guess(points);
-  for (int iteration = 0; iteration < 15; ++iteration) {
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Normals normals = normals_at(points, circle);
     const Eigen::LDLT<Eigen::Matrix3d> factor(normals.information);
     if (!factor.isPositive() || factor.rcond() < 1e-12) return std::nullopt;

@@ -5,6 +5,8 @@
 namespace isthmus {
 namespace {
 
+constexpr int iterations = 3;  // weights depend on the line's direction, which hardly moves after the first
+
 double variance_across(const BeamPoint& point, const Eigen::Vector2d& across) {
   return across.dot(point.covariance * across);
 }
@@ -54,7 +56,7 @@ std::optional<Line> fit_line(std::span<const BeamPoint> points) {
   if (!(chord.norm() > 1e-6)) return std::nullopt;
   Line line;
   line.along = chord.normalized();
-  for (int iteration = 0; iteration < 3; ++iteration) fit_once(points, line);
+  for (int iteration = 0; iteration < iterations; ++iteration) fit_once(points, line);
   judge(points, line);
   return line;
 }

@@ -11,6 +11,9 @@
 namespace isthmus {
 namespace {
 
+/// Sine of a beam's angle to a line: flatter beams are taken to be no farther apart on it than at this.
+constexpr double min_facing = 0.05;
+
 /// Whether what stands beside a surface lies well behind it on both sides, or brings no return; not at the
 /// scan's edge.
 bool stands_free(const ScanAround& around, const PointRun& surface, double clear_m) {
@@ -54,7 +57,7 @@ bool meet(const LineRun& one, const LineRun& next, const ScanAround& around,
   if (!at) return false;
   const auto spacing = [&](const BeamPoint& point, const Line& line) {
     const double facing = std::abs(line.across().dot(point.position.normalized()));
-    return 2 * point.range_m * around.step_rad / std::max(facing, 0.05);
+    return 2 * point.range_m * around.step_rad / std::max(facing, min_facing);
   };
   const BeamPoint& last = around.points[static_cast<std::size_t>(one.points.last)];
   const BeamPoint& first = around.points[static_cast<std::size_t>(next.points.first)];

@@ -24,11 +24,14 @@ struct FeatureMapOptions {
   double slip_m = 0.5;  ///< m and rad between the slips that are tried, about where odometry has the robot
   double slip_rad = 0.2;
   double slip_share = 0.5;              ///< of a scan's features: where fewer fit the map, a slip is tried
-  std::size_t slip_gain = 3;            ///< and believed where so many more fit then, and no fewer than three
+  std::size_t slip_gain = 3;            ///< and believed where so many more fit then,
+  std::size_t min_slipped = 3;          ///< and no fewer than this in all
   double observe_every_m = 0.1;         ///< m driven between scans that are used: a step costs n²
   double observe_every_rad = 0.02;      ///< rad turned between them
   double wait_s = 0.2;                  ///< of event time that scans and sightings wait for odometry
   double mutual_s = 1;                  ///< s between two sightings of one another that are one meeting
+  double agree_sigmas = 3;              ///< within which two meetings say the same,
+  double agree_reach_m = 10;            ///< m that a heading which errs may move what is compared
   double sighting_probability = 0.999;  ///< that a true sighting passes its gate
   std::size_t least_duplicates = 4;     ///< that make one meeting enough for a fusion
   std::size_t least_landmarks = 3;      ///< known to both maps, by which two maps of points come together

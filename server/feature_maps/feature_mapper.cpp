@@ -203,7 +203,7 @@ FeatureScanOutcome FeatureMapper::observe_or_slip(FeatureFilter& filter, int mem
     return best;
   const Eigen::Vector3d sigma(0.5 * options_.slip_m, 0.5 * options_.slip_m, 0.5 * options_.slip_rad);
   bool is_slip = false;
-  std::size_t enough = std::max<std::size_t>(3, best.paired.size() + options_.slip_gain);
+  std::size_t enough = std::max(options_.min_slipped, best.paired.size() + options_.slip_gain);
   for (const double yaw : {0.0, -1.0, 1.0, -2.0, 2.0}) {
     for (const double x : {0.0, -1.0, 1.0}) {
       for (const double y : {0.0, -1.0, 1.0}) {
@@ -331,7 +331,8 @@ bool FeatureMapper::borne_out(const Meeting& meeting, const RobotAlignment& alig
     const double off_m = std::hypot(there.x - here.x, there.y - here.y);
     const double turned = std::abs(wrap_angle(there.yaw - here.yaw));
     const double both = std::hypot(heading_sigma, other.heading_sigma_rad);
-    return turned < 3 * both && off_m < 3 * (other.range_sigma_m + 10 * both);
+    const double k = options_.agree_sigmas;
+    return turned < k * both && off_m < k * (other.range_sigma_m + options_.agree_reach_m * both);
   });
   pending_.push_back({one.team, two.team, maps, heading_sigma, std::sqrt(alignment.covariance(0, 0))});
   return agrees;

@@ -1,6 +1,7 @@
 #include "server/features/feature_filter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "server/features/growth.hpp"
@@ -12,12 +13,14 @@ namespace {
 /// feature.
 constexpr double wide_probability = 0.9999;
 
+/// Of a segment's length: where it is looked at.
+constexpr std::array<double, 5> sampled_shares = {0.1, 0.3, 0.5, 0.7, 0.9};
+
 /// Points by which one sees whether a feature is still there.
 std::vector<Eigen::Vector2d> samples(const Feature& feature) {
   if (feature.kind != FeatureKind::segment) return {feature.a};
   std::vector<Eigen::Vector2d> points;
-  for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9})
-    points.push_back(feature.a + share * (feature.b - feature.a));
+  for (const double share : sampled_shares) points.push_back(feature.a + share * (feature.b - feature.a));
   return points;
 }
 

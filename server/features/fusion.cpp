@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <nanoflann.hpp>
@@ -15,6 +16,9 @@
 
 namespace isthmus {
 namespace {
+
+/// On FusionOptions::at_once: larger groups are slower, and sometimes tell apart what smaller ones do not.
+constexpr std::array<std::size_t, 3> group_factors = {1, 2, 4};
 
 /// Points along features of the first map, for the kd-tree: a segment has one each metre.
 struct Landmarks {
@@ -286,7 +290,7 @@ Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int r
   const std::size_t met = one.robots.size() + static_cast<std::size_t>(robot_2);
   const Eigen::Vector2d rendezvous = position(fusion.state.robots[met].map_from_robot);
   const FeatureState start = fusion.state;
-  for (const std::size_t times : {1U, 2U, 4U}) {
+  for (const std::size_t times : group_factors) {
     Fusion other;
     other.state = start;
     FusionOptions larger = options;

@@ -5,6 +5,12 @@
 #include <numeric>
 
 namespace isthmus {
+namespace {
+
+/// So many letters of a word to each that is wrong: else it is another word.
+constexpr std::size_t letters_to_a_slip = 3;
+
+}  // namespace
 
 std::size_t letters_apart(std::string_view a, std::string_view b) {
   // Rows of the table over prefixes of a; `before` and `last` are of one and two letters less.
@@ -33,7 +39,8 @@ std::optional<std::string> nearest_word(std::string_view typed, const std::vecto
     if (apart < least) nearest = &word;
     least = std::min(least, apart);
   }
-  if (nearest == nullptr || 3 * least > std::max(typed.size(), nearest->size())) return std::nullopt;
+  if (nearest == nullptr || letters_to_a_slip * least > std::max(typed.size(), nearest->size()))
+    return std::nullopt;
   return *nearest;
 }
 

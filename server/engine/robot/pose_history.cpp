@@ -8,6 +8,9 @@
 namespace isthmus {
 namespace {
 
+// So many times as often as it fills, a history is thinned: each thinning looks at all of it.
+constexpr std::size_t thinnings = 4;
+
 // Places nearer than this to the one before them tell nothing new.
 bool near_by(const PastPlace& a, const PastPlace& b, const PoseHistoryOptions& options) {
   const Pose step = ominus(b.odom_from_robot, a.odom_from_robot);
@@ -40,7 +43,7 @@ void PoseHistory::add(const PastPlace& place, const PoseHistoryOptions& options)
   places_.insert(after, place);
   ++since_thinned_;
   if (places_.size() <= max_places) return;
-  if (since_thinned_ >= max_places / 4) thin(options);
+  if (since_thinned_ >= max_places / thinnings) thin(options);
   if (places_.size() > max_places) places_.pop_front();
 }
 

@@ -9,6 +9,8 @@
 namespace isthmus {
 namespace {
 
+constexpr int max_iterations = 10;  // of Gauss-Newton from a pose that a few sightings fit: three or four do
+
 // A residual of range and bearing, whitened, by (x, y, yaw) of first_from_second.
 struct Residual {
   int rows = 0;
@@ -145,7 +147,7 @@ Alignment fit_alignment(std::span<const ProjectedSighting> sightings, std::vecto
   Alignment alignment;
   Pose pose = start;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  for (int iteration = 0; iteration < 10; ++iteration) {
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
     information.setZero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     for (const std::size_t i : supporters) {

@@ -19,6 +19,9 @@ constexpr double margin_cells = 4;
 /// is hit by many and grazed by some, a passer-by is hit once and seen through ever after.
 constexpr int contradiction = 4;
 
+/// Cells grow by at least so much at a time until there are few enough.
+constexpr double min_coarser = 1.01;
+
 /// Poses farther out than this are no places.
 constexpr double farthest_m = 1e7;
 
@@ -52,7 +55,7 @@ Lattice lattice_over(const MapBox& bounds, double resolution_m, std::size_t max_
   const auto most = static_cast<double>(max_pixels);
   auto [low, size] = cut(resolution_m);
   while (size.x() * size.y() > most) {
-    resolution_m *= std::max(1.01, std::sqrt(size.x() * size.y() / most));
+    resolution_m *= std::max(min_coarser, std::sqrt(size.x() * size.y() / most));
     std::tie(low, size) = cut(resolution_m);
   }
   return {resolution_m, low.x(), low.y(), static_cast<int>(size.x()), static_cast<int>(size.y())};

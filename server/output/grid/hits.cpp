@@ -9,6 +9,10 @@ namespace {
 
 /// Neighbouring beams on one surface, at most so far apart, are joined into a wall.
 constexpr double max_wall_gap_m = 0.3;
+/// Where the line between them rises from either surface by no more than this,
+constexpr double max_slope = 0.3;
+/// and the cosine between the surfaces' normals is above this.
+constexpr double min_alike = 0.9;
 
 /// Whether the line between the hits of two neighbouring beams lies along the surface that both saw, and does
 /// not lead from a near surface to a far one.
@@ -17,7 +21,7 @@ bool one_surface(const ScanPoint& a, const ScanPoint& b) {
   const Eigen::Vector2d along = b.position - a.position;
   const double gap_m = along.norm();
   const double off_m = std::max(std::abs(a.normal.dot(along)), std::abs(b.normal.dot(along)));
-  return gap_m <= max_wall_gap_m && off_m <= 0.3 * gap_m && a.normal.dot(b.normal) > 0.9;
+  return gap_m <= max_wall_gap_m && off_m <= max_slope * gap_m && a.normal.dot(b.normal) > min_alike;
 }
 
 }  // namespace

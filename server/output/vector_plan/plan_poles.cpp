@@ -10,6 +10,12 @@
 namespace isthmus {
 namespace {
 
+/// So far before and behind a pole a beam must be seen to have gone through,
+constexpr double clear_m = 0.2;
+/// within so much of its radius, or of its centre where it is thin.
+constexpr double middle_share = 0.5;
+constexpr double middle_m = 0.02;
+
 struct Cluster {
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d weighted = Eigen::Vector2d::Zero();
@@ -81,13 +87,13 @@ PlanPole pole_of(const Cluster& cluster) {
 
 /// Whether a beam goes through the middle of the pole and ends behind it.
 bool looks_through(const View& view, const PlanPole& pole) {
-  const double reach = pole.radius_m + 0.2;
+  const double reach = pole.radius_m + clear_m;
   return std::any_of(view.ends.begin(), view.ends.end(), [&](const Eigen::Vector2d& end) {
     const Eigen::Vector2d beam = end - view.eye, to_pole = pole.centre - view.eye;
     const double length = beam.norm(), along = to_pole.dot(beam) / length;
     if (!(along > reach) || along > length - reach) return false;
     const double aside = std::abs(beam.x() * to_pole.y() - beam.y() * to_pole.x()) / length;
-    return aside < std::max(0.5 * pole.radius_m, 0.02);
+    return aside < std::max(middle_share * pole.radius_m, middle_m);
   });
 }
 

@@ -12,6 +12,9 @@
 namespace isthmus {
 namespace {
 
+/// Sine of the angle at which an end comes to a wall: where it is flatter there is no corner.
+constexpr double min_facing = 0.3;
+
 /// A wall, and how far either end may be drawn on to a corner.
 struct DrawnWall {
   PlanWall wall;
@@ -34,7 +37,7 @@ std::optional<double> reach_to_meet(const LooseEnd& end, const DrawnWall& other,
   const Eigen::Vector2d along = (wall.b - wall.a) / length;
   const Eigen::Vector2d across(along.y(), -along.x());
   const double facing = across.dot(end.outwards);
-  if (std::abs(facing) < 0.3) return std::nullopt;
+  if (std::abs(facing) < min_facing) return std::nullopt;
   const double beyond = across.dot(wall.a - end.at) / facing;
   const double at = along.dot(end.at + beyond * end.outwards - wall.a);
   if (beyond > end.room_m || beyond < -most_back_m) return std::nullopt;
