@@ -7,6 +7,7 @@
 
 #include "server/feature_maps/feature_source.hpp"
 #include "server/output/format/csv.hpp"
+#include "server/output/format/tum.hpp"
 #include "server/output/stale.hpp"
 #include "server/output/tables/trajectories.hpp"
 #include "server/output/vector_plan/plan_files.hpp"
@@ -62,11 +63,7 @@ std::map<int, std::int32_t> barcodes_of(const Team& team) {
 
 std::string tum(const Journey& journey) {
   std::string text;
-  for (const JourneyRow& row : journey.rows) {
-    const Pose& pose = row.map_from_robot;
-    text += seconds(row.utime) + ' ' + fixed(pose.x, 6) + ' ' + fixed(pose.y, 6) + " 0 0 0 " +
-            fixed(std::sin(0.5 * pose.yaw), 9) + ' ' + fixed(std::cos(0.5 * pose.yaw), 9) + '\n';
-  }
+  for (const JourneyRow& row : journey.rows) text += tum_line(row.utime, row.map_from_robot);
   return text;
 }
 

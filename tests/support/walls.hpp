@@ -27,6 +27,15 @@ inline Walls furnished_room() {
   return walls;
 }
 
+/// That room with a closet and a recess: it looks like itself in one pose only.
+inline Walls crooked_room() {
+  Walls walls = furnished_room();
+  add_box(walls, -4, 1.2, -2.8, 3);
+  add_box(walls, 0, -3, 1.5, -2.4);
+  add_box(walls, 3.2, -1.5, 4, 0.5);
+  return walls;
+}
+
 /// Two parallel walls, 2 m apart, longer than any laser sees.
 inline Walls corridor() { return {{{-100, -1}, {100, -1}}, {{-100, 1}, {100, 1}}}; }
 

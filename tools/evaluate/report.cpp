@@ -1,27 +1,21 @@
 #include "tools/evaluate/report.hpp"
 
-#include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "tools/text/printed.hpp"
 
 namespace isthmus {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <class... Values>
-std::string line(const char* format, Values... values) {
-  std::array<char, 256> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, values...);
-  return std::string(buffer.data()) + "\n";
-}
-
 std::string relation_text(const std::string& kind, const RelationErrors& errors) {
-  std::string text = line("%s: %zu relations, %zu missing", kind.c_str(), errors.count, errors.missing);
+  std::string text =
+      printed_line("%s: %zu relations, %zu missing", kind.c_str(), errors.count, errors.missing);
   if (errors.count == 0) return text;
   const auto row = [&](const char* what, const Statistics& s, const char* unit) {
-    text += line("  %-20s mean %9.4f ± %9.4f  median %9.4f  max %9.4f %s", what, s.mean, s.deviation,
-                 s.median, s.max, unit);
+    text += printed_line("  %-20s mean %9.4f ± %9.4f  median %9.4f  max %9.4f %s", what, s.mean, s.deviation,
+                         s.median, s.max, unit);
   };
   row("translation", errors.translation_m, "m");
   row("rotation", errors.rotation_deg, "deg");
@@ -32,8 +26,8 @@ std::string relation_text(const std::string& kind, const RelationErrors& errors)
 
 std::string statistics_text(const std::string& name, const char* what, const Statistics& s, std::size_t count,
                             const char* unit) {
-  return line("  %-12s %-8s mean %8.4f ± %8.4f  median %8.4f  rmse %8.4f  max %8.4f %s (%zu)", name.c_str(),
-              what, s.mean, s.deviation, s.median, s.rms, s.max, unit, count);
+  return printed_line("  %-12s %-8s mean %8.4f ± %8.4f  median %8.4f  rmse %8.4f  max %8.4f %s (%zu)",
+                      name.c_str(), what, s.mean, s.deviation, s.median, s.rms, s.max, unit, count);
 }
 
 std::string pose_text(const std::string& name, const PoseErrors& errors) {
@@ -45,24 +39,24 @@ std::string absolute_text(const AbsoluteErrors& errors) {
   std::string text;
   for (const IslandErrors& island : errors.islands) {
     const Pose& motion = island.truth_from_map;
-    text += line("island %d, aligned as a whole by (%.3f m, %.3f m, %.4f rad)", island.island, motion.x,
-                 motion.y, motion.yaw);
+    text += printed_line("island %d, aligned as a whole by (%.3f m, %.3f m, %.4f rad)", island.island,
+                         motion.x, motion.y, motion.yaw);
     for (const auto& [robot, own] : island.robots) text += pose_text(robot, own);
     if (island.robots.size() > 1) text += pose_text("all robots", island.team);
     if (island.tags > 0)
       text += statistics_text("tags", "position", island.tag_translation_m, island.tags, "m");
   }
   for (const auto& [robot, count] : errors.missing) {
-    if (count > 0) text += line("%s: %zu stamps of the truth without a pose", robot.c_str(), count);
+    if (count > 0) text += printed_line("%s: %zu stamps of the truth without a pose", robot.c_str(), count);
   }
-  if (errors.missing_tags > 0) text += line("%zu true tags without a place", errors.missing_tags);
+  if (errors.missing_tags > 0) text += printed_line("%zu true tags without a place", errors.missing_tags);
   return text;
 }
 
 std::string pose_graph_text(const PoseGraphFit& fit) {
-  return line("%zu patches, %zu relations, %zu islands", fit.patches, fit.relations, fit.islands) +
-         line("F %.6g before, %.8g after %d iterations, %.1f ms CPU%s", fit.f_before, fit.f_after,
-              fit.iterations, 1e3 * fit.cpu_s, fit.failure.empty() ? "" : ": NO SOLUTION");
+  return printed_line("%zu patches, %zu relations, %zu islands", fit.patches, fit.relations, fit.islands) +
+         printed_line("F %.6g before, %.8g after %d iterations, %.1f ms CPU%s", fit.f_before, fit.f_after,
+                      fit.iterations, 1e3 * fit.cpu_s, fit.failure.empty() ? "" : ": NO SOLUTION");
 }
 
 Json json(const Statistics& s) {
@@ -116,21 +110,22 @@ Json json(const PoseGraphFit& fit) {
 }
 
 std::string landmarks_text(const LandmarkEvaluation& all) {
-  std::string text = line("%zu poses, %zu landmarks, %zu sightings; errors against the %s", all.poses,
-                          all.landmarks, all.sightings, all.against_batch ? "batch fit" : "truth");
-  text += line("%-10s %9s %9s %8s %9s %9s %9s %9s %7s %8s", "", "pose m", "pose deg", "NEES/3", "landm. m",
-               "aligned m", "landmarks", "features", "wrong", "CPU s");
+  std::string text = printed_line("%zu poses, %zu landmarks, %zu sightings; errors against the %s", all.poses,
+                                  all.landmarks, all.sightings, all.against_batch ? "batch fit" : "truth");
+  text += printed_line("%-10s %9s %9s %8s %9s %9s %9s %9s %7s %8s", "", "pose m", "pose deg", "NEES/3",
+                       "landm. m", "aligned m", "landmarks", "features", "wrong", "CPU s");
   for (const LandmarkEvaluation::Row& row : all.rows) {
     const LandmarkErrors& e = row.errors;
-    text += line("%-10s %9.3f %9.3f %8.3f %9.3f %9.3f %9zu %9zu %7zu %8.2f%s", row.name.c_str(),
-                 e.pose_rmse_m, e.pose_rmse_deg, e.nees_per_dof, e.landmark_rmse_m, e.landmark_aligned_m,
-                 e.landmarks, row.map.features, row.map.wrong_pairs, row.map.cpu_s,
-                 row.map.failure.empty() ? "" : " NO SOLUTION");
-    if (row.map.chi_squared_per_dof > 0) text += line("%-10s chi²/dof %.3f", "", row.map.chi_squared_per_dof);
+    text += printed_line("%-10s %9.3f %9.3f %8.3f %9.3f %9.3f %9zu %9zu %7zu %8.2f%s", row.name.c_str(),
+                         e.pose_rmse_m, e.pose_rmse_deg, e.nees_per_dof, e.landmark_rmse_m,
+                         e.landmark_aligned_m, e.landmarks, row.map.features, row.map.wrong_pairs,
+                         row.map.cpu_s, row.map.failure.empty() ? "" : " NO SOLUTION");
+    if (row.map.chi_squared_per_dof > 0)
+      text += printed_line("%-10s chi²/dof %.3f", "", row.map.chi_squared_per_dof);
   }
   for (const LandmarkEvaluation::FreshNoise& mean : all.fresh)
-    text += line("%-10s %9.3f %9.3f %8.3f over %zu fresh noises", mean.name.c_str(), mean.pose_rmse_m,
-                 mean.pose_rmse_deg, mean.nees_per_dof, all.noises);
+    text += printed_line("%-10s %9.3f %9.3f %8.3f over %zu fresh noises", mean.name.c_str(), mean.pose_rmse_m,
+                         mean.pose_rmse_deg, mean.nees_per_dof, all.noises);
   return text;
 }
 

@@ -1,8 +1,6 @@
-#include <cmath>
-
 #include "server/output/format/atomic_file.hpp"
 #include "server/output/format/csv.hpp"
-#include "server/output/format/number.hpp"
+#include "server/output/format/tum.hpp"
 #include "tools/import/mrclam.hpp"
 #include "tools/text/lines.hpp"
 
@@ -11,10 +9,7 @@ namespace {
 
 void write_tum(const std::vector<TruthLine>& lines, const std::string& path) {
   AtomicFile file(path);
-  for (const auto& [utime, pose] : lines) {
-    file.write(seconds(utime) + ' ' + fixed(pose.x, 6) + ' ' + fixed(pose.y, 6) + " 0 0 0 " +
-               fixed(std::sin(0.5 * pose.yaw), 9) + ' ' + fixed(std::cos(0.5 * pose.yaw), 9) + '\n');
-  }
+  for (const auto& [utime, pose] : lines) file.write(tum_line(utime, pose));
   file.commit();
 }
 

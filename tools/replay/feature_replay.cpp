@@ -1,24 +1,16 @@
 #include "tools/replay/feature_replay.hpp"
 
-#include <array>
 #include <chrono>
-#include <cstdio>
 
 #include "server/wire/journal/event_log.hpp"
 #include "server/wire/message/message.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/text/printed.hpp"
 
 namespace isthmus {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-template <class... Values>
-std::string line(const char* format, Values... values) {
-  std::array<char, 256> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, values...);
-  return std::string(buffer.data()) + "\n";
-}
 
 void read(const std::string& path, const FeatureReplayOptions& options, FeatureMapper& mapper) {
   EventLogReader reader(whole_log(path));
@@ -60,14 +52,14 @@ std::string summary_text(const FeatureReplayResult& result) {
   std::size_t features = 0;
   for (const Team& team : result.maps.teams) features += team.filter.state().features.size();
   const double log_s = 1e-6 * static_cast<double>(counts.last_receive_utime - counts.first_receive_utime);
-  std::string text = line("scans      %lld, %lld used", static_cast<long long>(counts.scans),
-                          static_cast<long long>(counts.scans_used));
-  text += line("map        %zu features, %zu islands, %lld fusions", features, result.maps.teams.size(),
-               static_cast<long long>(counts.fusions));
-  text += line("segments   %lld seen, %lld paired", static_cast<long long>(counts.segments_seen),
-               static_cast<long long>(counts.segments_paired));
-  text += line("time       %.1f s of log in %.2f s, %.2f s CPU; peak memory %.0f MB", log_s,
-               result.cost.wall_s, result.cost.cpu_s, result.cost.peak_rss_mb);
+  std::string text = printed_line("scans      %lld, %lld used", static_cast<long long>(counts.scans),
+                                  static_cast<long long>(counts.scans_used));
+  text += printed_line("map        %zu features, %zu islands, %lld fusions", features,
+                       result.maps.teams.size(), static_cast<long long>(counts.fusions));
+  text += printed_line("segments   %lld seen, %lld paired", static_cast<long long>(counts.segments_seen),
+                       static_cast<long long>(counts.segments_paired));
+  text += printed_line("time       %.1f s of log in %.2f s, %.2f s CPU; peak memory %.0f MB", log_s,
+                       result.cost.wall_s, result.cost.cpu_s, result.cost.peak_rss_mb);
   return text + "map_sha256 " + map_sha256(result.maps) + "\n";
 }
 

@@ -1,22 +1,14 @@
 #include "tools/replay/summary.hpp"
 
-#include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "server/output/tables/islands.hpp"
+#include "tools/text/printed.hpp"
 
 namespace isthmus {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-template <class... Values>
-std::string line(const char* format, Values... values) {
-  std::array<char, 256> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, values...);
-  return std::string(buffer.data()) + "\n";
-}
 
 /// "no_overlap 3, no_odometry 1".
 template <HasWords Enum>
@@ -59,20 +51,22 @@ std::string summary_text(const ReplayResult& result, const MapCopy& map) {
   const double second_ms = 1e3 * result.scan_cost.mean_s(0.1, 0.2);
   const double last_ms = 1e3 * result.scan_cost.mean_s(0.9, 1.0);
   const long long scans = c.scans;
-  std::string text = line("scans      %lld, %.2f %% matched", scans, 100 * share_matched(c));
+  std::string text = printed_line("scans      %lld, %.2f %% matched", scans, 100 * share_matched(c));
   text += "predicted  " + counts(c.scans_predicted) + "\n";
   text += "dropped    " + counts(c.dropped) + "\n";
-  text += line("map        %zu patches, %zu tags, %zu relations, %zu islands, %zu closures", patch_count(map),
-               map.patches.size() - patch_count(map), map.graph.relations().size(),
-               rank_islands(map).patches.size(), map.closures.size());
-  text += line("time       %.1f s of log in %.2f s, %.2f s CPU; peak memory %.0f MB", log_duration_s(c),
-               cost.wall_s, cost.cpu_s, cost.peak_rss_mb);
-  text += line("event      p50 %.3f ms, p99 %.3f ms, max %.3f ms", 1e3 * cost.event_latency.quantile_s(0.5),
-               1e3 * cost.event_latency.quantile_s(0.99), 1e3 * cost.event_latency.max_s());
-  text += line("event CPU  p50 %.3f ms, p99 %.3f ms, max %.3f ms", 1e3 * result.event_cpu.quantile_s(0.5),
-               1e3 * result.event_cpu.quantile_s(0.99), 1e3 * result.event_cpu.max_s());
-  text += line("per scan   %.3f ms CPU in the second tenth, %.3f ms in the last: %.2f times", second_ms,
-               last_ms, second_ms > 0 ? last_ms / second_ms : 0.0);
+  text += printed_line("map        %zu patches, %zu tags, %zu relations, %zu islands, %zu closures",
+                       patch_count(map), map.patches.size() - patch_count(map), map.graph.relations().size(),
+                       rank_islands(map).patches.size(), map.closures.size());
+  text += printed_line("time       %.1f s of log in %.2f s, %.2f s CPU; peak memory %.0f MB",
+                       log_duration_s(c), cost.wall_s, cost.cpu_s, cost.peak_rss_mb);
+  text += printed_line("event      p50 %.3f ms, p99 %.3f ms, max %.3f ms",
+                       1e3 * cost.event_latency.quantile_s(0.5), 1e3 * cost.event_latency.quantile_s(0.99),
+                       1e3 * cost.event_latency.max_s());
+  text +=
+      printed_line("event CPU  p50 %.3f ms, p99 %.3f ms, max %.3f ms", 1e3 * result.event_cpu.quantile_s(0.5),
+                   1e3 * result.event_cpu.quantile_s(0.99), 1e3 * result.event_cpu.max_s());
+  text += printed_line("per scan   %.3f ms CPU in the second tenth, %.3f ms in the last: %.2f times",
+                       second_ms, last_ms, second_ms > 0 ? last_ms / second_ms : 0.0);
   for (const HealthRecord& robot : map.health)
     for (const HealthWarning& warning : robot.warnings) text += "warning    " + warning.text + "\n";
   return text + "map_sha256 " + map_sha256(map) + "\n";

@@ -1,22 +1,15 @@
 #include "server/output/tables/trajectories.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "server/output/format/atomic_file.hpp"
-#include "server/output/format/number.hpp"
+#include "server/output/format/tum.hpp"
 
 namespace isthmus {
 namespace {
 
 constexpr std::size_t rows_at_a_time = 4096;
-
-std::string tum_line(const ProjectedRow& row) {
-  const Pose& pose = row.map_from_robot;
-  return seconds(row.utime) + " " + fixed(pose.x, 6) + " " + fixed(pose.y, 6) + " 0 0 0 " +
-         fixed(std::sin(pose.yaw / 2), 9) + " " + fixed(std::cos(pose.yaw / 2), 9) + "\n";
-}
 
 bool is_parted(const RelationGraph& graph, const Session& session, PatchId patch) {
   return !session.first_patch.valid() || graph.island(session.first_patch) != graph.island(patch);
@@ -76,7 +69,7 @@ void write_trajectories(const MapCopy& map, const std::string& directory) {
     files.try_emplace(robot, directory + "/" + file_name_of(robot) + ".tum");
   }
   for_each_row(map, [&](const ProjectedRow& row) {
-    if (!row.parted) files.at(row.session.robot).write(tum_line(row));
+    if (!row.parted) files.at(row.session.robot).write(tum_line(row.utime, row.map_from_robot));
   });
   for (auto& [robot, file] : files) file.commit();
 }

@@ -4,6 +4,7 @@
 
 #include "server/output/format/atomic_file.hpp"
 #include "server/output/format/number.hpp"
+#include "server/output/format/tum.hpp"
 
 namespace isthmus {
 namespace {
@@ -16,11 +17,7 @@ void write_file(const std::string& path, const std::string& text) {
 
 std::string tum(const RobotTruth& truth) {
   std::string text;
-  for (const TruePose& row : truth.poses) {
-    const Pose& pose = row.world_from_robot;
-    text += seconds(row.utime) + ' ' + fixed(pose.x, 6) + ' ' + fixed(pose.y, 6) + " 0 0 0 " +
-            fixed(std::sin(0.5 * pose.yaw), 9) + ' ' + fixed(std::cos(0.5 * pose.yaw), 9) + '\n';
-  }
+  for (const TruePose& row : truth.poses) text += tum_line(row.utime, row.world_from_robot);
   return text;
 }
 

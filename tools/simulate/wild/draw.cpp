@@ -1,10 +1,11 @@
 #include "tools/simulate/wild/draw.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "tools/simulate/plan/random.hpp"
+#include "tools/text/printed.hpp"
 
 namespace isthmus {
 namespace {
@@ -221,13 +222,6 @@ void bound_cost(WildDraw& draw) {
   if (draw.robots.size() == 1) draw.camera.rate_hz = draw.false_sightings = 0;
 }
 
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  std::array<char, 400> line{};
-  std::snprintf(line.data(), line.size(), format, values...);
-  return line.data();
-}
-
 }  // namespace
 
 WildDraw draw_wild(std::uint64_t seed) {
@@ -279,11 +273,12 @@ std::vector<WildTrait> traits_of(const WildDraw& draw) {
 std::string describe(const WildDraw& draw) {
   const WildBuilding& b = draw.building;
   const WildRobot& r = draw.robots.front();
-  std::string line = text("%s %s %.0fx%.0f m, loop %.0f m x%d, %zu rob %d people, %d beams %.0f deg %.0f m",
-                          std::string(word(b.kind)).c_str(), std::string(word(b.bend)).c_str(), b.length_m,
-                          b.width_m, draw.tour.loop_m, draw.tour.laps, draw.robots.size(), draw.people,
-                          r.laser.beams, r.laser.field_of_view_rad / degree, r.laser.laser.range_max_m);
-  line += text(", %.1f m/s %.1f rad/s", r.drive.speed_mps, r.drive.turn_rate_rps);
+  std::string line =
+      printed("%s %s %.0fx%.0f m, loop %.0f m x%d, %zu rob %d people, %d beams %.0f deg %.0f m",
+              std::string(word(b.kind)).c_str(), std::string(word(b.bend)).c_str(), b.length_m, b.width_m,
+              draw.tour.loop_m, draw.tour.laps, draw.robots.size(), draw.people, r.laser.beams,
+              r.laser.field_of_view_rad / degree, r.laser.laser.range_max_m);
+  line += printed(", %.1f m/s %.1f rad/s", r.drive.speed_mps, r.drive.turn_rate_rps);
   for (const WildTrait& trait : traits_of(draw)) {
     static const std::vector<std::string> told = {
         "glass",   "dark walls", "changes", "spins",  "no returns",   "slip",           "told late",

@@ -30,15 +30,6 @@ TwoWays two_ways(const Walls& walls, const std::vector<Pose>& first, const std::
   return ways;
 }
 
-// The furnished room with a closet and a recess: turned by half a circle it is not itself.
-Walls crooked_room() {
-  Walls walls = furnished_room();
-  add_box(walls, -4, 1.2, -2.8, 3);
-  add_box(walls, 0, -3, 1.5, -2.4);
-  add_box(walls, 3.2, -1.5, 4, 0.5);
-  return walls;
-}
-
 const std::vector<Pose> there = {
     {-2.5, -1.5, 0.1}, {-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 1.2}, {1.8, -0.8, 2.8}};
 const std::vector<Pose> back = {{2, 0.2, 3}, {0.8, 0.1, 3.1}, {-0.5, 0, -3.1}, {-1.2, -0.6, -2.6}};

@@ -14,15 +14,6 @@ using namespace isthmus::testing;
 
 constexpr Origin of_closure{OriginKind::propagation, ClosureId{7}};
 
-// A room of 8 m by 6 m that looks like itself in one pose only.
-Walls crooked_room() {
-  Walls walls = furnished_room();
-  add_box(walls, -4, 1.2, -2.8, 3);
-  add_box(walls, 0, -3, 1.5, -2.4);
-  add_box(walls, 3.2, -1.5, 4, 0.5);
-  return walls;
-}
-
 const std::vector<Pose> there = {{-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 0.4}};
 const std::vector<Pose> again = {{-0.8, -1.2, 0.1}, {0.6, -1.1, 0}, {1.7, -0.8, 0.3}};
 

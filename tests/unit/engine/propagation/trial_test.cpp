@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "server/engine/propagation/trial_account.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {
@@ -81,15 +82,6 @@ Case loop_of(const Seen& of_first, const std::vector<Pose>& first, const Seen& o
   made.map.relate(tie(a, b, made.true_relative(a, b), 1, 0.5));
   made.proposal.merge = false;
   return made;
-}
-
-// A room of 8 m by 6 m that looks like itself in one pose only.
-Walls crooked_room() {
-  Walls walls = furnished_room();
-  add_box(walls, -4, 1.2, -2.8, 3);
-  add_box(walls, 0, -3, 1.5, -2.4);
-  add_box(walls, 3.2, -1.5, 4, 0.5);
-  return walls;
 }
 
 const std::vector<Pose> there = {{-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 1.2}};
