@@ -47,7 +47,7 @@ std::shared_ptr<const Roadmap> Planner::roadmap(IslandId island, const Footprint
   KeptRoadmap& kept = roadmaps_[{island, footprint.radius_m, footprint.clearance_m}];
   if (!kept.roadmap) kept.roadmap = std::make_shared<const Roadmap>(ground, footprint);
   kept.asked = ++asked_;
-  const std::shared_ptr<const Roadmap> found = kept.roadmap;
+  std::shared_ptr<const Roadmap> found = kept.roadmap;
   if (roadmaps_.size() > most_roadmaps) {
     const auto oldest =
         std::min_element(roadmaps_.begin(), roadmaps_.end(),
@@ -112,6 +112,7 @@ Path Planner::answer(const Roadmap& roadmap, const PathQuestion& question,
         {leader, ominus({point.x(), point.y(), yaw}, map_->poses[static_cast<std::size_t>(leader.value)])});
   };
   for (std::size_t i = 0; i < way.size(); ++i) {
+    // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): `at` goes on as poses are added.
     const Eigen::Vector2d from = at, by = ground.centre(way[i]) - from;
     const double yaw = by.norm() > 0 ? std::atan2(by.y(), by.x()) : project(question.from).yaw;
     const int parts = i == 0 ? 1 : static_cast<int>(std::ceil(by.norm() / pose_distance_m));

@@ -38,7 +38,7 @@ CommandEvent allow_order(const std::string& text) {
 }
 
 std::string to_text(const CommandEvent& order) {
-  const std::string verb(word(order.verb));
+  std::string verb(word(order.verb));
   if (order.closure >= 0) return verb + " closure " + std::to_string(order.closure);
   if (!order.robot.empty()) return verb + " robot " + order.robot;
   return verb;

@@ -35,12 +35,14 @@ void write_map_identification(const MapCopy& map, const std::string& name, const
   const std::string version = map_sha256(map).substr(0, version_digits);
   nlohmann::ordered_json maps = nlohmann::ordered_json::array();
   const RankedIslands islands = rank_islands(map);
+  const std::string name_of_islands = name + "-", grids = directory + "/";
   for (std::size_t k = 0; k < islands.patches.size(); ++k) {
     const std::string grid = "island-" + std::to_string(k) + ".pgm";
-    maps.push_back({{"mapId", name + "-" + std::to_string(islands.patches[k].front().value)},
+    const std::string first_patch = std::to_string(islands.patches[k].front().value);
+    maps.push_back({{"mapId", name_of_islands + first_patch},
                     {"mapVersion", version},
                     {"mapDownloadLink", base + grid},
-                    {"mapHash", hash_of_file(directory + "/" + grid)}});
+                    {"mapHash", hash_of_file(grids + grid)}});
   }
   AtomicFile file(directory + "/vda5050-maps.json");
   file.write(maps.dump(2) + "\n");

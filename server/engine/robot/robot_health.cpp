@@ -142,9 +142,9 @@ void RobotHealth::compare_offsets() {
   const double laser_rad = laser_turns_[max_lag_scans];
   turn_compared_rad_ += std::abs(laser_rad);
   for (int i = 0; i < offsets; ++i) {
-    const int whole = i / offsets_per_scan;
+    const int scans_before = max_lag_scans + least_offset_scans + i / offsets_per_scan;
     const double share = static_cast<double>(i % offsets_per_scan) / offsets_per_scan;
-    const auto before = static_cast<std::size_t>(max_lag_scans + least_offset_scans + whole);
+    const auto before = static_cast<std::size_t>(scans_before);
     const double odometry_rad = (1 - share) * odometry_turns_[before] +
                                 share * odometry_turns_[std::min<std::size_t>(before + 1, lags - 1)];
     off_at_offset_[static_cast<std::size_t>(i)] += std::abs(laser_rad - odometry_rad);

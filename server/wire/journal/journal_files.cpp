@@ -28,6 +28,10 @@ int number_of(const std::string& name, const std::string& kind, const std::strin
   return number > 0 && numbered(kind, number, extension) == name ? number : 0;
 }
 
+std::string not_of_a_journal(const std::string& directory, const std::string& file) {
+  return directory + ": holds " + file + ", which is no segment of a journal; give another directory";
+}
+
 }  // namespace
 
 JournalFiles list_journal(const std::string& directory) {
@@ -41,8 +45,7 @@ JournalFiles list_journal(const std::string& directory) {
     else if (const int after = number_of(name, "snapshot", ".isthmus"))
       files.snapshots.emplace(after, path);
     else if (entry->path().extension() == ".lcm")
-      throw std::runtime_error(directory + ": holds " + name +
-                               ", which is no segment of a journal; give another directory");
+      throw std::runtime_error(not_of_a_journal(directory, name));
   }
   if (error) throw std::runtime_error(directory + ": " + error.message());
   return files;

@@ -75,7 +75,7 @@ LcmLink::LcmLink(const std::string& url, Log log) : log_(std::move(log)), log_fi
 
 LcmLink::~LcmLink() { stop(); }
 
-void LcmLink::receive_into(Inbox& inbox, ChannelNames configured, Authenticator authenticator,
+void LcmLink::receive_into(Inbox& inbox, const ChannelNames& configured, Authenticator authenticator,
                            ReceptionWatch watch) {
   // Made in place: what others call by reference is not moved.
   subscriber_.reset(

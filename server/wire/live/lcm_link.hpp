@@ -29,8 +29,8 @@ class LcmLink {
   /// Starts a thread that copies messages on input channels into the inbox, until `stop` or the log's end. A
   /// log waits for the inbox; a network does not. Envelopes are opened; where keys are configured, a
   /// network's messages without one are refused; a log's are taken: who may write to it may do worse.
-  void receive_into(Inbox& inbox, ChannelNames configured, Authenticator authenticator = Authenticator(),
-                    ReceptionWatch watch = {});
+  void receive_into(Inbox& inbox, const ChannelNames& configured,
+                    Authenticator authenticator = Authenticator(), ReceptionWatch watch = {});
   /// A message that came another way than by the network or log, taken as if from a network: the same keys,
   /// the same queue. Returns why it was refused; none: it waits for its turn. After `receive_into`, any
   /// thread.

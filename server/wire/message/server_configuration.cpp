@@ -25,6 +25,10 @@ RobotChannels read_channels(const Setting& table) {
   return channels;
 }
 
+std::string channel_taken(const std::string& channel, const std::string& robot, const std::string& owner) {
+  return "channel '" + channel + "' of robot " + robot + " is given already to " + owner;
+}
+
 /// Of the robots that name any; no two may have the same.
 ChannelNames read_all_channels(const Setting& robots) {
   ChannelNames names;
@@ -37,9 +41,7 @@ ChannelNames read_all_channels(const Setting& robots) {
     for (const std::string& channel : {channels.odometry, channels.scan, channels.sighting}) {
       if (channel.empty()) continue;
       const auto [owner, is_free] = owners.emplace(channel, robot);
-      if (!is_free)
-        fail_at(setting.where,
-                "channel '" + channel + "' of robot " + robot + " is given already to " + owner->second);
+      if (!is_free) fail_at(setting.where, channel_taken(channel, robot, owner->second));
     }
   }
   return names;

@@ -38,7 +38,7 @@ const httplib::Headers safe_headers = {
 
 /// httplib compresses what it is given whole, anew for each request, and some slowly: given piece by piece it
 /// is sent as it is.
-void answer(Response& response, Text bytes, const std::string& type) {
+void answer(Response& response, const Text& bytes, const std::string& type) {
   response.set_header("Cache-Control", "no-store");
   if (bytes->empty()) return;
   response.set_content_provider(bytes->size(), type,

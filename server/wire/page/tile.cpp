@@ -71,8 +71,8 @@ std::vector<std::uint8_t> join_quarters(const std::array<std::vector<std::uint8_
   for (int row = 0; row < tile_cells; ++row) {
     for (int column = 0; column < tile_cells; ++column) {
       const std::size_t quarter = (row < half_cells ? 0U : 2U) + (column < half_cells ? 0U : 1U);
-      const auto top =
-          static_cast<std::size_t>(2 * (row % half_cells) * tile_cells + 2 * (column % half_cells));
+      const int top_left = 2 * (row % half_cells) * tile_cells + 2 * (column % half_cells);
+      const auto top = static_cast<std::size_t>(top_left);
       const std::vector<std::uint8_t>& from = pixels[quarter];
       joined.push_back(
           shown(shown(from[top], from[top + 1]), shown(from[top + tile_cells], from[top + tile_cells + 1])));

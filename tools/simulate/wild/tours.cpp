@@ -32,7 +32,7 @@ struct Order {
 class Traveller {
  public:
   Traveller(const WildLayout& layout, const FloorRoutes& routes, const Bend& bend, Random random)
-      : layout_(layout), routes_(routes), bend_(bend), random_(std::move(random)) {}
+      : layout_(layout), routes_(routes), bend_(bend), random_(random) {}
 
   WildTourPlan travel(const Order& order) {
     std::vector<std::size_t> corners;
@@ -184,7 +184,7 @@ std::vector<WildTourPlan> plan_wild_tours(const WildDraw& draw, const WildLayout
       order.laps = std::clamp(static_cast<int>(longest_person_m / draw.tour.loop_m), 1, 4 * draw.tour.laps);
       order.spins_per_m = 0;
     }
-    plans.push_back(Traveller(layout, routes, bend, std::move(random)).travel(order));
+    plans.push_back(Traveller(layout, routes, bend, random).travel(order));
   }
   return plans;
 }
