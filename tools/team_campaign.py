@@ -4,7 +4,7 @@
     tools/team_campaign.py --build .build/release --scenario courtyards --seeds 100
 
 Every run is simulated, mapped and compared with the truth, the map laid on the truth at the first pose of the
-first robot (seed 000, section 5: no alignment of the whole). Prints a line a seed and the mean over the runs.
+first robot (Benedettelli et al. 2012, section 5: no alignment of the whole). Prints a line a seed and the mean over the runs.
 """
 
 import argparse
