@@ -4,6 +4,9 @@
 
 #include <limits>
 
+#include "server/engine/engine_state.hpp"
+#include "server/engine/record/counters.hpp"
+#include "server/engine/robot/session.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {

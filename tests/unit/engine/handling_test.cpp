@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "server/engine/localising.hpp"
+#include "server/engine/mapping.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {

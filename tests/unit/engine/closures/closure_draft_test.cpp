@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/engine/closures/scan_proposal.hpp"
 #include "tests/support/side_by_side.hpp"
 
 namespace isthmus {

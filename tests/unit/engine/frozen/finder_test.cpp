@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/engine/frozen/lost_robot.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "server/engine/hypotheses/hypothesis_counts.hpp"
 #include "tests/support/side_by_side.hpp"
 
 namespace isthmus {

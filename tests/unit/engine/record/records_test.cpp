@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "server/engine/sightings/tag_record.hpp"
+
 namespace isthmus {
 namespace {
 

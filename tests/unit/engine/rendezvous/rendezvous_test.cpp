@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "server/engine/rendezvous/meeting_record.hpp"
 #include "tests/support/relations.hpp"
 #include "tests/support/walls.hpp"
 

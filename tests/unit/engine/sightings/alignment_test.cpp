@@ -48,8 +48,8 @@ void expect_near(const Pose& found, const Pose& wanted, double tolerance) {
   EXPECT_NEAR(wrap_angle(found.yaw - wanted.yaw), 0, tolerance);
 }
 
-// Seed 002, eqs. 1-3: robots that see one another are turned by θ = π + ¹θ₂ − ²θ₁, where ¹θ₂ is the bearing
-// of robot 2 as robot 1 has it.
+// Zhou and Roumeliotis (2006), eqs. 1-3: robots that see one another are turned by θ = π + ¹θ₂ − ²θ₁, where
+// ¹θ₂ is the bearing of robot 2 as robot 1 has it.
 //
 //      R1 --- ¹θ₂ ------ range ------ ²θ₁ --- R2
 TEST(Alignment, OfAMutualPairIsTheClosedFormOfItsBearingsAndRange) {
