@@ -88,6 +88,14 @@ RobotConfiguration read_robot(const Setting& table, const std::string& name) {
   return configuration;
 }
 
+std::string no_robot_name(const std::string& key) {
+  return "'" + key + "' is no robot name: letters, digits, '_' and '-', at most 48";
+}
+
+std::string not_a_table(const std::string& robot) {
+  return "robot " + robot + " must be a table: [robots." + robot + "]";
+}
+
 std::string barcode_taken(std::int32_t barcode, const std::string& robot, const std::string& wearer) {
   return "barcode " + std::to_string(barcode) + " of robot " + robot + " is given already to " + wearer;
 }
@@ -96,10 +104,8 @@ void read_robots(const Setting& robots, Configuration& configuration) {
   std::map<std::int32_t, std::string> wearers;
   for (const auto& [key, setting] : std::get<Setting::Table>(robots.value)) {
     const std::string name = upper_case(key);
-    if (!is_robot_name(name))
-      fail_at(setting.where, "'" + key + "' is no robot name: letters, digits, '_' and '-', at most 48");
-    if (!std::holds_alternative<Setting::Table>(setting.value))
-      fail_at(setting.where, "robot " + name + " must be a table: [robots." + name + "]");
+    if (!is_robot_name(name)) fail_at(setting.where, no_robot_name(key));
+    if (!std::holds_alternative<Setting::Table>(setting.value)) fail_at(setting.where, not_a_table(name));
     const auto [robot, is_new] = configuration.robots.emplace(name, read_robot(setting, name));
     if (!is_new) fail_at(setting.where, "robot " + name + " is given twice (names compare without case)");
     const std::int32_t barcode = robot->second.robot.barcode;

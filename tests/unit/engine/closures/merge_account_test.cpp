@@ -84,7 +84,8 @@ TEST(MergeAccount, AddsUpAllLoopsThatTheMergeStandsInTheWayOf) {
 
 TEST(MergeAccount, LeavesAMergeAloneThatTheLoopDoesNotNeedUndone) {
   Merged merged;
-  EXPECT_FALSE(merged.account(merged.refuse(merged.scene.first[1], merged.scene.first[4], 5)))
+  merged.refuse(merged.scene.first[2], merged.scene.second[4], 5);
+  EXPECT_FALSE(merged.account(merged.refuse(merged.scene.first[1], merged.scene.first[4], 1)))
       << "both its ends are R1's, with or without the merge";
 }
 
