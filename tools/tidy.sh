@@ -21,7 +21,7 @@ case ${1:-} in
 esac
 
 [[ -f $build/compile_commands.json ]] || cmake --preset asan-ubsan > /dev/null
-# What lcm-gen makes is included by the sources.
-cmake --build --preset asan-ubsan --target isthmus_lcmtypes_headers > /dev/null
+# What lcm-gen and the build make is included by the sources.
+cmake --build --preset asan-ubsan --target isthmus_lcmtypes_headers isthmus_commit > /dev/null
 echo "${#files[@]} files"
 printf '%s\0' "${files[@]}" | xargs -0 -r -n 1 -P "$(nproc)" clang-tidy --quiet -p "$build" 2> >(grep -v 'warnings generated' >&2)

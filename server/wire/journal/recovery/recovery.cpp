@@ -19,6 +19,13 @@ bool knows_set_aside(const Snapshot& snapshot, const JournalView& journal) {
   return snapshot.map.set_aside == before_its_end;
 }
 
+/// Why a snapshot cannot be used for the journal; empty where it can.
+std::string why_unfit(const Snapshot& snapshot, const JournalView& journal, int number) {
+  std::string foreign = why_foreign(snapshot.place, journal, number);
+  if (foreign.empty() && !knows_set_aside(snapshot, journal)) return "was made before events were set aside";
+  return foreign;
+}
+
 /// The newest snapshot that can be used.
 std::optional<Snapshot> newest_snapshot(const JournalView& journal, const RecoveryOptions& options) {
   for (auto file = journal.snapshots.rbegin(); file != journal.snapshots.rend(); ++file) {
@@ -26,10 +33,8 @@ std::optional<Snapshot> newest_snapshot(const JournalView& journal, const Recove
     if (number > options.last_segment) continue;
     try {
       Snapshot snapshot = read_snapshot(path);
-      const std::string foreign = why_foreign(snapshot.place, journal, number);
-      if (!foreign.empty()) throw std::runtime_error(path + ": " + foreign);
-      if (!knows_set_aside(snapshot, journal))
-        throw std::runtime_error(path + ": was made before events were set aside");
+      const std::string unfit = why_unfit(snapshot, journal, number);
+      if (!unfit.empty()) throw std::runtime_error(std::string(path).append(": ").append(unfit));
       return snapshot;
     } catch (const std::exception& error) {
       if (options.warn) options.warn(std::string(error.what()) + "; an older one, or all events, must do");
