@@ -27,7 +27,8 @@ constexpr double short_run_slack = 3;
 
 bool is_straight(std::span<const BeamPoint> points, const Line& line, const SegmentationOptions& options) {
   const double freedom = std::max<double>(1, static_cast<double>(points.size()) - 2);
-  const double bound = 1 + (options.chi_squared_per_point - 1) * std::max(1.0, short_run_slack / std::sqrt(freedom));
+  const double bound =
+      1 + (options.chi_squared_per_point - 1) * std::max(1.0, short_run_slack / std::sqrt(freedom));
   if (line.worst_sigmas <= options.worst_sigmas && line.chi_squared <= bound * freedom) return true;
   return std::all_of(points.begin(), points.end(), [&](const BeamPoint& p) {
     return std::abs(line.across_m(p.position)) < options.step_m;

@@ -241,7 +241,8 @@ struct Asked {
     alignment.two_way = two_way;
     alignment.baseline_m = baseline_m;
     for (int i = 0; i < supporters; ++i) alignment.supporters.push_back(static_cast<std::size_t>(i));
-    sightings.resize(static_cast<std::size_t>(supporters + others));
+    const int all = supporters + others;
+    sightings.resize(static_cast<std::size_t>(all));
     for (std::size_t i = 0; i < sightings.size(); ++i) at(i, static_cast<double>(i));
   }
   void at(std::size_t i, double time_s) { sightings[i].utime = static_cast<std::int64_t>(1e6 * time_s); }
