@@ -16,13 +16,6 @@ constexpr double pose_distance_m = 1;
 
 bool within(double value, double low, double high) { return value >= low && value <= high; }
 
-Refusal check(const Footprint& footprint) {
-  const bool fine = within(footprint.radius_m, 0, Planner::most_room_m) &&
-                    within(footprint.clearance_m, 0, Planner::most_room_m) &&
-                    footprint.radius_m + footprint.clearance_m <= Planner::most_room_m;
-  return fine ? Refusal::none : Refusal::bad_value;
-}
-
 /// The first that is no none.
 Refusal first_of(std::initializer_list<Refusal> refusals) {
   for (const Refusal refusal : refusals)
@@ -31,6 +24,13 @@ Refusal first_of(std::initializer_list<Refusal> refusals) {
 }
 
 }  // namespace
+
+Refusal check(const Footprint& footprint) {
+  const bool fine = within(footprint.radius_m, 0, Planner::most_room_m) &&
+                    within(footprint.clearance_m, 0, Planner::most_room_m) &&
+                    footprint.radius_m + footprint.clearance_m <= Planner::most_room_m;
+  return fine ? Refusal::none : Refusal::bad_value;
+}
 
 void Planner::update(std::shared_ptr<const MapCopy> map) {
   map_ = std::move(map);

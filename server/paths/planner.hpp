@@ -13,6 +13,9 @@
 
 namespace isthmus {
 
+/// bad_value where it is none, or larger than `Planner::most_room_m`; or none.
+Refusal check(const Footprint& footprint);
+
 struct PathQuestion {
   ManifoldPose from;
   ManifoldPose to;

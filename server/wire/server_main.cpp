@@ -284,6 +284,8 @@ void serve(const Arguments& arguments, const std::string& toml) {
   const std::string log_file = log_file_of(url);
   LiveOptions options = live_options(arguments, toml, log_file, log);
   Inbox inbox = inbox_of(options);
+  const Publish publish = [&](const auto& channel, const auto& bytes) { link.publish(channel, bytes); };
+  if (log_file.empty()) options.questions = std::make_shared<QuestionDesk>(publish);
   options.publish_failures = [&] { return link.publish_failures(); };
   std::optional<HttpPage> metrics;
   if (arguments.metrics_port > 0) {
@@ -296,7 +298,6 @@ void serve(const Arguments& arguments, const std::string& toml) {
     return receiving ? link.take(channel, bytes) : DropReason::stopped;
   });
   if (page) options.viewers = viewers_of(*page, arguments.frozen);
-  const auto publish = [&](const auto& channel, const auto& bytes) { link.publish(channel, bytes); };
   LiveServer server(options, inbox, publish);
 
   const ChannelNames channels = server.channels();
@@ -305,7 +306,8 @@ void serve(const Arguments& arguments, const std::string& toml) {
   const auto tell_refused = [&](const command_t& order, DropReason reason, std::int64_t utime) {
     answers.tell(order, std::nullopt, reason, utime);
   };
-  link.receive_into(inbox, channels, server.authenticator(), {tell_refused, options.mistakes});
+  link.receive_into(inbox, channels, server.authenticator(),
+                    {tell_refused, options.mistakes, options.questions});
   receiving = true;
   log_addresses(arguments, url, page.get(), log);
   run_to_the_end(server, link, inbox, signals, std::chrono::seconds(arguments.stop_timeout_s),

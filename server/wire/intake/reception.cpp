@@ -48,6 +48,7 @@ LcmSink Reception::sink() {
 
 bool Reception::wants(const std::string& channel) const {
   if (channel == status_channel) return watch_.mistakes != nullptr;
+  if (is_request_channel(channel)) return watch_.questions != nullptr;
   return channel == signed_channel || is_for_us(find_channel(configured_, channel));
 }
 
@@ -67,14 +68,8 @@ DropReason Reception::take(std::int64_t utime, const std::string& name,
 
 DropReason Reception::let_in(std::int64_t utime, const std::string& name,
                              std::span<const std::uint8_t> bytes) {
-  if (name == signed_channel) {
-    const Opened envelope = opened(utime, bytes);
-    if (!envelope.message) return envelope.reason;
-    const Message& message = *envelope.message;
-    if (const std::optional<Channel> channel = find_channel(configured_, message.channel))
-      push(*channel, message.utime, message.channel, message.bytes, message.signature);
-    return DropReason::none;
-  }
+  if (name == signed_channel) return let_in_envelope(utime, bytes);
+  if (is_request_channel(name)) return ask(bytes);
   const std::optional<Channel> channel = find_channel(configured_, name);
   if (!channel) return DropReason::none;
   if (!authenticator_.is_required()) {
@@ -85,8 +80,34 @@ DropReason Reception::let_in(std::int64_t utime, const std::string& name,
   return DropReason::not_signed;
 }
 
+DropReason Reception::let_in_envelope(std::int64_t utime, std::span<const std::uint8_t> bytes) {
+  const Opened envelope = opened(utime, bytes);
+  if (!envelope.message) return envelope.reason;
+  const Message& message = *envelope.message;
+  if (is_request_channel(message.channel)) {
+    if (watch_.questions) watch_.questions->take(message.bytes, message.signature->sender);
+  } else if (const std::optional<Channel> channel = find_channel(configured_, message.channel)) {
+    push(*channel, message.utime, message.channel, message.bytes, message.signature);
+  }
+  return DropReason::none;
+}
+
+/// A question that nobody signed.
+DropReason Reception::ask(std::span<const std::uint8_t> bytes) {
+  if (!watch_.questions) return DropReason::none;
+  if (authenticator_.is_required()) {
+    count_refused("", DropReason::not_signed);
+    return DropReason::not_signed;
+  }
+  watch_.questions->take(bytes, "");
+  return DropReason::none;
+}
+
 void Reception::tell_refused(std::int64_t utime, const std::string& channel,
                              std::span<const std::uint8_t> bytes, DropReason reason) const {
+  if (watch_.questions)
+    if (const std::optional<request_t> request = request_in(channel, bytes))
+      return watch_.questions->refuse(*request, word(reason));
   if (!watch_.refused_order) return;
   if (const std::optional<command_t> order = order_in(channel, bytes))
     watch_.refused_order(*order, reason, utime);

@@ -11,6 +11,7 @@
 #include "server/wire/intake/inbox.hpp"
 #include "server/wire/message/channel.hpp"
 #include "server/wire/network/reassembly.hpp"
+#include "server/wire/questions/question_desk.hpp"
 #include "server/wire/trust/authenticator.hpp"
 #include "server/wire/watch/mistakes.hpp"
 
@@ -22,8 +23,9 @@ using RefusedOrder = std::function<void(const command_t& order, DropReason reaso
 
 /// Who is told of what is received.
 struct ReceptionWatch {
-  RefusedOrder refused_order;          ///< empty: nobody
-  std::shared_ptr<Mistakes> mistakes;  ///< none: nobody
+  RefusedOrder refused_order;                         ///< empty: nobody
+  std::shared_ptr<Mistakes> mistakes;                 ///< none: nobody
+  std::shared_ptr<QuestionDesk> questions = nullptr;  ///< takes those of a network; none: nobody does
 };
 
 /// Decides which of the messages that were received are let into the inbox; the others are counted there by
@@ -50,6 +52,8 @@ class Reception {
   DropReason let_in(std::int64_t utime, const std::string& name, std::span<const std::uint8_t> bytes);
   void push(const Channel& channel, std::int64_t utime, const std::string& name,
             std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature = std::nullopt);
+  DropReason let_in_envelope(std::int64_t utime, std::span<const std::uint8_t> bytes);
+  DropReason ask(std::span<const std::uint8_t> bytes);
   void refuse_stranger(const Channel& channel, std::span<const std::uint8_t> bytes);
   void count_refused(const std::string& robot, DropReason reason);
   void tell_refused(std::int64_t utime, const std::string& channel, std::span<const std::uint8_t> bytes,

@@ -30,7 +30,7 @@ std::string quoted(const std::string& channel) {
 /// All inputs in one subscription, or a message on a channel that two of them match would come twice. liblcm
 /// puts the anchors around it.
 std::string input_expression(const ChannelNames& configured) {
-  std::string expression = "((?i:.+_(ROBOT|ODOMETRY|SCAN|SIGHTING)|ISTHMUS_(TAG|COMMAND|SIGNED))";
+  std::string expression = "((?i:.+_(ROBOT|ODOMETRY|SCAN|SIGHTING)|ISTHMUS_(TAG|COMMAND|REQUEST|SIGNED))";
   for (const auto& [name, robot] : configured) {
     for (const std::string& channel : {robot.odometry, robot.scan, robot.sighting}) {
       if (!channel.empty()) expression += "|" + quoted(channel);

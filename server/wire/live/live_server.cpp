@@ -129,6 +129,7 @@ void LiveServer::publish_poses(const Outcome& outcome) {
   for (const RobotPose& pose : outcome.poses) {
     map_.monitor.answered(pose);
     if (options_.viewers.pose) options_.viewers.pose(pose);
+    if (options_.questions) options_.questions->note(pose);
     publish_(pose.robot + "_POSE", encoded(pose_message(pose)));
   }
 }

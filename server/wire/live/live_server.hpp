@@ -22,6 +22,7 @@
 #include "server/wire/live/map_publisher.hpp"
 #include "server/wire/live/rendezvous_publisher.hpp"
 #include "server/wire/live/snapshot_process.hpp"
+#include "server/wire/questions/question_desk.hpp"
 #include "server/wire/trust/authenticator.hpp"
 #include "server/wire/watch/closure_log.hpp"
 #include "server/wire/watch/live_warnings.hpp"
@@ -63,6 +64,8 @@ struct LiveOptions {
   Viewers viewers;
   /// Shared with whoever receives; none: only what arrives in the inbox is looked at.
   std::shared_ptr<Mistakes> mistakes;
+  /// Is told of the map and of robots, and answers by it; none: nobody asks.
+  std::shared_ptr<QuestionDesk> questions;
 };
 
 /// The engine at work on what arrives in an inbox: checks and decodes each message, journals it, lets the

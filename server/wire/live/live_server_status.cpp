@@ -36,6 +36,7 @@ void LiveServer::publish_status_if_due() {
   if (const auto rendezvous = rendezvous_.due(*map, utime, last_status_))
     publish_("ISTHMUS_RENDEZVOUS", encoded(*rendezvous));
   closure_log_.tell(map->closures, options_.log);
+  if (options_.questions) options_.questions->offer(map, utime);
   map_publisher_->offer(map, utime);
   keep_snapshots();
 }
@@ -68,6 +69,7 @@ ServerCounters LiveServer::server_counters() const {
     counters.journal_waiting = static_cast<std::int64_t>(journal_->waiting());
   }
   counters.clock_steps = clock_steps_;
+  if (options_.questions) counters.questions = options_.questions->counts();
   if (options_.publish_failures) counters.publish_failures = options_.publish_failures();
   return counters;
 }

@@ -63,6 +63,8 @@ std::optional<Channel> find_channel(const ChannelNames& configured, const std::s
   return std::nullopt;
 }
 
+bool is_request_channel(const std::string& name) { return upper_case(name) == request_channel; }
+
 std::string default_channel(Input input, const std::string& robot) {
   for (const auto& [suffix, suffix_input] : robot_suffixes) {
     if (suffix_input == input) return robot + std::string(suffix);

@@ -26,4 +26,10 @@ std::optional<Channel> find_channel(const ChannelNames& configured, const std::s
 /// The channel an input has when the configuration says nothing else.
 std::string default_channel(Input input, const std::string& robot);
 
+/// Questions about the map, and what is said to them: no input, as they are none of the engine's.
+inline constexpr const char* request_channel = "ISTHMUS_REQUEST";
+inline constexpr const char* reply_channel = "ISTHMUS_REPLY";
+/// Case does not count, as with inputs.
+bool is_request_channel(const std::string& name);
+
 }  // namespace isthmus

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/wire/page/low_priority.hpp"
+#include "server/wire/questions/low_priority.hpp"
 
 namespace isthmus {
 

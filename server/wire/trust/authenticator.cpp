@@ -43,13 +43,15 @@ Opened Authenticator::open(const ChannelNames& configured, std::int64_t utime,
   if (signer == signers_.end()) return {{}, "", DropReason::unknown_sender};
   const std::string robot = keys_.robots.contains(sender) ? sender : "";
   if (!is_genuine(signer->second.key, bytes)) return {{}, robot, DropReason::forged};
+  const bool asks = is_request_channel(envelope.channel);
   const std::optional<Channel> channel = find_channel(configured, envelope.channel);
-  if (!channel || !may_send(keys_, sender, *channel)) return {{}, robot, DropReason::foreign_channel};
-  const std::string stream = default_channel(channel->input, channel->robot);
+  if (!asks && (!channel || !may_send(keys_, sender, *channel)))
+    return {{}, robot, DropReason::foreign_channel};
+  const std::string stream = asks ? request_channel : default_channel(channel->input, channel->robot);
   if (!counts_on(sender, stream, signer->second, envelope.counter)) return {{}, robot, DropReason::replayed};
   Message message{utime, std::move(envelope.channel), std::move(envelope.payload)};
   message.signature = Signature{signer->second.name, stream, envelope.counter};
-  return {std::move(message), channel->robot};
+  return {std::move(message), asks ? robot : channel->robot};
 }
 
 /// Whether a counter is above all that this sender's key has signed on a channel so far; it is the last then.

@@ -20,8 +20,9 @@ struct Opened {
 
 /// Decides which messages are believed, once the configuration holds keys: those in an envelope whose sender
 /// has a key, signed with it, counting on, and on a channel that is the sender's: a robot's own and tags; for
-/// an operator commands and tags. A sender with a new key counts from the beginning: what the old key signed
-/// is no longer believed, and an exhausted counter no longer blocks the sender. One thread.
+/// an operator commands and tags; questions about the map for both. A sender with a new key counts from the
+/// beginning: what the old key signed is no longer believed, and an exhausted counter no longer blocks the
+/// sender. One thread.
 class Authenticator {
  public:
   /// `counters`: what was accepted before is not taken again.

@@ -90,6 +90,9 @@ void add_server(MetricsText& text, const status_t& status) {
                status.publish_failures);
   text.counter("clock_steps_total", "Times that the wall clock was set while the server ran.",
                status.clock_steps);
+  text.begin("questions_total", "counter",
+             "Questions on ISTHMUS_REQUEST: answered, or why they were refused.");
+  for (const count_t& asked : status.questions) text.add(asked.count, label("outcome", asked.reason));
   text.begin("dropped_total", "counter", "Messages of all robots that were dropped, by reason.");
   for (const count_t& dropped : status.dropped) text.add(dropped.count, label("reason", dropped.reason));
 }

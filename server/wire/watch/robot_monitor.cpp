@@ -13,11 +13,15 @@ double smoothed(double rate_hz, std::int64_t count, double elapsed_s) {
   return rate_hz + newest_weight * (static_cast<double>(count) / elapsed_s - rate_hz);
 }
 
-std::vector<count_t> to_counts(const std::map<DropReason, std::int64_t>& by_reason) {
+std::string as_text(DropReason reason) { return std::string(word(reason)); }
+const std::string& as_text(const std::string& reason) { return reason; }
+
+template <class Reason>
+std::vector<count_t> to_counts(const std::map<Reason, std::int64_t>& by_reason) {
   std::vector<count_t> counts;
   for (const auto& [reason, count] : by_reason) {
     count_t one{};
-    one.reason = word(reason);
+    one.reason = as_text(reason);
     one.count = count;
     counts.push_back(one);
   }
@@ -84,6 +88,8 @@ status_t RobotMonitor::status(const MapCopy& map, const ServerCounters& server, 
   status.journal_waiting = server.journal_waiting;
   status.publish_failures = server.publish_failures;
   status.clock_steps = server.clock_steps;
+  status.questions = to_counts(server.questions);
+  status.nquestions = static_cast<std::int32_t>(status.questions.size());
   status.dropped = to_counts(map.counters.dropped);
   status.ndropped = static_cast<std::int32_t>(status.dropped.size());
   for (auto& [name, robot] : robots_) {

@@ -1,4 +1,4 @@
-#include "server/wire/page/low_priority.hpp"
+#include "server/wire/questions/low_priority.hpp"
 
 #include <sys/resource.h>
 #include <unistd.h>

@@ -1,0 +1,237 @@
+#include "server/wire/questions/answerer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "server/paths/frontiers.hpp"
+#include "server/paths/relative_pose.hpp"
+
+namespace isthmus {
+namespace {
+
+Pose pose_of(const double (&components)[3]) { return {components[0], components[1], components[2]}; }
+
+void set_pose(double (&components)[3], const Pose& pose) {
+  components[0] = pose.x;
+  components[1] = pose.y;
+  components[2] = pose.yaw;
+}
+
+const Pose& pose_of_patch(const MapCopy& map, PatchId patch) {
+  return map.poses[static_cast<std::size_t>(patch.value)];
+}
+
+path_pose_t path_pose(const MapCopy& map, const ManifoldPose& pose) {
+  path_pose_t message{};
+  message.patch = pose.patch.value;
+  set_pose(message.patch_from_robot, pose.patch_from_object);
+  set_pose(message.map_from_robot, pose_of_patch(map, pose.patch) * pose.patch_from_object);
+  return message;
+}
+
+bool is_on_map(const MapCopy& map, PatchId patch) { return check(map, {patch, {}}) == Refusal::none; }
+
+/// What somebody asks from or about, or why it is nowhere.
+struct Place {
+  PlacedObject object;
+  std::int64_t utime = 0;  ///< of a robot's scan; 0: it is none
+  Refusal refusal = Refusal::none;
+};
+
+Place nowhere(Refusal refusal) { return {{}, 0, refusal}; }
+
+Place at(const MapCopy& map, PatchId patch, const Pose& patch_from_object) {
+  const ManifoldPose pose{patch, patch_from_object};
+  return {{pose, Eigen::Matrix3d::Zero()}, 0, check(map, pose)};
+}
+
+/// The robot's first patch on an island.
+std::optional<PatchId> first_patch(const MapCopy& map, const std::string& robot, IslandId island) {
+  for (const Session& session : map.sessions)
+    if (session.robot == robot && is_on_map(map, session.first_patch) &&
+        map.graph.island(session.first_patch) == island)
+      return session.first_patch;
+  return std::nullopt;
+}
+
+}  // namespace
+
+/// The places of robots while one question is answered.
+struct Answerer::Asked {
+  const MapCopy& map;
+  const RobotPoses& robots;
+  const RobotPoses& robots_before;
+
+  Place robot(const std::string& name) const {
+    for (const RobotPoses* poses : {&robots, &robots_before}) {
+      const auto found = poses->find(name);
+      if (found == poses->end() || !is_on_map(map, found->second.pose.patch)) continue;
+      return {{found->second.pose, found->second.covariance}, found->second.utime, Refusal::none};
+    }
+    return nowhere(Refusal::unknown_robot);
+  }
+
+  Place start(const request_t& request) const {
+    if (!request.robot.empty()) return robot(request.robot);
+    return at(map, PatchId{request.start_patch}, pose_of(request.patch_from_start));
+  }
+
+  Place target(const Question& question, const Place& start) const {
+    const request_t& request = question.request;
+    switch (question.target) {
+      case Target::pose:
+        return at(map, PatchId{request.target_patch}, pose_of(request.patch_from_target));
+      case Target::patch:
+        return at(map, PatchId{request.target_patch}, {});
+      case Target::tag:
+        return tag(request.target_barcode);
+      case Target::robot:
+        return robot(request.target_robot);
+      case Target::home:
+        break;
+    }
+    const auto home = first_patch(map, request.robot, map.graph.island(start.object.pose.patch));
+    return home ? at(map, *home, {}) : nowhere(Refusal::unknown_robot);
+  }
+
+  Place tag(std::int32_t barcode) const {
+    const auto found = std::find_if(map.tags.begin(), map.tags.end(), [barcode](const TagRecord& tag) {
+      return tag.placed && tag.barcode == barcode;
+    });
+    return found == map.tags.end() ? nowhere(Refusal::unknown_tag) : at(map, found->patch, {});
+  }
+};
+
+void Answerer::update(std::shared_ptr<const MapCopy> map, std::int64_t utime) {
+  versions_.note(*map, utime);
+  ways_.update(*map);
+  planner_.update(std::move(map));
+}
+
+reply_t Answerer::answer(const Question& question, const RobotPoses& robots,
+                         const RobotPoses& robots_before) {
+  reply_t reply = reply_to(question.request);
+  reply.map_version = versions_.version();
+  reply.patches = static_cast<std::int32_t>(planner_.map().patches.size());
+  const Refusal refusal = fill(question, {planner_.map(), robots, robots_before}, reply);
+  reply.done = refusal == Refusal::none ? 1 : 0;
+  if (!reply.done) reply.reason = word(refusal);
+  return reply;
+}
+
+Refusal Answerer::fill(const Question& question, const Asked& asked, reply_t& reply) {
+  switch (question.kind) {
+    case QuestionKind::path:
+      return fill_path(question, asked, reply);
+    case QuestionKind::retro_traverse:
+      return fill_way_back(question, reply);
+    case QuestionKind::relative_pose:
+      return fill_relative_pose(question, asked, reply);
+    case QuestionKind::frontiers:
+      return fill_frontiers(question, asked, reply);
+    case QuestionKind::changes:
+      return fill_changes(question, reply);
+    case QuestionKind::map_version:
+      break;
+  }
+  return Refusal::none;
+}
+
+Refusal Answerer::fill_path(const Question& question, const Asked& asked, reply_t& reply) {
+  const Place start = asked.start(question.request);
+  if (start.refusal != Refusal::none) return start.refusal;
+  const Place target = asked.target(question, start);
+  if (target.refusal != Refusal::none) return target.refusal;
+  PathQuestion path;
+  path.from = start.object.pose;
+  path.to = target.object.pose;
+  path.footprint = {question.request.radius_m, question.request.clearance_m};
+  reply.target_utime = target.utime;
+  return add_poses(planner_.path(path), reply);
+}
+
+Refusal Answerer::fill_way_back(const Question& question, reply_t& reply) const {
+  const request_t& request = question.request;
+  return add_poses(ways_.back(planner_.map(), planner_.near(), request.robot, request.since), reply);
+}
+
+Refusal Answerer::fill_relative_pose(const Question& question, const Asked& asked, reply_t& reply) const {
+  const Place start = asked.start(question.request);
+  if (start.refusal != Refusal::none) return start.refusal;
+  const Place target = asked.target(question, start);
+  if (target.refusal != Refusal::none) return target.refusal;
+  const RelativePoseAnswer found = relative_pose(asked.map, start.object, target.object);
+  if (found.refusal != Refusal::none) return found.refusal;
+  reply.island = asked.map.graph.island(start.object.pose.patch).value;
+  reply.target_utime = target.utime;
+  set_pose(reply.start_from_target, found.a_from_b);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) reply.covariance[row][column] = found.covariance(row, column);
+  for (const RelationId relation : found.chain) reply.chain.push_back(relation.value);
+  reply.nchain = static_cast<std::int32_t>(reply.chain.size());
+  return Refusal::none;
+}
+
+Refusal Answerer::fill_frontiers(const Question& question, const Asked& asked, reply_t& reply) {
+  const Place start = asked.start(question.request);
+  if (start.refusal != Refusal::none) return start.refusal;
+  const Footprint footprint{question.request.radius_m, question.request.clearance_m};
+  if (check(footprint) != Refusal::none) return Refusal::bad_value;
+  const IslandId island = asked.map.graph.island(start.object.pose.patch);
+  const auto roadmap = planner_.roadmap(island, footprint);
+  if (!roadmap) return Refusal::no_ground;
+  const NodeId from = planner_.room_near(*roadmap, start.object.pose, PathQuestion{}.start_tolerance_m);
+  if (from < 0) return Refusal::no_room;
+  reply.island = island.value;
+  const Ground& ground = roadmap->ground();
+  for (const Frontier& frontier : find_frontiers(*roadmap, from)) {
+    if (frontier.viewpoint < 0 || reply.frontiers.size() == most_frontiers) continue;
+    const Eigen::Vector2d point = ground.centre(frontier.viewpoint), by = frontier.middle - point;
+    const PatchId leader = ground.layer(frontier.viewpoint).leader;
+    frontier_t message{};
+    message.viewpoint =
+        path_pose(asked.map, {leader, ominus({point.x(), point.y(), std::atan2(by.y(), by.x())},
+                                             pose_of_patch(asked.map, leader))});
+    message.map_from_middle[0] = frontier.middle.x();
+    message.map_from_middle[1] = frontier.middle.y();
+    message.size_m = frontier.size_m;
+    message.gain_m2 = frontier.gain_m2;
+    message.cost_m = frontier.cost_m;
+    reply.frontiers.push_back(message);
+  }
+  reply.nfrontiers = static_cast<std::int32_t>(reply.frontiers.size());
+  return Refusal::none;
+}
+
+Refusal Answerer::fill_changes(const Question& question, reply_t& reply) const {
+  const auto changed = versions_.changed_since(question.request.since);
+  if (!changed) return Refusal::bad_value;
+  for (const PatchId patch : *changed) reply.changed.push_back(patch.value);
+  reply.nchanged = static_cast<std::int32_t>(reply.changed.size());
+  return Refusal::none;
+}
+
+Refusal Answerer::add_poses(const Path& path, reply_t& reply) const {
+  if (path.refusal != Refusal::none) return path.refusal;
+  if (path.poses.size() > most_poses) return Refusal::too_long;
+  const MapCopy& map = planner_.map();
+  reply.island = map.graph.island(path.poses.front().patch).value;
+  reply.length_m = path.length_m;
+  for (const ManifoldPose& pose : path.poses) reply.poses.push_back(path_pose(map, pose));
+  reply.nposes = static_cast<std::int32_t>(reply.poses.size());
+  return Refusal::none;
+}
+
+reply_t reply_to(const request_t& request) {
+  reply_t reply{};
+  reply.request_utime = request.utime;
+  reply.request_id = request.id;
+  reply.asker = request.asker;
+  reply.kind = request.kind;
+  reply.island = -1;
+  return reply;
+}
+
+}  // namespace isthmus
