@@ -13,7 +13,7 @@ import subprocess
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-PROGRAMS = ("campaign", "command", "evaluate", "export", "import", "inspect", "replay", "server", "simulate", "snapshot")
+PROGRAMS = ("ask", "campaign", "command", "evaluate", "export", "import", "inspect", "replay", "server", "simulate", "snapshot")
 
 
 def run(*command, **options):

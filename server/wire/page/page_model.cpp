@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "server/wire/questions/low_priority.hpp"
 #include "server/wire/page/page_texts.hpp"
+#include "server/wire/questions/low_priority.hpp"
 
 namespace isthmus {
 namespace {

@@ -19,7 +19,7 @@ struct ServerCounters {
   std::int64_t journal_waiting = 0;
   std::int64_t publish_failures = 0;
   std::int64_t clock_steps = 0;
-  std::map<std::string, std::int64_t> questions;  ///< "answered", or by reason of refusal
+  std::map<std::string, std::int64_t> questions = {};  ///< "answered", or by reason of refusal
 };
 
 /// Keeps, for ISTHMUS_STATUS, when and how often each robot was heard and how its scans fared.

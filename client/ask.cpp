@@ -1,0 +1,118 @@
+#include "client/ask.hpp"
+
+#include <chrono>
+#include <lcm/lcm-cpp.hpp>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "server/wire/message/byte_check.hpp"
+#include "server/wire/message/channel.hpp"
+#include "server/wire/message/encoded.hpp"
+#include "server/wire/message/message.hpp"
+#include "server/wire/trust/envelope.hpp"
+
+namespace isthmus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Beyond what a server sends.
+constexpr std::int32_t most_poses = 100'000;
+constexpr std::int32_t most_ids = 10'000'000;
+
+constexpr Member number = fixed(8);
+constexpr Member integer = fixed(4);
+constexpr Member name = text(64);
+constexpr std::array path_pose_members = {integer, fixed(6 * 8)};
+constexpr std::array frontier_members = {integer, fixed(6 * 8), fixed(2 * 8), number, number, number};
+constexpr std::array reply_members = {number,
+                                      number,
+                                      number,
+                                      name,
+                                      name,
+                                      fixed(1),
+                                      name,
+                                      number,
+                                      integer,
+                                      integer,
+                                      number,
+                                      list(path_pose_members, most_poses),
+                                      fixed(3 * 8),
+                                      fixed(9 * 8),
+                                      number,
+                                      array(4, most_ids),
+                                      list(frontier_members, most_poses),
+                                      array(4, most_ids)};
+
+std::int64_t wall_clock_utime() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
+/// Listens for the reply to one question, as long as it exists.
+class Listener {
+ public:
+  Listener(lcm_t* link, const request_t& request) : link_(link), request_(request) {
+    subscription_ = lcm_subscribe(link_, reply_channel, note, this);
+  }
+  ~Listener() { lcm_unsubscribe(link_, subscription_); }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  std::optional<reply_t> reply;
+
+ private:
+  static void note(const lcm_recv_buf_t* buffer, const char*, void* self) noexcept {
+    const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    if (check_bytes(reply_t::getHash(), reply_members, bytes) != DropReason::none) return;
+    auto& listener = *static_cast<Listener*>(self);
+    reply_t reply;
+    const int size = static_cast<int>(bytes.size());
+    if (reply.decode(bytes.data(), 0, size) != size) return;
+    const request_t& request = listener.request_;
+    if (reply.asker == request.asker && reply.request_id == request.id &&
+        reply.request_utime == request.utime)
+      listener.reply = std::move(reply);
+  }
+
+  lcm_t* link_;
+  const request_t& request_;
+  lcm_subscription_t* subscription_ = nullptr;
+};
+
+}  // namespace
+
+request_t question(const std::string& kind, const std::string& asker, const std::string& robot) {
+  constexpr double timeout_s = 5, radius_m = 0.25, clearance_m = 0.1;
+  request_t request{};
+  request.asker = asker;
+  request.kind = kind;
+  request.timeout_s = timeout_s;
+  request.robot = robot;
+  request.start_patch = request.target_patch = request.target_barcode = -1;
+  request.radius_m = radius_m;
+  request.clearance_m = clearance_m;
+  return request;
+}
+
+std::optional<reply_t> ask(lcm::LCM& lcm, request_t request, const std::optional<QuestionKey>& key) {
+  request.utime = wall_clock_utime();
+  if (request.id == 0) request.id = request.utime;
+  Listener listener(lcm.getUnderlyingLCM(), request);
+  Message message{request.utime, request_channel, encoded(request)};
+  // The clock counts on from one question to the next, in whatever process.
+  if (key) message = seal(key->key, key->name, request.utime, message);
+  const auto size = static_cast<unsigned>(message.bytes.size());
+  if (lcm.publish(message.channel, message.bytes.data(), size) != 0)
+    throw std::runtime_error("the network refused the message");
+  const std::chrono::duration<double> wait(request.timeout_s);
+  const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(wait);
+  while (!listener.reply) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
+    if (left <= 0 || lcm.handleTimeout(static_cast<int>(left)) <= 0) break;
+  }
+  return std::move(listener.reply);
+}
+
+}  // namespace isthmus

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "isthmus/reply_t.hpp"
+
+namespace isthmus {
+
+/// What is known of a done reply, as lines of CSV with a header; metres and radians.
+std::string to_text(const reply_t& reply);
+
+}  // namespace isthmus
