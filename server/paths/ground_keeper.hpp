@@ -18,7 +18,7 @@ class GroundKeeper {
  public:
   /// Patches that are farther from one another along relations may have drifted apart: they make layers of
   /// their own. In metres.
-  static constexpr double near_m = 30;
+  static constexpr double near_m = 60;
 
   void update(const MapCopy& map);
 
