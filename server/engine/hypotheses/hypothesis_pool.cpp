@@ -134,18 +134,13 @@ bool HypothesisPool::propose(World world, Closures& closures, const std::vector<
     finds.push_back(&pool_[i].find);
     if (!id.valid()) id = pool_[i].hypothesis;
   }
-  // Finds of one spot say the same thing several times. Of a loop, what the map errs by over such a way says
-  // more; of two maps, nothing does.
-  const bool one_spot = way_between_m(world.map, first, finds) < options.min_way_m;
-  const bool merge = world.map.graph().island(first.query) != world.map.graph().island(first.anchor);
-  if (one_spot && merge) return false;
+  if (way_between_m(world.map, first, finds) < options.min_way_m) return false;
   if (const auto before = hypotheses_.find(id); before != hypotheses_.end()) {
     const auto tried = static_cast<std::size_t>(before->second.tried);
     if (tried > 0 && set.size() < tried + std::max(options.more_finds, tried / 2)) return false;
   }
   ScanProposal proposal = proposal_of(world.map, first, finds, world.options);
   proposal.id = id;
-  proposal.cautious = proposal.cautious || one_spot;
   id = closures.propose_from_scans(world, proposal);
   for (const std::size_t i : set) pool_[i].hypothesis = id;
   Hypothesis& hypothesis = hypotheses_[id];

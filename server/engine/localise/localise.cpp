@@ -66,6 +66,77 @@ Placement placement_of(Match match, const Expectation& expectation, double share
   return placement;
 }
 
+/// The best of the matches of a scan from one beginning after another.
+class BestFit {
+ public:
+  /// Keeps references.
+  BestFit(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
+          std::span<const ScanPoint> points, const EngineOptions& options)
+      : place_(*robot.place),
+        expectation_(expectation),
+        local_map_(local_map),
+        points_(points),
+        options_(options),
+        its_(options.localise),
+        match_options_(from_scan_to_scan(options)),
+        information_(expectation.tracking_covariance.inverse()),
+        // How far it is from where odometry has the robot is weighed at the end.
+        doubtful_(!expectation.plausible || place_.suspect),
+        min_score_(doubtful_ ? its_.min_score_implausible : its_.min_score) {}
+
+  /// From where odometry puts the robot, and from elsewhere where that does not fit, or surprises.
+  void try_all() {
+    best_ = match_scan(local_map_, points_, {expectation_.local_from_robot, information_}, match_options_);
+    const Pose& was = place_.pose.patch_from_object;
+    if (!is_good() || surprise(best_.local_from_robot, expectation_, its_) > its_.doubted_surprise.value()) {
+      try_from(expectation_.local_from_robot, its_.loose_gain);
+      try_from(was * place_.last_step, its_.other_start_gain);
+      try_from(was, its_.other_start_gain);
+    }
+    // Odometry that stood still and then jumps may well be right about where it jumps to: where the laser
+    // cannot tell, as in a corridor, it is believed.
+    if (!expectation_.plausible) try_from(was * expectation_.claimed_step, -its_.claimed_start_loss);
+    if (!is_good()) {
+      const CorrelativeResult found =
+          search_window(local_map_, points_, window_of(expectation_, its_), options_.correlative);
+      if (found.score > 0) try_from(found.local_from_robot, its_.other_start_gain);
+    }
+    if (is_good() && !doubtful_) weigh();
+  }
+
+  bool is_good() const { return fits(best_); }
+  const Match& match() const { return best_; }
+
+ private:
+  // Where odometry cannot be believed, a match needs more to be.
+  bool fits(const Match& match) const { return match.ok && match.quality.score >= min_score_; }
+
+  // Other beginnings hold the prediction loosely, and must fit better by so much to be preferred.
+  void try_from(const Pose& start, double better_by) {
+    const Match match =
+        match_scan(local_map_, points_, {start, its_.loose_share * information_}, match_options_);
+    if (fits(match) && (!is_good() || match.quality.score > best_.quality.score + better_by)) best_ = match;
+  }
+
+  void weigh() {
+    std::optional<Match> held =
+        held_by_odometry(local_map_, points_, expectation_, best_, match_options_, options_);
+    if (held && fits(*held)) best_ = *std::move(held);
+  }
+
+  const Localisation& place_;
+  const Expectation& expectation_;
+  const LocalMap& local_map_;
+  std::span<const ScanPoint> points_;
+  const EngineOptions& options_;
+  const LocaliseOptions& its_;
+  MatchOptions match_options_;
+  Eigen::Matrix3d information_;
+  bool doubtful_;
+  double min_score_;
+  Match best_;
+};
+
 }  // namespace
 
 Placement localise(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
@@ -83,42 +154,11 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
     return placement;
   }
 
-  const LocaliseOptions& its = options.localise;
-  const MatchOptions match_options = from_scan_to_scan(options);
-  const Eigen::Matrix3d information = expectation.tracking_covariance.inverse();
-  // Where odometry cannot be believed, a match needs more to be. How far it is from where odometry has the
-  // robot is weighed below.
-  const bool doubtful = !expectation.plausible || robot.place->suspect;
-  const double min_score = doubtful ? its.min_score_implausible : its.min_score;
-  const auto fits = [&](const Match& match) { return match.ok && match.quality.score >= min_score; };
-
-  Match best = match_scan(local_map, points, {expectation.local_from_robot, information}, match_options);
-  // Other beginnings hold the prediction loosely, and must fit better by so much to be preferred.
-  const auto try_from = [&](const Pose& start, double better_by) {
-    const Match match = match_scan(local_map, points, {start, its.loose_share * information}, match_options);
-    if (fits(match) && (!fits(best) || match.quality.score > best.quality.score + better_by)) best = match;
-  };
-  const Pose& r = robot.place->pose.patch_from_object;
-  if (!fits(best) || surprise(best.local_from_robot, expectation, its) > its.doubted_surprise.value()) {
-    try_from(expectation.local_from_robot, its.loose_gain);
-    try_from(r * robot.place->last_step, its.other_start_gain);
-    try_from(r, its.other_start_gain);
-  }
-  // Odometry that stood still and then jumps may well be right about where it jumps to: where the laser
-  // cannot tell, as in a corridor, it is believed.
-  if (!expectation.plausible) try_from(r * expectation.claimed_step, -its.claimed_start_loss);
-  if (!fits(best)) {
-    const CorrelativeResult found =
-        search_window(local_map, points, window_of(expectation, its), options.correlative);
-    if (found.score > 0) try_from(found.local_from_robot, its.other_start_gain);
-  }
-  if (fits(best) && !doubtful)
-    if (std::optional<Match> held =
-            held_by_odometry(local_map, points, expectation, best, match_options, options))
-      if (fits(*held)) best = *std::move(held);
-  if (fits(best)) return placement_of(std::move(best), expectation, 1, options);
-  placement.reason = best.ok ? Unmatched::low_score : Unmatched::few_pairs;
-  placement.match = std::move(best);
+  BestFit fit(robot, expectation, local_map, points, options);
+  fit.try_all();
+  if (fit.is_good()) return placement_of(fit.match(), expectation, 1, options);
+  placement.reason = fit.match().ok ? Unmatched::low_score : Unmatched::few_pairs;
+  placement.match = fit.match();
   return placement;
 }
 
@@ -148,9 +188,10 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
   };
   Match match = match_from(found.local_from_robot);
   if (!match.ok) return std::nullopt;
-  // What the search, in its coarse cells, takes for as good need not be.
-  if (found.second_score >= options.ambiguity.share * found.score &&
-      rivals(match, match_from(found.second_local_from_robot), options))
+  // What the search, in its coarse cells, takes for as good need not be: a good match tells.
+  const bool ambiguous = found.second_score >= options.ambiguity.share * found.score;
+  if (ambiguous && (match.quality.score < its.min_score_implausible ||
+                    rivals(match, match_from(found.second_local_from_robot), options)))
     return std::nullopt;
   if (expectation.plausible && !robot.place->suspect)
     if (std::optional<Match> held =

@@ -47,8 +47,7 @@ struct HypothesisOptions {
     option(decision_steps, "decision_steps", "factor", "on step_price_us: of matching what was found");
     option(max_finds, "max_finds", "count", "that wait for others that agree; the oldest goes");
     option(min_finds, "min_finds", "count", "of agreeing finds that are proposed");
-    option(min_way_m, "min_way_m", "m",
-           "of way between two of them: nearer, they are of one spot, and join no maps");
+    option(min_way_m, "min_way_m", "m", "of way between two of them");
     option(agreement_patches, "agreement_patches", "count",
            "of patches, nearest in the graph, to know how ends of finds lie to each other");
     option(known_sigma_m, "known_sigma_m", "m",

@@ -48,7 +48,7 @@ struct LocaliseOptions {
         doubtful_score, "doubtful_score", share_unit,
         "below which a scan is looked for anew in all that lies near, and not believed where that finds it");
     option(min_score_implausible, "min_score_implausible", share_unit,
-           "the same of one after odometry did what no robot does");
+           "the same of one after odometry did what no robot does, or where a coarse search has two answers");
     option(match_trust, "match_trust", "factor",
            "on a match's information against odometry's, from scan to scan: a match with many patches errs "
            "less than the nominal noise of its beams, odometry more than its steps say");

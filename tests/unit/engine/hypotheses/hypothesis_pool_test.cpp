@@ -78,26 +78,10 @@ TEST(HypothesisPool, SaysWhereToLookForWhatIsNearAFindThatWaits) {
   EXPECT_TRUE(its.pool.hints(map, its.scene.second[1], its.scene.options).empty()) << "too far on";
 }
 
-TEST(HypothesisPool, JoinsNoMapsByFindsOfOneSpot) {
+TEST(HypothesisPool, ProposesNothingOfOnePlace) {
   Pooling its;
   for (const std::size_t i : {0U, 1U, 2U}) its.find(i);
   EXPECT_FALSE(its.propose()) << "a metre of way";
-}
-
-// They say the same thing several times: a loop by them is accepted by odds only.
-TEST(HypothesisPool, ProposesLoopsByFindsOfOneSpotWithCaution) {
-  const auto state_of = [](std::initializer_list<std::size_t> found, double min_log_odds) {
-    Pooling its;
-    its.scene.join();
-    its.scene.options.trial.min_loop_log_odds = min_log_odds;
-    for (const std::size_t i : found) its.find(i);
-    EXPECT_TRUE(its.propose());
-    its.hear();
-    return its.closures.closures().at(0).state;
-  };
-  EXPECT_EQ(state_of({0, 1, 2}, 100), ClosureState::waiting);
-  EXPECT_EQ(state_of({0, 1, 2}, -100), ClosureState::accepted);
-  EXPECT_EQ(state_of({0, 2, 4}, 100), ClosureState::accepted) << "of different spots";
 }
 
 TEST(HypothesisPool, ProposesNothingThatAsManyFindsContradict) {
