@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "client/ask.hpp"
+#include "server/client/ask.hpp"
 #include "server/program/command_line.hpp"
 #include "server/program/finite_number.hpp"
 #include "tools/ask/reply_text.hpp"

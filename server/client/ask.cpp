@@ -1,4 +1,4 @@
-#include "client/ask.hpp"
+#include "server/client/ask.hpp"
 
 #include <chrono>
 #include <lcm/lcm-cpp.hpp>
