@@ -154,8 +154,10 @@ TEST(QuestionsToALiveServer, AreAnsweredWhileItMapsAndAreNoneOfItsEvents) {
   const BoxRoomRobot robot("R1");
   const auto send = [&](const Message& message) { reception.take(0, message.channel, message.bytes); };
   send(robot.introduction());
-  for (int i = 0; i < 60; ++i)
+  for (int i = 0; i < 60; ++i) {
     for (const Message& message : robot.round(i)) send(message);
+    EXPECT_TRUE(happens([&] { return inbox.size() == 0; })) << "a full queue would lose scans";
+  }
   std::vector<reply_t> replies;
   const auto ask = [&](const request_t& request) {
     const std::size_t before = replies.size();
