@@ -19,7 +19,7 @@ struct SelfContradiction {
   int pairs = 0;                    ///< of patches that contradict one another
 };
 
-/// Chosen on maps of five recorded buildings: where they are right, no more than 5 pairs hang together
+/// Chosen on maps of four recorded buildings: where they are right, no more than 5 pairs hang together
 /// (people, doors, glass); in one drawn twice, 179.
 struct SelfCheckOptions {
   double reach_m = 6;             ///< between patches that are compared
