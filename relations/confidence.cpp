@@ -32,10 +32,10 @@ Eigen::Matrix3d in_frame_of(const Pose& a, const Eigen::Matrix3d& covariance) {
 }  // namespace
 
 std::map<PatchId, Eigen::Matrix3d> local_relative_covariances(
-    const RelationGraph& graph, std::span<const Pose> poses, PatchId a, std::size_t most,
+    const RelationGraph& graph, std::span<const Pose> poses, PatchId a, std::size_t max_patches,
     const std::function<bool(const Relation&)>& counts) {
   std::map<PatchId, Eigen::Matrix3d> found;
-  const std::vector<PatchId> patches = graph.nearest_in_graph(a, most);
+  const std::vector<PatchId> patches = graph.nearest_in_graph(a, max_patches);
   if (patches.size() < 2) return found;
   BlockCholesky<3> information = reduced_information(graph, poses, patches, counts);
   information.factor();
@@ -48,10 +48,10 @@ std::map<PatchId, Eigen::Matrix3d> local_relative_covariances(
 
 std::optional<Eigen::Matrix3d> local_relative_covariance(const RelationGraph& graph,
                                                          std::span<const Pose> poses, PatchId a, PatchId b,
-                                                         std::size_t most) {
+                                                         std::size_t max_patches) {
   if (a == b) return Eigen::Matrix3d::Zero();
-  std::vector<PatchId> patches = graph.nearest_in_graph(a, most / 2);
-  for (const PatchId patch : graph.nearest_in_graph(b, most / 2))
+  std::vector<PatchId> patches = graph.nearest_in_graph(a, max_patches / 2);
+  for (const PatchId patch : graph.nearest_in_graph(b, max_patches / 2))
     if (std::find(patches.begin(), patches.end(), patch) == patches.end()) patches.push_back(patch);
   BlockCholesky<3> information = reduced_information(graph, poses, patches);
   information.factor();

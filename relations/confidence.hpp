@@ -14,18 +14,18 @@ namespace isthmus {
 /// with respect to patch a, as the covariance of (x, y, yaw) of a_from_b, in a's own frame. Information is
 /// Gauss-Newton's. `poses` is indexed by patch id.
 
-/// For localisation: from the information of the at most `most` patches nearest to `a` in the graph, a held.
-/// At the same poses and weights it never says less than the exact covariance. Holds every patch of the
+/// For localisation: from the information of the at most `max_patches` patches nearest to `a` in the graph, a
+/// held. At the same poses and weights it never says less than the exact covariance. Holds every patch of the
 /// sub-graph but `a` that is determined with respect to it. Relations that `counts` says no to are left out.
 std::map<PatchId, Eigen::Matrix3d> local_relative_covariances(
-    const RelationGraph& graph, std::span<const Pose> poses, PatchId a, std::size_t most = 200,
+    const RelationGraph& graph, std::span<const Pose> poses, PatchId a, std::size_t max_patches = 200,
     const std::function<bool(const Relation&)>& counts = {});
 
-/// The same of one patch b, from the at most `most` patches nearest to a or to b. Nothing where those do not
-/// determine it.
+/// The same of one patch b, from the at most `max_patches` patches nearest to a or to b. Nothing where those
+/// do not determine it.
 std::optional<Eigen::Matrix3d> local_relative_covariance(const RelationGraph& graph,
                                                          std::span<const Pose> poses, PatchId a, PatchId b,
-                                                         std::size_t most);
+                                                         std::size_t max_patches);
 
 /// For reports and operators, from the whole island: the covariance of each of `others` (on a's island)
 /// relative to a; one factorisation for all. A patch equal to `a` gets zero. It does

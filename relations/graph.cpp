@@ -177,15 +177,15 @@ std::vector<PatchId> RelationGraph::patches_of(IslandId wanted) const {
   return found;
 }
 
-std::vector<PatchId> RelationGraph::nearest_in_graph(PatchId from, std::size_t most) const {
-  if (most == 0) return {};
+std::vector<PatchId> RelationGraph::nearest_in_graph(PatchId from, std::size_t max_patches) const {
+  if (max_patches == 0) return {};
   std::size_t count = 0;
   std::vector<PatchId> found = breadth_first(*this, from, any_relation, [&](std::span<PatchId> level) {
     std::sort(level.begin(), level.end());
     count += level.size();
-    return count < most;
+    return count < max_patches;
   });
-  if (found.size() > most) found.resize(most);
+  if (found.size() > max_patches) found.resize(max_patches);
   return found;
 }
 

@@ -88,8 +88,8 @@ class RelationGraph {
   std::vector<std::vector<PatchId>> islands() const;
   std::vector<PatchId> patches_of(IslandId island) const;
 
-  /// At most `most` patches nearest to `from` by number of relations, `from` first; ties by id.
-  std::vector<PatchId> nearest_in_graph(PatchId from, std::size_t most) const;
+  /// At most `max_patches` patches nearest to `from` by number of relations, `from` first; ties by id.
+  std::vector<PatchId> nearest_in_graph(PatchId from, std::size_t max_patches) const;
   /// The patches at most so many relations away, by id, `from` among them. Only relations that `along` says
   /// yes to count.
   std::vector<PatchId> within_hops(PatchId from, int limit,

@@ -23,8 +23,8 @@ class YawProblem {
   explicit YawProblem(const Matrix5d& r) {
     Eigen::ColPivHouseholderQR<Eigen::Matrix<double, 5, 2>> translation(r.middleCols<2>(2));
     const Eigen::Vector2d pivots = translation.matrixR().diagonal().cwiseAbs();
-    const double least_pivot = rank_tolerance * std::sqrt(squared_scale(r));
-    const Eigen::Index rank = (pivots.array() > least_pivot).count();
+    const double min_pivot = rank_tolerance * std::sqrt(squared_scale(r));
+    const Eigen::Index rank = (pivots.array() > min_pivot).count();
     b_.leftCols<2>() = r.leftCols<2>();
     b_.col(2) = r.col(4);
     b_.applyOnTheLeft(translation.householderQ().adjoint());
@@ -123,15 +123,15 @@ QuadraticForm::Minimum QuadraticForm::least() const {
   constexpr int samples = 12;
   const YawProblem problem(r);
   double best_yaw = 0;
-  double least_cost = problem.cost(0);
+  double min_cost = problem.cost(0);
   const auto angle = [](int i) { return 2 * std::numbers::pi * i / samples; };
   for (int i = 0; i < samples; ++i) {
     const double here = problem.cost(angle(i));
     if (here > problem.cost(angle(i - 1)) || here > problem.cost(angle(i + 1))) continue;
     const double yaw = problem.minimise(angle(i));
     const double polished = problem.cost(yaw);
-    if (polished >= least_cost) continue;
-    least_cost = polished;
+    if (polished >= min_cost) continue;
+    min_cost = polished;
     best_yaw = yaw;
   }
   return at_yaw(r, best_yaw, Eigen::Vector2d::Zero());

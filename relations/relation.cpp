@@ -38,8 +38,8 @@ Pose nearest(const Bearing& measured, const Pose& start) {
 
 double chi_squared(const Measurement& measurement, double cost) {
   const auto* correspondences = std::get_if<Correspondences>(&measurement);
-  const double least_cost = correspondences ? correspondences->least.cost : 0;
-  return std::max(0.0, 2 * (cost - least_cost));
+  const double min_cost = correspondences ? correspondences->least.cost : 0;
+  return std::max(0.0, 2 * (cost - min_cost));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace isthmus {
 namespace {
 
 /// Points nearer than this have no direction: the derivative of range and bearing is limited there.
-constexpr double least_distance_m = 1e-6;
+constexpr double min_distance_m = 1e-6;
 
 /// e = R v (5): correspondences of points of b with points and lines of a, in a's frame; Howard et al. 2006,
 /// eqs. 4 and 7 summed over the pair. Noise: Gaussian per correspondence, its sigma in the rows of the form.
@@ -33,7 +33,7 @@ LinearResidual linearise(const Range& measured, const Pose& a_from_b) {
   const Eigen::Vector2d between = a_from_b * measured.point_b - measured.point_a;
   const double distance = between.norm();
   const Eigen::Vector2d direction =
-      distance > least_distance_m ? Eigen::Vector2d(between / distance) : Eigen::Vector2d::UnitX();
+      distance > min_distance_m ? Eigen::Vector2d(between / distance) : Eigen::Vector2d::UnitX();
   LinearResidual residual;
   residual.rows = 1;
   residual.e(0) = (distance - measured.range_m) / measured.sigma_m;
@@ -49,7 +49,7 @@ LinearResidual linearise(const Bearing& measured, const Pose& a_from_b) {
   const double observer_yaw = measured.a_from_observer.yaw;
   const Eigen::Vector2d from_observer = a_from_b * measured.point_b - position(measured.a_from_observer);
   const Eigen::Vector2d seen = rotate(-observer_yaw, from_observer);
-  const double squared = std::max(seen.squaredNorm(), least_distance_m * least_distance_m);
+  const double squared = std::max(seen.squaredNorm(), min_distance_m * min_distance_m);
   const Eigen::RowVector2d by_point_a = Eigen::RowVector2d(-from_observer.y(), from_observer.x()) / squared;
   LinearResidual residual;
   residual.rows = 1;

@@ -40,7 +40,7 @@ Circle first_guess(std::span<const BeamPoint> points) {
 
 }  // namespace
 
-std::optional<Circle> fit_circle(std::span<const BeamPoint> points, double most_m) {
+std::optional<Circle> fit_circle(std::span<const BeamPoint> points, double max_m) {
   if (points.size() < 4) return std::nullopt;
   Circle circle = first_guess(points);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
@@ -50,7 +50,7 @@ std::optional<Circle> fit_circle(std::span<const BeamPoint> points, double most_
     const Eigen::Vector3d step = -factor.solve(normals.gradient);
     circle.centre += step.head<2>();
     circle.radius_m += step.z();
-    if (!step.allFinite() || !(circle.radius_m > 0) || circle.radius_m > most_m) return std::nullopt;
+    if (!step.allFinite() || !(circle.radius_m > 0) || circle.radius_m > max_m) return std::nullopt;
     if (step.norm() > 1e-6) continue;
     circle.covariance = factor.solve(Eigen::Matrix3d::Identity());
     circle.chi_squared = normals.chi_squared;

@@ -17,7 +17,7 @@ struct Circle {
 
 /// Least squares of the points' distances from the circle, each over the variance of its point across it:
 /// Gauss and Newton's method from the circle that has the points' width. Nothing of fewer than four points,
-/// where it does not settle, or where the radius leaves (0, most_m).
-std::optional<Circle> fit_circle(std::span<const BeamPoint> points, double most_m);
+/// where it does not settle, or where the radius leaves (0, max_m).
+std::optional<Circle> fit_circle(std::span<const BeamPoint> points, double max_m);
 
 }  // namespace isthmus

@@ -32,11 +32,11 @@ std::optional<ObservedFeature> pole_of(const ScanAround& around, const PointRun&
                                        const PoleOptions& options) {
   const auto own = around.points.subspan(static_cast<std::size_t>(surface.first),
                                          static_cast<std::size_t>(surface.size()));
-  if (own.size() < 4 || (own.back().position - own.front().position).norm() > 2 * options.most_radius_m)
+  if (own.size() < 4 || (own.back().position - own.front().position).norm() > 2 * options.max_radius_m)
     return std::nullopt;
   if (!stands_free(around, surface, options.clear_m)) return std::nullopt;
-  const std::optional<Circle> circle = fit_circle(own, options.most_radius_m);
-  if (!circle || circle->radius_m < options.least_radius_m) return std::nullopt;
+  const std::optional<Circle> circle = fit_circle(own, options.max_radius_m);
+  if (!circle || circle->radius_m < options.min_radius_m) return std::nullopt;
   if (circle->chi_squared > options.chi_squared_per_point * static_cast<double>(own.size()))
     return std::nullopt;
   const std::optional<Line> line = fit_line(own);
@@ -52,7 +52,7 @@ bool meet(const LineRun& one, const LineRun& next, const ScanAround& around,
           const ScanFeatureOptions& options) {
   if (next.points.first - one.points.last > options.segmentation.missing_beams + 1) return false;
   const double sine = std::abs(next.line.across().dot(one.line.along));
-  if (sine < std::sin(options.least_corner_rad)) return false;
+  if (sine < std::sin(options.min_corner_rad)) return false;
   const std::optional<Eigen::Vector2d> at = meeting_point(one.line, next.line);
   if (!at) return false;
   const auto spacing = [&](const BeamPoint& point, const Line& line) {

@@ -21,8 +21,8 @@ std::string_view name(EndKind kind);
 constexpr bool is_real(EndKind kind) { return kind == EndKind::corner || kind == EndKind::edge; }
 
 struct PoleOptions {
-  double most_radius_m = 0.5;        ///< m: rounder things are walls
-  double least_radius_m = 0.02;      ///< m: thinner ones are hit by chance
+  double max_radius_m = 0.5;         ///< m: rounder things are walls
+  double min_radius_m = 0.02;        ///< m: thinner ones are hit by chance
   double clear_m = 0.3;              ///< m that everything beside it lies behind it
   double known_sigma_m = 0.05;       ///< m: a radius less well known is left out (q = 2)
   double better_than_line = 9;       ///< that much less χ² than a line through the same points
@@ -33,8 +33,8 @@ struct ScanFeatureOptions {
   BeamNoise noise;
   SegmentationOptions segmentation;
   PoleOptions poles;
-  double least_corner_rad = 0.35;  ///< rad between two walls that meet: flatter corners are ill determined
-  double corner_gap_m = 0.25;  ///< m from where two lines meet to their points, besides two beams' spacing
+  double min_corner_rad = 0.35;  ///< rad between two walls that meet: flatter corners are ill determined
+  double corner_gap_m = 0.25;    ///< m from where two lines meet to their points, besides two beams' spacing
 };
 
 struct ScanSegment {

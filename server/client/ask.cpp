@@ -18,8 +18,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Beyond what a server sends.
-constexpr std::int32_t most_poses = 100'000;
-constexpr std::int32_t most_ids = 10'000'000;
+constexpr std::int32_t max_poses = 100'000;
+constexpr std::int32_t max_ids = 10'000'000;
 
 constexpr Member number = fixed(8);
 constexpr Member integer = fixed(4);
@@ -37,13 +37,13 @@ constexpr std::array reply_members = {number,
                                       integer,
                                       integer,
                                       number,
-                                      list(path_pose_members, most_poses),
+                                      list(path_pose_members, max_poses),
                                       fixed(3 * 8),
                                       fixed(9 * 8),
                                       number,
-                                      array(4, most_ids),
-                                      list(frontier_members, most_poses),
-                                      array(4, most_ids)};
+                                      array(4, max_ids),
+                                      list(frontier_members, max_poses),
+                                      array(4, max_ids)};
 
 std::int64_t wall_clock_utime() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();

@@ -156,8 +156,8 @@ std::string report_json(const FeatureMaps& maps, const RunCost& cost) {
 
 void write_plan(const Team& team, std::size_t island, const std::string& directory) {
   PlanOptions options;
-  options.stretches.least_views = 1;  // a feature was seen often before it was one
-  options.poles.least_views = 1;
+  options.stretches.min_views = 1;  // a feature was seen often before it was one
+  options.poles.min_views = 1;
   write_plan_files(fit_plan(plan_source(team.filter.state()), options), island, directory);
 }
 

@@ -33,8 +33,8 @@ struct FeatureMapOptions {
   double agree_sigmas = 3;              ///< within which two meetings say the same,
   double agree_reach_m = 10;            ///< m that a heading which errs may move what is compared
   double sighting_probability = 0.999;  ///< that a true sighting passes its gate
-  std::size_t least_duplicates = 4;     ///< that make one meeting enough for a fusion
-  std::size_t least_landmarks = 3;      ///< known to both maps, by which two maps of points come together
+  std::size_t min_duplicates = 4;       ///< that make one meeting enough for a fusion
+  std::size_t min_landmarks = 3;        ///< known to both maps, by which two maps of points come together
   double repeat_s = 0.5;                ///< s within which sightings of one barcode err alike: one counts
 };
 

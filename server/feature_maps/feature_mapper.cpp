@@ -64,7 +64,7 @@ FeatureMapOptions feature_map_options(FeatureMapKind kind) {
   FeatureMapOptions options;
   options.kind = kind;
   options.filter.association.probability = 0.999;
-  options.filter.most_features = 1000;
+  options.filter.max_features = 1000;
   options.scan_features.noise.surface_sigma_m = 0.02;
   options.scan_features.segmentation.min_length_m = 1;
   if (kind == FeatureMapKind::points) options.stamp_share = 0;  // what was told is integrated, not measured
@@ -120,8 +120,8 @@ void FeatureMapper::wait(const std::string& name, const Event& event) {
   counts_.scans += is_scan ? 1 : 0;
   const auto robot = robots_.find(name);
   if (robot == robots_.end()) return count_dropped("unknown_robot");
-  constexpr std::size_t most_waiting = 1000;
-  if (robot->second.waiting.size() >= most_waiting) return count_dropped("no_odometry");
+  constexpr std::size_t max_waiting = 1000;
+  if (robot->second.waiting.size() >= max_waiting) return count_dropped("no_odometry");
   robot->second.waiting.push_back(event);
 }
 
@@ -308,7 +308,7 @@ std::string FeatureMapper::meet(const Meeting& meeting) {
   const Journey two = journeys_[static_cast<std::size_t>(meeting.journey_2)];
   const JoinedTeams joined =
       joined_at_meeting(team_of(one), one.member, team_of(two), two.member, alignment, options_.fusion);
-  if (joined.duplicates < options_.least_duplicates && !borne_out(meeting, alignment)) {
+  if (joined.duplicates < options_.min_duplicates && !borne_out(meeting, alignment)) {
     ++counts_.fusions_waiting;
     return "waits_for_another_meeting";
   }
@@ -343,7 +343,7 @@ void FeatureMapper::join_by_landmarks() {
     for (std::size_t b = a + 1; b < teams_.size(); ++b) {
       if (teams_[a].journeys.empty() || teams_[b].journeys.empty()) continue;
       const auto joined =
-          joined_by_landmarks(teams_[a], teams_[b], options_.least_landmarks, options_.sighting_probability);
+          joined_by_landmarks(teams_[a], teams_[b], options_.min_landmarks, options_.sighting_probability);
       if (joined) join(static_cast<int>(a), static_cast<int>(b), *joined);
     }
   }

@@ -64,10 +64,10 @@ JoinedTeams joined_at_meeting(const Team& one, int member_1, const Team& two, in
   return joined;
 }
 
-std::optional<JoinedTeams> joined_by_landmarks(const Team& one, const Team& two, std::size_t least,
+std::optional<JoinedTeams> joined_by_landmarks(const Team& one, const Team& two, std::size_t min_common,
                                                double probability) {
   const std::vector<Common> common = common_landmarks(one, two);
-  if (common.size() < least) return std::nullopt;
+  if (common.size() < min_common) return std::nullopt;
   const Pose maps = aligned_points(one, two, common);
   const Pose first = one.filter.state().robots[0].map_from_robot;
   const Pose second = two.filter.state().robots[0].map_from_robot;

@@ -28,9 +28,9 @@ JoinedTeams joined_at_meeting(const Team& one, int member_1, const Team& two, in
                               const RobotAlignment& alignment, const FusionOptions& options);
 
 /// By barcodes that both know: the least-squares alignment of them is where the maps are put, and says
-/// nothing itself; then that each two are one is measured. Nothing where there are fewer than `least`, or
-/// where they disagree at the probability.
-std::optional<JoinedTeams> joined_by_landmarks(const Team& one, const Team& two, std::size_t least,
+/// nothing itself; then that each two are one is measured. Nothing where there are fewer than `min_common`,
+/// or where they disagree at the probability.
+std::optional<JoinedTeams> joined_by_landmarks(const Team& one, const Team& two, std::size_t min_common,
                                                double probability);
 
 }  // namespace isthmus

@@ -13,7 +13,7 @@ namespace {
 bool alike(const Feature& seen, const Feature& expected, const AssociationOptions& options) {
   if (seen.kind == FeatureKind::corner)
     return std::abs(seen.opening_rad - expected.opening_rad) < options.opening_tolerance_rad;
-  return overlap(seen, expected, options.free_end_reach_m) >= options.least_overlap;
+  return overlap(seen, expected, options.free_end_reach_m) >= options.min_overlap;
 }
 
 std::optional<Candidate> candidate(const FeatureState& state, int robot,
@@ -33,8 +33,8 @@ std::optional<Candidate> candidate(const FeatureState& state, int robot,
 
 }  // namespace
 
-Gates::Gates(double probability, int most_degrees_of_freedom) {
-  for (int k = 1; k <= most_degrees_of_freedom; ++k) bounds_.push_back(chi2_quantile(probability, k));
+Gates::Gates(double probability, int max_degrees_of_freedom) {
+  for (int k = 1; k <= max_degrees_of_freedom; ++k) bounds_.push_back(chi2_quantile(probability, k));
 }
 
 double Gates::operator()(Eigen::Index degrees_of_freedom) const {

@@ -19,7 +19,7 @@ struct Candidate {
 /// χ² bounds of one probability, by degrees of freedom; made once.
 class Gates {
  public:
-  explicit Gates(double probability, int most_degrees_of_freedom = 256);
+  explicit Gates(double probability, int max_degrees_of_freedom = 256);
   /// Beyond the most, the bound of the most times what it is exceeded by.
   double operator()(Eigen::Index degrees_of_freedom) const;
 
@@ -39,10 +39,10 @@ double overlap(const Feature& seen, const Feature& expected, double free_end_rea
 
 /// The largest set of candidates, each observation and each feature once, that is compatible as a whole; of
 /// sets as large, the one with the least joint distance: joint compatibility by branch and bound (Neira and
-/// Tardos 2001), the joint distance carried along by a growing Cholesky factor. Bounded by `most_steps`.
+/// Tardos 2001), the joint distance carried along by a growing Cholesky factor. Bounded by `max_steps`.
 /// Indices into `all`, ascending.
-std::vector<std::size_t> most_compatible(const Eigen::MatrixXd& covariance, std::span<const Candidate> all,
-                                         const AssociationOptions& options, const Gates& gates);
+std::vector<std::size_t> largest_compatible(const Eigen::MatrixXd& covariance, std::span<const Candidate> all,
+                                            const AssociationOptions& options, const Gates& gates);
 
 /// Each observation to its nearest candidate; a feature that several claim to the nearest of them.
 std::vector<std::size_t> nearest_pairs(std::span<const Candidate> all);

@@ -55,7 +55,7 @@ std::vector<Candidate> FeatureFilter::choose(int robot, std::span<const Observed
     return one.squared_distance >= gates_(one.measurement.residual.size());
   });
   const std::vector<std::size_t> chosen = options.pairing == Pairing::joint
-                                              ? most_compatible(state_.covariance, all, options, gates_)
+                                              ? largest_compatible(state_.covariance, all, options, gates_)
                                               : nearest_pairs(all);
   std::vector<Candidate> result;
   for (const std::size_t i : chosen) result.push_back(all[i]);
@@ -98,7 +98,7 @@ bool FeatureFilter::is_confirmed(int robot, const Feature& seen) {
     entry.age = 0;
     return ++entry.seen >= options.confirm_after;
   }
-  if (tentative_.size() >= options.most) tentative_.erase(tentative_.begin());
+  if (tentative_.size() >= options.max_entries) tentative_.erase(tentative_.begin());
   tentative_.push_back({here, robot, 1, 0});
   return false;
 }
@@ -137,7 +137,7 @@ FeatureScanOutcome FeatureFilter::observe(int robot, std::span<const ObservedFea
       ++outcome.undecided;
     } else if (!is_first_scan && !is_confirmed(robot, sound[i].feature)) {
       ++outcome.tentative;
-    } else if (state_.features.size() >= options_.most_features) {
+    } else if (state_.features.size() >= options_.max_features) {
       ++outcome.too_many;
     } else {
       outcome.added.push_back({place[i], add_feature(state_, robot, sound[i])});
@@ -161,7 +161,7 @@ std::vector<int> FeatureFilter::observe_known(int robot, std::span<const Observe
   }
   if (!use(robot, chosen, seen)) std::fill(result.begin(), result.end(), -1);
   for (std::size_t i = 0; i < seen.size(); ++i)
-    if (ids[i] < 0 && is_sound(seen[i]) && state_.features.size() < options_.most_features)
+    if (ids[i] < 0 && is_sound(seen[i]) && state_.features.size() < options_.max_features)
       result[i] = add_feature(state_, robot, seen[i]);
   return result;
 }

@@ -18,12 +18,12 @@ struct FeatureScanOutcome {
   std::size_t unsound = 0;    ///< refused: no feature, or no covariance
   std::size_t tentative = 0;  ///< wait to be seen again
   std::size_t undecided = 0;  ///< near a known feature, but not compatible with the rest
-  std::size_t too_many = 0;   ///< `most_features`
+  std::size_t too_many = 0;   ///< `max_features`
 };
 
 /// SLAM by features for the robots of one map (Benedettelli et al. 2012, section 3; Zhou and Roumeliotis
 /// 2006, algorithm 2): odometry moves a robot, what it sees corrects robots and features alike.
-/// Deterministic. A step costs the square of the number of features; beyond `most_features` known ones are
+/// Deterministic. A step costs the square of the number of features; beyond `max_features` known ones are
 /// corrected and none is added.
 class FeatureFilter {
  public:

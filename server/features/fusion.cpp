@@ -112,7 +112,7 @@ class DuplicateSearch {
       for (Candidate& one : own) all.push_back(std::move(one));
     }
     const std::vector<std::size_t> chosen =
-        most_compatible(state_.covariance, all, options_.association, gates_);
+        largest_compatible(state_.covariance, all, options_.association, gates_);
     const Fusion before = fusion_;
     const std::set<std::size_t> taken_before = taken_;
     bool is_supported = chosen.empty();
@@ -153,7 +153,7 @@ class DuplicateSearch {
     if (one.kind == FeatureKind::corner)
       return std::abs(one.opening_rad - other.opening_rad) < options_.association.opening_tolerance_rad;
     return one.kind != FeatureKind::segment ||
-           overlap(one, other, largest_sigma(index)) >= options_.association.least_overlap;
+           overlap(one, other, largest_sigma(index)) >= options_.association.min_overlap;
   }
 
   /// Measured anew, for those accepted before it have corrected the state. Whether it is one that chance
@@ -171,7 +171,7 @@ class DuplicateSearch {
     state_.features[pair.index].seen += state_.features[pair.seen].seen;
     reach_to(state_, pair.index, state_.features[pair.seen].feature);
     taken_.insert(pair.index);
-    return by_chance < options_.most_by_chance;
+    return by_chance < options_.max_by_chance;
   }
 
   /// How many landmarks of the first map would lie within the gate by chance: their density within 5 m, times

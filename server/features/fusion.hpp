@@ -12,7 +12,7 @@ struct FusionOptions {
   double identity_sigma_m =
       1e-3;              ///< m, rad: two maps of one thing agree to a millimetre; keeps matrices definite
   double ambiguity = 6;  ///< by which the second best must be worse in squared distance: e³ times less likely
-  double most_by_chance =
+  double max_by_chance =
       0.1;  ///< landmarks expected within a pair's gate, of one pair at least of each group
 };
 

@@ -12,7 +12,7 @@ class Search {
  public:
   Search(const Eigen::MatrixXd& covariance, std::span<const Candidate> all, const AssociationOptions& options,
          const Gates& gates)
-      : covariance_(covariance), all_(all), most_steps_(options.most_steps), gates_(gates) {
+      : covariance_(covariance), all_(all), max_steps_(options.max_steps), gates_(gates) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (i == 0 || all[i].seen != all[i - 1].seen) levels_.emplace_back();
       levels_.back().push_back(i);
@@ -34,7 +34,7 @@ class Search {
       best_ = chosen_;
       best_distance_ = distance;
     }
-    if (level == levels_.size() || ++steps_ > most_steps_) return;
+    if (level == levels_.size() || ++steps_ > max_steps_) return;
     for (const std::size_t next : levels_[level]) {
       if (is_taken(all_[next].index) || !can_beat_best(level, distance, 0)) continue;
       const std::optional<double> joint = append(next, distance);
@@ -77,7 +77,7 @@ class Search {
 
   const Eigen::MatrixXd& covariance_;
   std::span<const Candidate> all_;
-  std::size_t most_steps_;
+  std::size_t max_steps_;
   const Gates& gates_;
   std::vector<std::vector<std::size_t>> levels_;
   std::vector<std::optional<LocalMatrix>> cross_;
@@ -89,8 +89,8 @@ class Search {
 
 }  // namespace
 
-std::vector<std::size_t> most_compatible(const Eigen::MatrixXd& covariance, std::span<const Candidate> all,
-                                         const AssociationOptions& options, const Gates& gates) {
+std::vector<std::size_t> largest_compatible(const Eigen::MatrixXd& covariance, std::span<const Candidate> all,
+                                            const AssociationOptions& options, const Gates& gates) {
   if (all.empty()) return {};
   return Search(covariance, all, options, gates).run();
 }

@@ -25,12 +25,12 @@ enum class Pairing {
 struct AssociationOptions {
   Pairing pairing = Pairing::joint;
   double probability = 0.99;    ///< that a true pairing passes a gate, and a true set the joint one
-  double least_overlap = 0.2;   ///< of the shorter segment's length (τ): below, they are two walls in a row
+  double min_overlap = 0.2;     ///< of the shorter segment's length (τ): below, they are two walls in a row
   double free_end_reach_m = 1;  ///< m that a wall may go on beyond an end that was not seen: a door's width
   double end_slack_m = 0.3;     ///< m that an end may be seen short of how far the wall was seen already
   double opening_tolerance_rad =
       0.5;  ///< rad between a corner's angle and the map's: a wall more or less is 1.6
-  std::size_t most_steps =
+  std::size_t max_steps =
       20'000;  ///< of the search; then the best set so far holds, so that clutter is bounded
 };
 
@@ -40,7 +40,7 @@ struct TentativeOptions {
   double position_slack_m =
       0.1;  ///< m and rad that the robot may have drifted against the list in so many scans
   double angle_slack_rad = 0.05;
-  std::size_t most = 500;  ///< entries; the oldest goes
+  std::size_t max_entries = 500;  ///< entries; the oldest goes
 };
 
 struct SeenThroughOptions {
@@ -53,7 +53,7 @@ struct FilterOptions {
   AssociationOptions association;
   TentativeOptions tentative;
   SeenThroughOptions contradiction;
-  std::size_t most_features = 5'000;  ///< in the state, for a step costs its square; further ones are counted
+  std::size_t max_features = 5'000;  ///< in the state, for a step costs its square; further ones are counted
 };
 
 }  // namespace isthmus

@@ -126,7 +126,7 @@ Json health(const MapCopy& map) {
                            {"scans", f.scans},
                            {"scans_without_return", f.scans_without_return},
                            {"scans_with_few_returns", f.scans_with_few_returns},
-                           {"most_beams", f.most_beams},
+                           {"most_beams", f.max_beams},
                            {"scans_changed", f.scans_changed},
                            {"scans_changed_still", f.scans_changed_still},
                            {"scans_matched", f.scans_matched},

@@ -13,10 +13,10 @@ int squared(const Cell& a, const Cell& b) { return (a.x - b.x) * (a.x - b.x) + (
 /// Nodes to look at, by their squared distance in cells.
 class Brushfire {
  public:
-  Brushfire(const Ground& ground, int most)
+  Brushfire(const Ground& ground, int max_squared)
       : ground_(ground),
         least_(ground.size(), std::numeric_limits<int>::max()),
-        waiting_(static_cast<std::size_t>(most) + 1) {}
+        waiting_(static_cast<std::size_t>(max_squared) + 1) {}
 
   void light(const Source& source) {
     const int distance = squared(ground_.cell(source.node), source.cell);

@@ -11,7 +11,7 @@ namespace isthmus {
 namespace {
 
 /// Rows farther apart than this are not one way: a restart, or a robot that was carried.
-constexpr double most_step_m = 1.5;
+constexpr double max_step_m = 1.5;
 
 bool is_on_map(const MapCopy& map, PatchId patch) {
   return patch.valid() && static_cast<std::size_t>(patch.value) < map.patches.size() &&
@@ -64,15 +64,15 @@ class Crossings {
             static_cast<int>(std::floor(point.y() / DrivenWays::crossing_m))};
   }
 
-  bool joined(std::size_t a, std::size_t b, double most_m, double most_near_m) const {
-    return (points_[a] - points_[b]).norm() <= most_m && near_.way_m(patches_[a], patches_[b]) <= most_near_m;
+  bool joined(std::size_t a, std::size_t b, double max_m, double max_near_m) const {
+    return (points_[a] - points_[b]).norm() <= max_m && near_.way_m(patches_[a], patches_[b]) <= max_near_m;
   }
 
   template <class Visit>
   void visit_next(std::size_t at, const Visit& visit) const {
     constexpr double any = std::numeric_limits<double>::infinity();
-    if (at > 0 && joined(at, at - 1, most_step_m, any)) visit(at - 1);
-    if (at + 1 < points_.size() && joined(at, at + 1, most_step_m, any)) visit(at + 1);
+    if (at > 0 && joined(at, at - 1, max_step_m, any)) visit(at - 1);
+    if (at + 1 < points_.size() && joined(at, at + 1, max_step_m, any)) visit(at + 1);
     const auto [x, y] = square_of(points_[at]);
     for (int dx = -1; dx <= 1; ++dx) {
       for (int dy = -1; dy <= 1; ++dy) {

@@ -124,11 +124,11 @@ std::vector<Frontier> find_frontiers(const Roadmap& roadmap, NodeId from, const 
   std::int32_t mark = 0;
   for (const std::vector<NodeId>& members : clusters(ground)) {
     Frontier frontier = frontier_of(ground, members);
-    if (frontier.size_m < options.least_size_m) continue;
+    if (frontier.size_m < options.min_size_m) continue;
     find_viewpoint(roadmap, members, costs, options.reach_m, reached, mark++, frontier);
     frontier.gain_m2 =
         gain_m2(ground, frontier.viewpoint >= 0 ? frontier.viewpoint : frontier.node, options.view_m);
-    if (frontier.gain_m2 >= options.least_gain_m2) found.push_back(frontier);
+    if (frontier.gain_m2 >= options.min_gain_m2) found.push_back(frontier);
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const Frontier& a, const Frontier& b) { return a.gain_m2 > b.gain_m2; });

@@ -17,10 +17,10 @@ struct Frontier {
 };
 
 struct FrontierOptions {
-  double least_size_m = 0.5;  ///< smaller ones are gaps between beams
-  double least_gain_m2 = 1;   ///< and so are those behind which there is little
-  double view_m = 4;          ///< how far the gain looks
-  double reach_m = 1.5;       ///< of the viewpoint from the frontier, along the surface
+  double min_size_m = 0.5;  ///< smaller ones are gaps between beams
+  double min_gain_m2 = 1;   ///< and so are those behind which there is little
+  double view_m = 4;        ///< how far the gain looks
+  double reach_m = 1.5;     ///< of the viewpoint from the frontier, along the surface
 };
 
 /// The frontiers of a ground by falling gain. `from`: where the robot is, a cell that fits; -1: nobody asks

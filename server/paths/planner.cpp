@@ -11,7 +11,7 @@
 namespace isthmus {
 namespace {
 
-constexpr std::size_t most_roadmaps = 8;
+constexpr std::size_t max_roadmaps = 8;
 constexpr double pose_distance_m = 1;
 
 bool within(double value, double low, double high) { return value >= low && value <= high; }
@@ -26,9 +26,9 @@ Refusal first_of(std::initializer_list<Refusal> refusals) {
 }  // namespace
 
 Refusal check(const Footprint& footprint) {
-  const bool fine = within(footprint.radius_m, 0, Planner::most_room_m) &&
-                    within(footprint.clearance_m, 0, Planner::most_room_m) &&
-                    footprint.radius_m + footprint.clearance_m <= Planner::most_room_m;
+  const bool fine = within(footprint.radius_m, 0, Planner::max_room_m) &&
+                    within(footprint.clearance_m, 0, Planner::max_room_m) &&
+                    footprint.radius_m + footprint.clearance_m <= Planner::max_room_m;
   return fine ? Refusal::none : Refusal::bad_value;
 }
 
@@ -48,7 +48,7 @@ std::shared_ptr<const Roadmap> Planner::roadmap(IslandId island, const Footprint
   if (!kept.roadmap) kept.roadmap = std::make_shared<const Roadmap>(ground, footprint);
   kept.asked = ++asked_;
   std::shared_ptr<const Roadmap> found = kept.roadmap;
-  if (roadmaps_.size() > most_roadmaps) {
+  if (roadmaps_.size() > max_roadmaps) {
     const auto oldest =
         std::min_element(roadmaps_.begin(), roadmaps_.end(),
                          [](const auto& a, const auto& b) { return a.second.asked < b.second.asked; });
@@ -95,8 +95,8 @@ Path Planner::path(const PathQuestion& question) {
   const NodeId start = room_near(*roads, question.from, question.start_tolerance_m);
   const NodeId goal = room_near(*roads, question.to, question.goal_tolerance_m);
   if (start < 0 || goal < 0) return refuse(Refusal::no_room);
-  const auto route = find_route(*roads, start, goal, most_steps);
-  if (!route) return refuse(roads->squares() > most_steps ? Refusal::too_long : Refusal::unreachable);
+  const auto route = find_route(*roads, start, goal, max_steps);
+  if (!route) return refuse(roads->squares() > max_steps ? Refusal::too_long : Refusal::unreachable);
   return answer(*roads, question, pull(*roads, *route));
 }
 

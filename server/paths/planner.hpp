@@ -13,7 +13,7 @@
 
 namespace isthmus {
 
-/// bad_value where it is none, or larger than `Planner::most_room_m`; or none.
+/// bad_value where it is none, or larger than `Planner::max_room_m`; or none.
 Refusal check(const Footprint& footprint);
 
 struct PathQuestion {
@@ -25,12 +25,12 @@ struct PathQuestion {
 };
 
 /// Answers questions about paths over a map, by copies of it. Bounded work: each question opens each square
-/// of the island's ground once at most, and no more than `most_steps`. Not thread-safe.
+/// of the island's ground once at most, and no more than `max_steps`. Not thread-safe.
 class Planner {
  public:
-  static constexpr std::size_t most_steps = 1'000'000;
+  static constexpr std::size_t max_steps = 1'000'000;
   /// Of a question's radius with clearance, in metres.
-  static constexpr double most_room_m = Ground::reach_m - ground_cell_m;
+  static constexpr double max_room_m = Ground::reach_m - ground_cell_m;
 
   /// The map that questions are answered by from now on.
   void update(std::shared_ptr<const MapCopy> map);

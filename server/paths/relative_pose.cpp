@@ -16,7 +16,7 @@ namespace {
 
 constexpr double farthest_m = 1e4;  // from a patch's origin
 /// On larger islands the covariance is a bound, from the patches nearest to either.
-constexpr std::size_t most_exact_patches = 5000;
+constexpr std::size_t max_exact_patches = 5000;
 
 std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
 
@@ -60,8 +60,8 @@ std::vector<RelationId> strongest_chain(const MapCopy& map, PatchId from, PatchI
 }
 
 std::optional<Eigen::Matrix3d> covariance_between(const MapCopy& map, PatchId a, PatchId b) {
-  if (map.graph.patches_of(map.graph.island(a)).size() > most_exact_patches)
-    return local_relative_covariance(map.graph, map.poses, a, b, most_exact_patches);
+  if (map.graph.patches_of(map.graph.island(a)).size() > max_exact_patches)
+    return local_relative_covariance(map.graph, map.poses, a, b, max_exact_patches);
   const std::array others{b};
   const auto exact = exact_relative_covariances(map.graph, map.poses, a, others);
   if (exact.empty() || !exact.front().allFinite()) return std::nullopt;

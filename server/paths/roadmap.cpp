@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int32_t side_cells = 4;
 /// Where a robot has driven, the unseen is nowhere nearer than that.
-constexpr double most_from_unseen_m = stood_m - ground_cell_m;
+constexpr double max_from_unseen_m = stood_m - ground_cell_m;
 constexpr SquareId none = -1;
 constexpr SquareId free = -2;  // of no square yet
 
@@ -31,7 +31,7 @@ void Roadmap::find_squares(const Footprint& footprint) {
   // A straight way through a cell passes its centre by half its diagonal at most.
   constexpr double off_centre_m = 0.5 * std::numbers::sqrt2 * ground_cell_m;
   const auto from_walls = static_cast<float>(footprint.radius_m + footprint.clearance_m + off_centre_m);
-  const auto from_unseen = static_cast<float>(std::min(footprint.radius_m, most_from_unseen_m));
+  const auto from_unseen = static_cast<float>(std::min(footprint.radius_m, max_from_unseen_m));
   for (NodeId node = 0; node < static_cast<NodeId>(ground_->size()); ++node) {
     const bool fits = !ground_->layer(node).occupied && ground_->wall_m(node) >= from_walls &&
                       ground_->unseen_m(node) >= from_unseen;

@@ -22,10 +22,10 @@ class Search {
         parent_(roadmap.squares(), -1),
         closed_(roadmap.squares(), 0) {}
 
-  bool run(std::size_t most_steps) {
+  bool run(std::size_t max_steps) {
     const SquareId start = roadmap_.square(from_), goal = roadmap_.square(to_);
     open(start, start, 0);
-    for (std::size_t steps = 0; !waiting_.empty() && steps < most_steps; ++steps) {
+    for (std::size_t steps = 0; !waiting_.empty() && steps < max_steps; ++steps) {
       const auto [total, cost, square] = waiting_.top();
       waiting_.pop();
       if (closed_[at(square)] || cost > cost_[at(square)]) continue;
@@ -115,9 +115,9 @@ std::vector<NodeId> bridge(const Roadmap& roadmap, NodeId from, NodeId to) {
 }  // namespace
 
 std::optional<std::vector<NodeId>> find_route(const Roadmap& roadmap, NodeId from, NodeId to,
-                                              std::size_t most_steps) {
+                                              std::size_t max_steps) {
   Search search(roadmap, from, to);
-  if (!search.run(most_steps)) return std::nullopt;
+  if (!search.run(max_steps)) return std::nullopt;
   std::vector<NodeId> nodes{from};
   const auto go_to = [&](NodeId next) {
     if (roadmap.sees(nodes.back(), next)) {

@@ -65,12 +65,12 @@ void build_form_of_200_rows(benchmark::State& state) {
 }
 BENCHMARK(build_form_of_200_rows);
 
-void least_of_form(benchmark::State& state) {
+void minimum_of_form(benchmark::State& state) {
   std::mt19937 random(1);
   const QuadraticForm form = rows(random, {1, 0, 0.1}, 200).build();
   for (auto _ : state) benchmark::DoNotOptimize(form.least());
 }
-BENCHMARK(least_of_form);
+BENCHMARK(minimum_of_form);
 
 void fit_of_window(benchmark::State& state) {
   const auto size = static_cast<int>(state.range(0));

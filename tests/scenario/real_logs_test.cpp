@@ -18,7 +18,7 @@
 namespace isthmus {
 namespace {
 
-constexpr double least_matched_share = 0.98;
+constexpr double min_matched_share = 0.98;
 
 /// What a log's map must reach.
 struct Gate {
@@ -74,7 +74,7 @@ TEST_P(RealLog, IsMappedAsAccuratelyAsItsGateAsksAndAlwaysTheSame) {
 
   EXPECT_EQ(first.skipped_bytes, 0);
   EXPECT_GE(static_cast<double>(map.counters.scans_matched),
-            least_matched_share * static_cast<double>(map.counters.scans));
+            min_matched_share * static_cast<double>(map.counters.scans));
   std::int64_t accounted = map.counters.scans_matched;
   for (const auto& [reason, count] : map.counters.scans_predicted) accounted += count;
   EXPECT_EQ(accounted, map.counters.scans);

@@ -99,7 +99,7 @@ const Team& office() {
 
 /// Of what robots drove on others' patches without adding any, less is left than the reference has.
 constexpr double worse_than_reference = 6;
-constexpr double least_error_m = 0.01;
+constexpr double min_error_m = 0.01;
 
 void expect_like_the_reference(const Team& run, const MapCopy& map) {
   EXPECT_EQ(robots_together(map), robots_together(run.reference));
@@ -108,7 +108,7 @@ void expect_like_the_reference(const Team& run, const MapCopy& map) {
   const TrajectoryError error = judge_trajectories({run.run, map});
   const TrajectoryError reference = judge_trajectories({run.run, run.reference});
   std::printf("%.4f m, in the reference %.4f m\n", error.mean_m, reference.mean_m);
-  EXPECT_LT(error.mean_m, worse_than_reference * std::max(reference.mean_m, least_error_m));
+  EXPECT_LT(error.mean_m, worse_than_reference * std::max(reference.mean_m, min_error_m));
 }
 
 TEST(Withdrawn, MergeOfRobotsWithTagsPartsThemWheneverItComes) {
@@ -186,7 +186,7 @@ TEST(Withdrawn, AndAllowedAgainComesBack) {
     EXPECT_EQ(robots_together(map), robots_together(run->plain));
     const double error = judge_trajectories({run->run, map}).mean_m;
     EXPECT_LT(error, worse_than_reference *
-                         std::max(judge_trajectories({run->run, run->plain}).mean_m, least_error_m));
+                         std::max(judge_trajectories({run->run, run->plain}).mean_m, min_error_m));
   }
 }
 

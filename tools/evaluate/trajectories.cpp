@@ -109,13 +109,13 @@ std::optional<PlacedPose> TeamTrajectories::pose(const std::string& robot, std::
   const auto sessions = sessions_.find(robot);
   if (sessions == sessions_.end()) return std::nullopt;
   const Session* best = nullptr;
-  std::int64_t least_us = session_within_us;
+  std::int64_t nearest_us = session_within_us;
   for (const Session& session : sessions->second) {
     const std::int64_t outside_us =
         std::max<std::int64_t>({session.from_utime - row->utime, row->utime - session.to_utime, 0});
-    if (session.island < 0 || outside_us > least_us) continue;
+    if (session.island < 0 || outside_us > nearest_us) continue;
     best = &session;
-    least_us = outside_us;
+    nearest_us = outside_us;
   }
   if (best != nullptr) return PlacedPose{best->island, row->utime, row->map_from_robot};
   return std::nullopt;

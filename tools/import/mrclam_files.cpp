@@ -39,16 +39,16 @@ class Rows {
     return *us;
   }
 
-  double number(std::size_t word, double most) const {
+  double number(std::size_t word, double max) const {
     const auto value = parse_double(words_[word]);
-    if (!value || !(std::abs(*value) <= most)) fail(quoted(word) + " is not a believable number");
+    if (!value || !(std::abs(*value) <= max)) fail(quoted(word) + " is not a believable number");
     return *value;
   }
 
-  std::int32_t integer(std::size_t word, std::int32_t least) const {
+  std::int32_t integer(std::size_t word, std::int32_t min) const {
     const auto value = parse_integer(words_[word]);
-    if (!value || *value < least || *value > std::numeric_limits<std::int32_t>::max()) {
-      fail(quoted(word) + " is not an integer from " + std::to_string(least) + " on");
+    if (!value || *value < min || *value > std::numeric_limits<std::int32_t>::max()) {
+      fail(quoted(word) + " is not an integer from " + std::to_string(min) + " on");
     }
     return static_cast<std::int32_t>(*value);
   }

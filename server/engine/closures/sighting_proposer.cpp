@@ -22,11 +22,11 @@ std::vector<ProjectedSighting> projected(const Map& map, const std::vector<Evide
 }
 
 // Every so manieth of a group's members, the newest among them.
-SightingGroup evenly_taken(SightingGroup group, std::size_t most) {
+SightingGroup evenly_taken(SightingGroup group, std::size_t max_members) {
   const std::size_t size = group.members.size();
-  if (size <= most) return group;
+  if (size <= max_members) return group;
   std::vector<std::size_t> some;
-  for (std::size_t i = 1; i <= most; ++i) some.push_back(group.members[i * size / most - 1]);
+  for (std::size_t i = 1; i <= max_members; ++i) some.push_back(group.members[i * size / max_members - 1]);
   group.members = std::move(some);
   return group;
 }
@@ -66,9 +66,9 @@ Joining joining_of_tag(const Map& map, const Evidence& first, const Eigen::Vecto
 // A tag that the map has far from where it is seen now: a loop. One point does not tell how the two islands
 // lie to each other, but where the point is in this one.
 std::optional<GroupAgreement> agreement_on_tag(World world, const std::vector<Evidence>& pool,
-                                               const SightingGroup& group, std::size_t least) {
+                                               const SightingGroup& group, std::size_t min_supporters) {
   const PointConsensus consensus = agree_on_a_point(world.map, pool, group.members, world.options.alignment);
-  if (!consensus.enough(world.options.evidence) || consensus.supporters.size() < least ||
+  if (!consensus.enough(world.options.evidence) || consensus.supporters.size() < min_supporters ||
       2 * consensus.supporters.size() <= group.members.size())
     return std::nullopt;
   return GroupAgreement{{consensus.supporters.begin(), consensus.supporters.end()},
@@ -78,10 +78,10 @@ std::optional<GroupAgreement> agreement_on_tag(World world, const std::vector<Ev
 }
 
 std::optional<GroupAgreement> agreement_of_islands(World world, const std::vector<Evidence>& pool,
-                                                   const SightingGroup& group, std::size_t least) {
+                                                   const SightingGroup& group, std::size_t min_supporters) {
   const std::vector<ProjectedSighting> sightings = projected(world.map, pool, group);
   const std::optional<Alignment> alignment = best_alignment(sightings, world.options.alignment);
-  if (!alignment || alignment->supporters.size() < least) return std::nullopt;
+  if (!alignment || alignment->supporters.size() < min_supporters) return std::nullopt;
   if (!ready(*alignment, sightings, world.now_utime, world.no_more_waiting, world.options.alignment))
     return std::nullopt;
   const Evidence& first = pool[group.members[alignment->supporters.front()]];
@@ -103,16 +103,16 @@ std::optional<GroupAgreement> SightingProposer::look_at(World world, const std::
   if (group.members.size() > 2 && before == now && !world.no_more_waiting) return std::nullopt;
   before = now;
   const auto tried = tried_.find(group.key);
-  std::size_t least = 2;
+  std::size_t min_supporters = 2;
   if (tried != tried_.end()) {
     const double enough = world.options.closures.retry_growth * static_cast<double>(tried->second);
-    least = static_cast<std::size_t>(enough) + 1;
+    min_supporters = static_cast<std::size_t>(enough) + 1;
   }
-  if (group.members.size() < least) return std::nullopt;
+  if (group.members.size() < min_supporters) return std::nullopt;
   const SightingGroup some = evenly_taken(group, world.options.closures.max_compared);
   if (!group.is_merge() && pool[some.members.front()].is_tag)
-    return agreement_on_tag(world, pool, some, least);
-  return agreement_of_islands(world, pool, some, least);
+    return agreement_on_tag(world, pool, some, min_supporters);
+  return agreement_of_islands(world, pool, some, min_supporters);
 }
 
 void SightingProposer::forget() {

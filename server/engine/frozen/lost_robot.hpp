@@ -32,8 +32,8 @@ static_assert(words_of<NotFound>.size() == static_cast<std::size_t>(NotFound::tr
 struct LostRobot {
   std::string robot;
   NotFound why = NotFound::searching;
-  double way_m = 0;        ///< that it is looked for by
-  double least_way_m = 0;  ///< that a search takes
+  double way_m = 0;      ///< that it is looked for by
+  double min_way_m = 0;  ///< that a search takes
 };
 
 }  // namespace isthmus

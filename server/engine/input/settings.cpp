@@ -66,10 +66,10 @@ const T& as(const Setting& setting, const std::string& key, const char* kind) {
 }
 
 template <class Number>
-void check_bounds(const Setting& setting, const std::string& key, Number value, Number least, Number most) {
-  if (value >= least && value <= most) return;  // NaN is not
+void check_bounds(const Setting& setting, const std::string& key, Number value, Number min, Number max) {
+  if (value >= min && value <= max) return;  // NaN is not
   std::ostringstream reason;
-  reason << key << " = " << value << " is not within " << least << " to " << most;
+  reason << key << " = " << value << " is not within " << min << " to " << max;
   fail_at(setting.where, reason.str());
 }
 
@@ -141,19 +141,19 @@ bool Fields::read_degrees(const std::string& key, double& value_rad) {
   return true;
 }
 
-bool Fields::read_within(const std::string& key, double& value, double least, double most) {
+bool Fields::read_within(const std::string& key, double& value, double min, double max) {
   const Setting* setting = find(key);
   if (setting == nullptr) return false;
   const double given = as_number(*setting, key);
-  check_bounds(*setting, key, given, least, most);
+  check_bounds(*setting, key, given, min, max);
   value = given;
   return true;
 }
 
-std::int64_t Fields::integer_within(const Setting& setting, const std::string& key, std::int64_t least,
-                                    std::int64_t most) {
+std::int64_t Fields::integer_within(const Setting& setting, const std::string& key, std::int64_t min,
+                                    std::int64_t max) {
   const std::int64_t given = as<std::int64_t>(setting, key, "an integer");
-  check_bounds(setting, key, given, least, most);
+  check_bounds(setting, key, given, min, max);
   return given;
 }
 

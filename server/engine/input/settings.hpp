@@ -59,12 +59,12 @@ class Fields {
   bool read(const std::string& key, double& value);
   bool read(const std::string& key, std::string& value);
   bool read_degrees(const std::string& key, double& value_rad);
-  /// The number must lie in [least, most].
-  bool read_within(const std::string& key, double& value, double least, double most);
+  /// The number must lie in [min, max].
+  bool read_within(const std::string& key, double& value, double min, double max);
   template <std::integral Integer>
-  bool read_within(const std::string& key, Integer& value, std::int64_t least, std::int64_t most) {
+  bool read_within(const std::string& key, Integer& value, std::int64_t min, std::int64_t max) {
     const Setting* setting = find(key);
-    if (setting != nullptr) value = static_cast<Integer>(integer_within(*setting, key, least, most));
+    if (setting != nullptr) value = static_cast<Integer>(integer_within(*setting, key, min, max));
     return setting != nullptr;
   }
 
@@ -78,8 +78,8 @@ class Fields {
   void finish() const;
 
  private:
-  static std::int64_t integer_within(const Setting& setting, const std::string& key, std::int64_t least,
-                                     std::int64_t most);
+  static std::int64_t integer_within(const Setting& setting, const std::string& key, std::int64_t min,
+                                     std::int64_t max);
 
   std::string where_;
   std::string name_;

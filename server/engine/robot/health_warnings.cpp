@@ -84,10 +84,10 @@ class Judge {
 
   void judge_scans() {
     if (f_.scans < o_.min_messages) return;
-    if (f_.most_beams < o_.min_beams) {
-      warn("few_beams", f_.most_beams == 1 ? text("%s's scans have one beam", name())
-                                           : text("%s's scans have at most %lld beams", name(),
-                                                  static_cast<long long>(f_.most_beams)));
+    if (f_.max_beams < o_.min_beams) {
+      warn("few_beams", f_.max_beams == 1 ? text("%s's scans have one beam", name())
+                                          : text("%s's scans have at most %lld beams", name(),
+                                                 static_cast<long long>(f_.max_beams)));
     } else if (f_.scans_without_return == f_.scans) {
       warn("no_returns", text("no scan of %s had a return: wrong range limits, or a dead laser?", name()));
     } else if (share(f_.scans_with_few_returns, f_.scans) > o_.mostly) {

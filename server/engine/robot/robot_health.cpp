@@ -42,7 +42,7 @@ void RobotHealth::heard_scan(const Scan& scan, const Laser& laser, const MatchOp
   ++sums_.scans;
   if (hits == 0) ++sums_.scans_without_return;
   if (hits < match.min_pairs) ++sums_.scans_with_few_returns;
-  sums_.most_beams = std::max(sums_.most_beams, static_cast<std::int64_t>(scan.ranges_m.size()));
+  sums_.max_beams = std::max(sums_.max_beams, static_cast<std::int64_t>(scan.ranges_m.size()));
   compare_with_reference(scan, laser, match, options);
 }
 
@@ -142,7 +142,7 @@ void RobotHealth::compare_offsets() {
   const double laser_rad = laser_turns_[max_lag_scans];
   turn_compared_rad_ += std::abs(laser_rad);
   for (int i = 0; i < offsets; ++i) {
-    const int scans_before = max_lag_scans + least_offset_scans + i / offsets_per_scan;
+    const int scans_before = max_lag_scans + min_offset_scans + i / offsets_per_scan;
     const double share = static_cast<double>(i % offsets_per_scan) / offsets_per_scan;
     const auto before = static_cast<std::size_t>(scans_before);
     const double odometry_rad = (1 - share) * odometry_turns_[before] +
@@ -166,7 +166,7 @@ HealthFigures RobotHealth::figures(const HealthOptions& options) const {
   const auto offset = std::ranges::min_element(off_at_offset_);
   const auto tenths = static_cast<double>(offset - off_at_offset_.begin());
   figures.offset_scans =
-      *offset < off_at_none ? (least_offset_scans * offsets_per_scan + tenths) / offsets_per_scan : 0;
+      *offset < off_at_none ? (min_offset_scans * offsets_per_scan + tenths) / offsets_per_scan : 0;
   figures.off_at_offset = off_at_none > 0 ? std::min(1.0, *offset / off_at_none) : 1;
   return figures;
 }

@@ -38,7 +38,7 @@ struct HealthFigures {
   std::int64_t scans = 0;  ///< heard, whatever became of them
   std::int64_t scans_without_return = 0;
   std::int64_t scans_with_few_returns = 0;  ///< fewer than a match needs
-  std::int64_t most_beams = 0;
+  std::int64_t max_beams = 0;
   std::int64_t scans_changed = 0;        ///< that show much else than one half a second before
   std::int64_t scans_changed_still = 0;  ///< while odometry said that nothing moved
   std::int64_t scans_matched = 0;
@@ -60,7 +60,7 @@ struct HealthFigures {
 
   auto members() {
     return std::tie(clock_ahead_s, odometry_messages, odometry_way_m, odometry_turn_rad, scans,
-                    scans_without_return, scans_with_few_returns, most_beams, scans_changed,
+                    scans_without_return, scans_with_few_returns, max_beams, scans_changed,
                     scans_changed_still, scans_matched, scans_unmatched, way, turn, direction_rad,
                     direction_steadiness, turn_correlation, best_lag_scans, off_at_best_lag, offset_scans,
                     off_at_offset);
@@ -105,9 +105,9 @@ class RobotHealth {
   static constexpr int max_lag_scans = 3;
   static constexpr int lags = 2 * max_lag_scans + 1;
   static constexpr int offsets_per_scan = 10;
-  static constexpr int least_offset_scans = -2;
+  static constexpr int min_offset_scans = -2;
   static constexpr int max_offset_scans = 1;
-  static constexpr int offsets = (max_offset_scans - least_offset_scans) * offsets_per_scan + 1;
+  static constexpr int offsets = (max_offset_scans - min_offset_scans) * offsets_per_scan + 1;
 
   // Short ways are summed over a few scans, or the trembling of matches at rest would count as motion.
   struct Way {

@@ -166,9 +166,9 @@ void MutualObservations::reopen(const World& world, const TagPatches& tags,
   sort_pool();
 }
 
-std::vector<std::size_t> MutualObservations::refused_by_map(std::size_t most) const {
+std::vector<std::size_t> MutualObservations::refused_by_map(std::size_t max_count) const {
   std::vector<std::size_t> records;
-  for (std::size_t i = log_.size(); i-- > 0 && records.size() < most;) {
+  for (std::size_t i = log_.size(); i-- > 0 && records.size() < max_count;) {
     const SightingRecord record = log_[i];
     if (record.verdict == Verdict::refused && is_refusal_by_map(record.reason)) records.push_back(i);
   }

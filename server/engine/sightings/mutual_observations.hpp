@@ -60,7 +60,7 @@ class MutualObservations {
   /// Sightings that the map had taken in are in the pool again, where they can still be placed.
   void reopen(const World& world, const TagPatches& tags, std::span<const std::size_t> records);
   /// What was refused for what the map said: the newest, so many at most.
-  std::vector<std::size_t> refused_by_map(std::size_t most) const;
+  std::vector<std::size_t> refused_by_map(std::size_t max_count) const;
   void doubt(std::size_t place, Reason reason) { pool_[place].doubt = reason; }
   /// Out of the pool, for what they doubt.
   void refuse(const std::set<std::size_t>& places);

@@ -22,9 +22,9 @@ Eigen::Matrix3d a_from_error(const Pose& measured_a_from_b) {
 /// not measured is given a sigma of 1 km or 1000 rad, or what share of the largest weight a double can still
 /// tell from none once it is squared, where that is more.
 Eigen::Matrix3d positive_definite(const Eigen::Matrix3d& information) {
-  constexpr double least = 1e-6, least_share = 1e-11;
+  constexpr double least = 1e-6, min_share = 1e-11;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
-  const double floor = std::max(least, least_share * eigen.eigenvalues()(2));
+  const double floor = std::max(least, min_share * eigen.eigenvalues()(2));
   if (eigen.eigenvalues()(0) >= floor) return information;
   const Eigen::Vector3d raised = eigen.eigenvalues().cwiseMax(floor);
   const Eigen::Matrix3d whole = eigen.eigenvectors() * raised.asDiagonal() * eigen.eigenvectors().transpose();

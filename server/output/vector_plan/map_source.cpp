@@ -9,7 +9,7 @@ namespace isthmus {
 namespace {
 
 /// As many beams as tell what was looked through.
-constexpr std::size_t most_beams = 361;
+constexpr std::size_t max_beams = 361;
 
 /// (α, ρ) of a segment at its middle: where its patch is turned by δ about the robot and shifted.
 Eigen::Matrix2d line_error(const Feature& seen, const PatchErrorOptions& options) {
@@ -42,7 +42,7 @@ FeatureSeen placed(const ObservedFeature& seen, const Pose& map_from_patch, int 
 View view_of(const Patch& patch, const Pose& map_from_patch) {
   View view;
   view.eye = position(map_from_patch * patch.laser.robot_from_laser);
-  const std::size_t step = patch.points.size() / most_beams + 1;
+  const std::size_t step = patch.points.size() / max_beams + 1;
   for (std::size_t i = 0; i < patch.points.size(); i += step)
     if (patch.points[i].position.norm() < PointIndex::horizon_m)
       view.ends.push_back(map_from_patch * patch.points[i].position);

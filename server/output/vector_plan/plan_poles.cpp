@@ -102,7 +102,7 @@ bool looks_through(const View& view, const PlanPole& pole) {
 std::vector<PlanPole> fit_poles(const PlanSource& source, const PlanPoleOptions& options) {
   std::vector<PlanPole> poles;
   for (const Cluster& cluster : clusters(source.poles, options.reach_m)) {
-    if (static_cast<int>(cluster.views.size()) < options.least_views) continue;
+    if (static_cast<int>(cluster.views.size()) < options.min_views) continue;
     const PlanPole pole = pole_of(cluster);
     const auto through = std::count_if(source.views.begin(), source.views.end(),
                                        [&](const View& view) { return looks_through(view, pole); });

@@ -13,7 +13,7 @@ std::optional<double> passes_at(const WallLine& line, const Eigen::Vector2d& eye
                                 const StretchOptions& options) {
   const double before = line.across_m(eye), behind = line.across_m(end);
   if (before * behind >= 0 || std::abs(behind) < options.pass_m) return std::nullopt;
-  if (std::abs(behind - before) < options.least_incidence * (end - eye).norm()) return std::nullopt;
+  if (std::abs(behind - before) < options.min_incidence * (end - eye).norm()) return std::nullopt;
   const double share = before / (before - behind);
   return line.along_m(eye + share * (end - eye));
 }

@@ -38,10 +38,10 @@ class Bins {
     const std::vector<Seen> seen = count_views(pieces, options.lone_m);
     for (std::size_t k = 0; k < bins_.size(); ++k) {
       const int passed = passes.empty() ? 0 : passes[k];
-      const bool enough = seen[k].views >= options.least_views || seen[k].in_long_piece;
+      const bool enough = seen[k].views >= options.min_views || seen[k].in_long_piece;
       if (enough && seen[k].views >= passed)
         bins_[k] = Bin::wall;
-      else if (passed >= options.least_views || passed > seen[k].views)
+      else if (passed >= options.min_views || passed > seen[k].views)
         bins_[k] = Bin::open;
     }
   }
@@ -62,14 +62,14 @@ class Bins {
     return runs;
   }
 
-  /// How far from a place on the line the next open bin or wall is, to one side; at most `most_m`.
-  double room_m(double from_m, int side, double most_m) const {
+  /// How far from a place on the line the next open bin or wall is, to one side; at most `max_m`.
+  double room_m(double from_m, int side, double max_m) const {
     for (std::size_t k = 0; k < bins_.size(); ++k) {
       const std::size_t bin = side > 0 ? k : bins_.size() - 1 - k;
       const double near = side > 0 ? edge_m(bin) - from_m : from_m - edge_m(bin + 1);
-      if (near > -1e-6 && bins_[bin] != Bin::unknown) return std::clamp(near, 0.0, most_m);
+      if (near > -1e-6 && bins_[bin] != Bin::unknown) return std::clamp(near, 0.0, max_m);
     }
-    return most_m;
+    return max_m;
   }
 
   /// How much of a part of the line beams went through.
@@ -161,11 +161,11 @@ Stretches stretches_of(const FittedWall& wall, std::span<const FeatureSeen> segm
         std::max(0.0, bins.room_m(seen.from_m, -1, options.corner_reach_m) + run.from_m - seen.from_m);
     run.room_after_m =
         std::max(0.0, bins.room_m(seen.to_m, 1, options.corner_reach_m) + seen.to_m - run.to_m);
-    if (run.to_m - run.from_m >= options.least_wall_m) result.walls.push_back(run);
+    if (run.to_m - run.from_m >= options.min_wall_m) result.walls.push_back(run);
   }
   for (std::size_t k = 1; k < result.walls.size(); ++k) {
     const double from = result.walls[k - 1].to_m, to = result.walls[k].from_m;
-    if (to - from < options.least_opening_m || to - from > options.most_opening_m) continue;
+    if (to - from < options.min_opening_m || to - from > options.max_opening_m) continue;
     const bool open = passes.empty() ? known_near(from, 1, pieces, options.end_reach_m) &&
                                            known_near(to, -1, pieces, options.end_reach_m)
                                      : bins.open_share(from, to) > 0.5;

@@ -23,7 +23,7 @@ struct Stretches {
   std::vector<Stretch> openings;  ///< of a door's width, between two of them
 };
 
-/// What of a line is wall: where at least `least_views` saw it, or one in a long piece, and no fewer than
+/// What of a line is wall: where at least `min_views` saw it, or one in a long piece, and no fewer than
 /// looked through. Short gaps
 /// that nobody looked through were hidden and are closed. An opening is a gap of a door's width that beams
 /// went through in most of its length; where there are no views (`passes` empty), one between two ends that

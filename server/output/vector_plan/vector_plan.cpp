@@ -31,7 +31,7 @@ struct LooseEnd {
 
 /// How far an end has to reach on to come to another wall, which may reach on itself; negative where it is
 /// too long. Nothing where they do not meet.
-std::optional<double> reach_to_meet(const LooseEnd& end, const DrawnWall& other, double most_back_m) {
+std::optional<double> reach_to_meet(const LooseEnd& end, const DrawnWall& other, double max_back_m) {
   const PlanWall& wall = other.wall;
   const double length = (wall.b - wall.a).norm();
   const Eigen::Vector2d along = (wall.b - wall.a) / length;
@@ -40,25 +40,25 @@ std::optional<double> reach_to_meet(const LooseEnd& end, const DrawnWall& other,
   if (std::abs(facing) < min_facing) return std::nullopt;
   const double beyond = across.dot(wall.a - end.at) / facing;
   const double at = along.dot(end.at + beyond * end.outwards - wall.a);
-  if (beyond > end.room_m || beyond < -most_back_m) return std::nullopt;
+  if (beyond > end.room_m || beyond < -max_back_m) return std::nullopt;
   if (at < -other.room_a_m || at > length + other.room_b_m) return std::nullopt;
   return beyond;
 }
 
 /// The end moved to the nearest wall that it comes to.
 Eigen::Vector2d met(const LooseEnd& end, const std::vector<DrawnWall>& walls, const LineGrid& grid,
-                    std::size_t own, double most_back_m) {
+                    std::size_t own, double max_back_m) {
   std::optional<double> best;
-  for (const int i : grid.near(end.at - most_back_m * end.outwards, end.at + end.room_m * end.outwards)) {
+  for (const int i : grid.near(end.at - max_back_m * end.outwards, end.at + end.room_m * end.outwards)) {
     const auto k = static_cast<std::size_t>(i);
     if (k == own) continue;
-    const std::optional<double> beyond = reach_to_meet(end, walls[k], most_back_m);
+    const std::optional<double> beyond = reach_to_meet(end, walls[k], max_back_m);
     if (beyond && (!best || std::abs(*beyond) < std::abs(*best))) best = beyond;
   }
   return best ? Eigen::Vector2d(end.at + *best * end.outwards) : end.at;
 }
 
-std::vector<PlanWall> met_at_corners(const std::vector<DrawnWall>& drawn, double most_back_m) {
+std::vector<PlanWall> met_at_corners(const std::vector<DrawnWall>& drawn, double max_back_m) {
   LineGrid grid;
   for (std::size_t i = 0; i < drawn.size(); ++i)
     grid.insert(static_cast<int>(i), drawn[i].wall.a, drawn[i].wall.b);
@@ -66,8 +66,8 @@ std::vector<PlanWall> met_at_corners(const std::vector<DrawnWall>& drawn, double
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     PlanWall wall = drawn[i].wall;
     const Eigen::Vector2d along = (wall.b - wall.a).normalized();
-    wall.a = met({drawn[i].wall.a, -along, drawn[i].room_a_m}, drawn, grid, i, most_back_m);
-    wall.b = met({drawn[i].wall.b, along, drawn[i].room_b_m}, drawn, grid, i, most_back_m);
+    wall.a = met({drawn[i].wall.a, -along, drawn[i].room_a_m}, drawn, grid, i, max_back_m);
+    wall.b = met({drawn[i].wall.b, along, drawn[i].room_b_m}, drawn, grid, i, max_back_m);
     walls.push_back(wall);
   }
   return walls;

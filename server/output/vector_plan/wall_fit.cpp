@@ -42,10 +42,9 @@ class WallFit {
 
   /// The squared distance of two lines, in sigmas; nothing where they are not one wall.
   std::optional<double> agreement(const WallLine& one, const WallLine& other) const {
-    if (one.along.dot(other.along) < std::cos(options_.most_turn_rad)) return std::nullopt;
+    if (one.along.dot(other.along) < std::cos(options_.max_turn_rad)) return std::nullopt;
     const LineDifference apart = difference(one, other);
-    if (apart.gap_m > options_.most_gap_m || std::abs(apart.step_m) > options_.most_step_m)
-      return std::nullopt;
+    if (apart.gap_m > options_.max_gap_m || std::abs(apart.step_m) > options_.max_step_m) return std::nullopt;
     Eigen::Matrix2d covariance = apart.covariance;
     covariance(0, 0) += std::pow(options_.straight_sigma_rad, 2);
     covariance(1, 1) += std::pow(options_.straight_sigma_m, 2);
@@ -57,7 +56,7 @@ class WallFit {
 
   /// The wall that a line agrees with best, other than `own`.
   std::optional<int> best_for(const WallLine& line, int own) const {
-    const double reach = line.half_m + options_.most_gap_m;
+    const double reach = line.half_m + options_.max_gap_m;
     std::optional<int> best;
     double least = 0;
     for (const int i : grid_.near(line.at(-reach), line.at(reach))) {

@@ -4,8 +4,8 @@ namespace isthmus {
 namespace {
 
 template <class T>
-bool admit_one(std::set<T>& known, const T& one, std::size_t most) {
-  if (known.size() >= most) return known.contains(one);
+bool admit_one(std::set<T>& known, const T& one, std::size_t max_known) {
+  if (known.size() >= max_known) return known.contains(one);
   known.insert(one);
   return true;
 }

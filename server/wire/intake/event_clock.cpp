@@ -7,7 +7,7 @@
 namespace isthmus {
 namespace {
 
-constexpr std::int64_t least_step_us = 1'000'000;
+constexpr std::int64_t min_step_us = 1'000'000;
 
 template <class Clock>
 std::int64_t reading() {
@@ -36,7 +36,7 @@ std::int64_t EventClock::go_on_from(std::int64_t utime) {
 std::optional<std::int64_t> EventClock::take_step() {
   const std::int64_t ahead_us = wall_us_() - monotonic_us_();
   const std::int64_t step_us = ahead_us - std::exchange(wall_ahead_us_, ahead_us);
-  if (std::abs(step_us) < least_step_us) return std::nullopt;
+  if (std::abs(step_us) < min_step_us) return std::nullopt;
   return step_us;
 }
 

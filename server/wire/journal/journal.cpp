@@ -103,8 +103,8 @@ std::size_t Journal::finish() {
   return waiting_.size();
 }
 
-void Journal::write_oldest(std::size_t most) {
-  for (; most > 0 && !waiting_.empty(); --most) {
+void Journal::write_oldest(std::size_t max_count) {
+  for (; max_count > 0 && !waiting_.empty(); --max_count) {
     if ((last_error_ = write(waiting_.front())) != 0) return;
     waiting_bytes_ -= held_bytes(waiting_.front());
     waiting_.pop_front();

@@ -89,7 +89,7 @@ class Journal {
   enum class State { taking, waiting, full };
 
   bool keep_waiting(const Message& message);
-  void write_oldest(std::size_t most);
+  void write_oldest(std::size_t max_count);
   int write(const Message& message);
   int rotate();
   std::int64_t put_together(const Message& message);

@@ -23,14 +23,14 @@ struct Member {
 };
 
 constexpr Member fixed(std::int32_t bytes) { return {Member::Kind::fixed, bytes, 0}; }
-constexpr Member array(std::int32_t element_bytes, std::int32_t most) {
-  return {Member::Kind::array, element_bytes, most};
+constexpr Member array(std::int32_t element_bytes, std::int32_t max_count) {
+  return {Member::Kind::array, element_bytes, max_count};
 }
 constexpr Member text(std::int32_t max_bytes) { return {Member::Kind::text, 1, max_bytes}; }
 
 template <std::size_t size>
-constexpr Member list(const std::array<Member, size>& of, std::int32_t most) {
-  return {Member::Kind::list, static_cast<std::int32_t>(size), most, of.data()};
+constexpr Member list(const std::array<Member, size>& of, std::int32_t max_count) {
+  return {Member::Kind::list, static_cast<std::int32_t>(size), max_count, of.data()};
 }
 
 /// Walks the members of a message, before any generated decoder sees it: those trust counts and lengths.

@@ -47,12 +47,12 @@ DropReason check_ranges(const std::vector<float>& ranges) {
 }
 
 /// What is wrong with a measured part of a sighting: a value and its sigma, +inf for "not measured".
-DropReason check_measured(double value, double sigma, double least, double most) {
+DropReason check_measured(double value, double sigma, double min, double max) {
   if (std::isnan(sigma)) return DropReason::not_finite;
   if (sigma <= 0) return DropReason::absurd_value;
   if (std::isinf(sigma)) return DropReason::none;
   if (!std::isfinite(value)) return DropReason::not_finite;
-  return value < least || value > most ? DropReason::absurd_value : DropReason::none;
+  return value < min || value > max ? DropReason::absurd_value : DropReason::none;
 }
 
 /// What an order is about: a closure, a robot, or neither.

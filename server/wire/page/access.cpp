@@ -10,7 +10,7 @@
 namespace isthmus {
 namespace {
 
-constexpr std::size_t least_token = 16;
+constexpr std::size_t min_token = 16;
 
 /// Without the port. An IPv6 address keeps its brackets.
 std::string_view host_name(std::string_view host) {
@@ -65,7 +65,7 @@ std::string read_token(const std::string& file) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   const std::size_t end = text.find_last_not_of(" \t\r\n");
   std::string token = begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
-  if (token.size() < least_token || !std::ranges::all_of(token, is_token_character))
+  if (token.size() < min_token || !std::ranges::all_of(token, is_token_character))
     throw std::runtime_error(file +
                              ": must hold a token of at least 16 letters, digits, '-', '_' and '.', and no "
                              "more (openssl rand -hex 32)");

@@ -15,7 +15,7 @@ std::int64_t number_of_run() {
 }
 
 /// Poses that wait to be shown; beyond, the map is recovered and nobody could follow.
-constexpr std::size_t most_poses = 100'000;
+constexpr std::size_t max_poses = 100'000;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ PageModel::~PageModel() {
 void PageModel::show(RobotPose pose) {
   {
     const std::lock_guard lock(mutex_);
-    if (poses_.size() >= most_poses) return;
+    if (poses_.size() >= max_poses) return;
     poses_.push_back(std::move(pose));
   }
   given_.notify_one();

@@ -10,8 +10,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t most_closures = 1000;
-constexpr std::size_t most_sightings = 60;
+constexpr std::size_t max_closures = 1000;
+constexpr std::size_t max_sightings = 60;
 
 std::string line(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -168,7 +168,7 @@ std::string closures_text(const ShownMap& shown) {
     if (relation.origin.closure.valid()) relations[relation.origin.closure] += 1;
   Json closures = Json::array();
   for (auto closure = map.closures.rbegin(); closure != map.closures.rend(); ++closure) {
-    if (closures.size() >= most_closures) break;
+    if (closures.size() >= max_closures) break;
     closures.push_back(closure_json(*closure, relations[closure->id]));
   }
   return line(closures);
@@ -177,7 +177,7 @@ std::string closures_text(const ShownMap& shown) {
 std::string sightings_text(const Trails& trails, const ShownMap& shown) {
   const SightingLog& log = shown.map().sightings;
   Json sightings = Json::array();
-  for (std::size_t i = log.size(); i > 0 && sightings.size() < most_sightings; --i) {
+  for (std::size_t i = log.size(); i > 0 && sightings.size() < max_sightings; --i) {
     const SightingRecord record = log[i - 1];
     sightings.push_back({{"number", i - 1},
                          {"time", as_seconds(record.sighting.utime)},

@@ -187,7 +187,7 @@ Refusal Answerer::fill_frontiers(const Question& question, const Asked& asked, r
   reply.island = island.value;
   const Ground& ground = roadmap->ground();
   for (const Frontier& frontier : find_frontiers(*roadmap, from)) {
-    if (frontier.viewpoint < 0 || reply.frontiers.size() == most_frontiers) continue;
+    if (frontier.viewpoint < 0 || reply.frontiers.size() == max_frontiers) continue;
     const Eigen::Vector2d point = ground.centre(frontier.viewpoint), by = frontier.middle - point;
     const PatchId leader = ground.layer(frontier.viewpoint).leader;
     frontier_t message{};
@@ -215,7 +215,7 @@ Refusal Answerer::fill_changes(const Question& question, reply_t& reply) const {
 
 Refusal Answerer::add_poses(const Path& path, reply_t& reply) const {
   if (path.refusal != Refusal::none) return path.refusal;
-  if (path.poses.size() > most_poses) return Refusal::too_long;
+  if (path.poses.size() > max_poses) return Refusal::too_long;
   const MapCopy& map = planner_.map();
   reply.island = map.graph.island(path.poses.front().patch).value;
   reply.length_m = path.length_m;

@@ -23,9 +23,9 @@ using RobotPoses = std::map<std::string, RobotPose>;
 class Answerer {
  public:
   /// Of a path; longer ones are refused (`too_long`).
-  static constexpr std::size_t most_poses = 10'000;
+  static constexpr std::size_t max_poses = 10'000;
   /// Those of less gain are left out of an answer.
-  static constexpr std::size_t most_frontiers = 200;
+  static constexpr std::size_t max_frontiers = 200;
 
   /// The map that is asked from now on, of an event time in microseconds.
   void update(std::shared_ptr<const MapCopy> map, std::int64_t utime);

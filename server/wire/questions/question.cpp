@@ -32,7 +32,7 @@ bool has_target(QuestionKind kind) {
 
 bool are_believable(const request_t& request) {
   return is_plausible_utime(request.utime) && is_plausible_utime(request.since) && request.timeout_s > 0 &&
-         request.timeout_s <= most_question_timeout_s && are_finite(request.patch_from_start) &&
+         request.timeout_s <= max_question_timeout_s && are_finite(request.patch_from_start) &&
          are_finite(request.patch_from_target) && std::isfinite(request.radius_m) &&
          std::isfinite(request.clearance_m);
 }

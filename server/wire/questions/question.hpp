@@ -55,7 +55,7 @@ struct Question {
 };
 
 /// The longest that anybody may wait, in seconds.
-inline constexpr double most_question_timeout_s = 60;
+inline constexpr double max_question_timeout_s = 60;
 
 /// What the bytes say; nothing where they are not safe to decode.
 std::optional<request_t> read_request(std::span<const std::uint8_t> bytes);

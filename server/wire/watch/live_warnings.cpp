@@ -41,7 +41,7 @@ std::string metres(double way_m) {
 std::string why(const LostRobot& lost) {
   switch (lost.why) {
     case NotFound::way_too_short:
-      return "it has driven " + metres(lost.way_m) + " m of the " + metres(lost.least_way_m) +
+      return "it has driven " + metres(lost.way_m) + " m of the " + metres(lost.min_way_m) +
              " m that a search takes";
     case NotFound::searching:
       return "it is looked for";

@@ -51,9 +51,9 @@ std::string log_line(std::int64_t utime, LogLevel level, std::string_view messag
   return line;
 }
 
-Log log_to_stderr(LogLevel least) {
-  return [least](LogLevel level, std::string_view message, const LogFields& fields) {
-    if (level < least) return;
+Log log_to_stderr(LogLevel min_level) {
+  return [min_level](LogLevel level, std::string_view message, const LogFields& fields) {
+    if (level < min_level) return;
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     const std::int64_t utime = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
     const std::string line = log_line(utime, level, message, fields) + "\n";

@@ -24,7 +24,7 @@ std::string log_line(std::int64_t utime, LogLevel level, std::string_view messag
 /// Where log lines go; any thread, and must not throw. Empty: nowhere.
 using Log = std::function<void(LogLevel level, std::string_view message, const LogFields& fields)>;
 
-/// To stderr, from `least` on.
-Log log_to_stderr(LogLevel least);
+/// To stderr, from `min_level` on.
+Log log_to_stderr(LogLevel min_level);
 
 }  // namespace isthmus

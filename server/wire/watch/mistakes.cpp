@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// Anybody can make up names.
-constexpr std::size_t most_found = 64;
+constexpr std::size_t max_found = 64;
 constexpr std::size_t statuses_kept = 16;
 constexpr std::int64_t unix_year_2001 = 1'000'000'000'000'000;  // microseconds
 
@@ -145,7 +145,7 @@ void Mistakes::heard_status(std::span<const std::uint8_t> bytes) {
 
 void Mistakes::add(Mistake mistake, const std::string& robot, const std::string& detail) {
   const std::pair key(mistake, robot);
-  if (found_.size() >= most_found && !found_.contains(key)) return;
+  if (found_.size() >= max_found && !found_.contains(key)) return;
   Found& found = found_[key];
   found.messages += 1;
   found.last = now_();

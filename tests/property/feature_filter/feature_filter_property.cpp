@@ -232,7 +232,7 @@ TEST(FeatureFilterProperty, TheSearchFindsTheLargestCompatibleSet) {
     std::vector<Candidate> all = candidates(state, 0, seen, options, gates);
     RC_PRE(all.size() < 13);
     // A set is reached pairing by pairing, each step compatible: rarely, a set is whose parts are not.
-    const std::vector<std::size_t> found = most_compatible(state.covariance, all, options, gates);
+    const std::vector<std::size_t> found = largest_compatible(state.covariance, all, options, gates);
     const std::vector<std::size_t> best = by_trying_all(state.covariance, all, gates);
     RC_ASSERT(found.size() + 1 >= best.size());
     std::set<std::size_t> twins;

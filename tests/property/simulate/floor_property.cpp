@@ -65,7 +65,7 @@ TEST(FloorProperty, RobotsMeetAtTheLatestAtTheEnd) {
   }));
 }
 
-double least_distance_m(const std::vector<TruePath>& paths) {
+double min_distance_m(const std::vector<TruePath>& paths) {
   double end_s = 0, least = 1e9;
   for (const TruePath& path : paths) end_s = std::max(end_s, path.end_s());
   for (double time_s = 0; time_s < end_s; time_s += 0.1) {
@@ -117,8 +117,8 @@ TEST(FloorProperty, RobotsThatGiveWayDoNotTouch) {
   int touching_alone = 0, touching = 0;
   for (style.seed = 1; style.seed <= 40; ++style.seed) {
     const auto [alone, together] = traffic_on(style, 4);
-    touching_alone += least_distance_m(alone) < 0.44 ? 1 : 0;
-    touching += least_distance_m(together) < 0.44 ? 1 : 0;
+    touching_alone += min_distance_m(alone) < 0.44 ? 1 : 0;
+    touching += min_distance_m(together) < 0.44 ? 1 : 0;
   }
   EXPECT_GT(touching_alone, 20);
   EXPECT_LE(touching, 2);

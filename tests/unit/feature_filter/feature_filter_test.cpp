@@ -167,7 +167,7 @@ TEST(FeatureFilter, RefusesWhatIsNoFeatureAndCountsIt) {
 
 TEST(FeatureFilter, AFullStateIsStillCorrected) {
   FilterOptions options = at_once();
-  options.most_features = 2;
+  options.max_features = 2;
   FeatureFilter filter = at_origin(options);
   const std::vector<ObservedFeature> seen{point_at(3, 0), point_at(3, 2), point_at(3, -2)};
   EXPECT_EQ(filter.observe(0, seen).too_many, 1U);
@@ -186,7 +186,7 @@ TEST(FeatureFilter, CornersAreToldApartByTheirAngle) {
 
 TEST(FeatureFilter, ClutterIsBounded) {
   FilterOptions options = at_once();
-  options.association.most_steps = 2'000;
+  options.association.max_steps = 2'000;
   FeatureFilter filter = at_origin(options);
   std::vector<ObservedFeature> many;
   for (int row = 0; row < 5; ++row)

@@ -74,8 +74,8 @@ TEST(Pull, AWayPulledTautIsHardlyLongerThanTheShortest) {
   // line only grazes must fit too.
   const double to_end = std::hypot(30, 39), radius = 5;
   const double turn = 2 * (std::numbers::pi - std::atan2(30, 39) - std::acos(radius / to_end));
-  const double least_m = (2 * std::sqrt(to_end * to_end - radius * radius) + radius * turn) * ground_cell_m;
-  EXPECT_LE(length_m(ground, taut), 1.03 * least_m);
+  const double min_m = (2 * std::sqrt(to_end * to_end - radius * radius) + radius * turn) * ground_cell_m;
+  EXPECT_LE(length_m(ground, taut), 1.03 * min_m);
   EXPECT_LE(length_m(ground, taut), length_m(ground, *route));
   EXPECT_EQ(taut.front(), from);
   EXPECT_EQ(taut.back(), to);

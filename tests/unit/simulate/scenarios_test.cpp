@@ -38,7 +38,7 @@ std::vector<TruePath> paths_of(const Scenario& scenario, std::uint64_t seed) {
   return paths;
 }
 
-double least_distance_m(const Scenario& scenario, std::uint64_t seed) {
+double min_distance_m(const Scenario& scenario, std::uint64_t seed) {
   const std::vector<TruePath> paths = paths_of(scenario, seed);
   double end_s = 0, least = 1e9;
   for (const TruePath& path : paths) end_s = std::max(end_s, path.end_s());
@@ -78,7 +78,7 @@ TEST(Courtyards, RobotsMeetSeveralTimesAndNeverTouch) {
   const Scenario scenario = load_scenario("courtyards", {"laser.rate_hz=0"});
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     EXPECT_GE(beginnings_of_meetings(scenario, simulate(scenario, seed)).size(), 5U);
-    EXPECT_GT(least_distance_m(scenario, seed), 0.6);
+    EXPECT_GT(min_distance_m(scenario, seed), 0.6);
   }
 }
 
@@ -130,7 +130,7 @@ TEST(DoubleSpiral, RobotsMeetFaceToFaceForSomeSeconds) {
       if (ahead && std::abs(wrap_angle(seen.yaw - std::numbers::pi)) < 0.4) ++face_to_face;
     }
     EXPECT_GT(face_to_face, 30) << seed;
-    EXPECT_GT(least_distance_m(scenario, seed), 0.6);
+    EXPECT_GT(min_distance_m(scenario, seed), 0.6);
   }
 }
 
@@ -142,7 +142,7 @@ TEST(Meeting, RobotsMeetTwiceInAMinute) {
     ASSERT_EQ(beginnings.size(), 2U) << seed;
     EXPECT_GT(beginnings[0], 4);
     EXPECT_LT(seconds_of(scenario, run.events.back().receive_utime), 75);
-    EXPECT_GT(least_distance_m(scenario, seed), 0.6);
+    EXPECT_GT(min_distance_m(scenario, seed), 0.6);
   }
 }
 

@@ -20,8 +20,8 @@ namespace {
 constexpr double step_m = 0.05;
 constexpr double found_m = 0.05;
 constexpr double true_m = 0.1;
-constexpr int least_hits = 10;
-constexpr double least_wall_m = 1;
+constexpr int min_hits = 10;
+constexpr double min_wall_m = 1;
 
 template <class Visit>
 void sample(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Visit& visit) {
@@ -139,9 +139,9 @@ void judge_what_is_found(const VectorPlan& plan, const Pose& world_from_map, con
   const std::vector<double> lengths = face_lengths(floor.segments);
   double found = 0, walls_found = 0;
   for (std::size_t i = 0; i < floor.segments.size(); ++i) {
-    const bool is_wall = lengths[i] >= least_wall_m;
+    const bool is_wall = lengths[i] >= min_wall_m;
     sample(floor.segments[i].a, floor.segments[i].b, [&](const Eigen::Vector2d& point, double length) {
-      if (hits.near(point) < least_hits) return;
+      if (hits.near(point) < min_hits) return;
       const bool here = distance_to(point, walls) <= found_m || is_of_a_pole(point, plan, world_from_map);
       score.seen_m += length;
       found += here ? length : 0;

@@ -77,7 +77,7 @@ class PathTrial {
     if (n > 0) {
       score_.p50_ms = times_ms_[n / 2];
       score_.p99_ms = times_ms_[std::min(n - 1, n * 99 / 100)];
-      score_.most_ms = times_ms_.back();
+      score_.max_ms = times_ms_.back();
     }
     if (judged_ > 0) score_.mean_ratio /= static_cast<double>(judged_);
     return score_;

@@ -23,7 +23,7 @@ struct PathScore {
   double worst_ratio = 0;
   double p50_ms = 0;  ///< CPU of a question
   double p99_ms = 0;
-  double most_ms = 0;
+  double max_ms = 0;
   double keep_ms = 0;     ///< CPU of the ground from nothing
   double roadmap_ms = 0;  ///< and of the roadmap for the footprint
 };

@@ -35,7 +35,7 @@ std::string text(const std::map<Refusal, std::size_t>& missing) {
 void print(const std::string& what, const PathScore& s) {
   std::printf("%-28s %6zu %8zu %9zu %9zu %7.4f %7.3f %7.2f %7.2f %7.2f %8.0f %8.0f  %s\n", what.c_str(),
               s.pairs, s.through, s.too_near, s.too_long, s.mean_ratio, s.worst_ratio, s.p50_ms, s.p99_ms,
-              s.most_ms, s.keep_ms, s.roadmap_ms, text(s.missing).c_str());
+              s.max_ms, s.keep_ms, s.roadmap_ms, text(s.missing).c_str());
   std::fflush(stdout);
 }
 
@@ -81,8 +81,7 @@ void paths_campaign(const Arguments& arguments) {
                 "mean m", "deg");
   else if (arguments.until_s.empty())
     std::printf("%-28s %6s %8s %9s %9s %7s %7s %7s %7s %7s %8s %8s  missing\n", "", "pairs", "through",
-                "too near", "too long", "ratio", "worst", "p50 ms", "p99 ms", "most ms", "keep ms",
-                "road ms");
+                "too near", "too long", "ratio", "worst", "p50 ms", "p99 ms", "max ms", "keep ms", "road ms");
   for (const std::string& map : arguments.maps)
     judge_map(arguments, std::filesystem::path(map).stem().string(), read_map(map, {}).map(),
               arguments.first_seed);

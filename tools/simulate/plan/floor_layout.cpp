@@ -12,9 +12,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double least_block_m = 4.5;        // between two corridors
-constexpr double least_room_m = 2.4;         // side of a room
-constexpr double least_ring_m = 17;          // side of a floor with a ring of corridors
+constexpr double min_block_m = 4.5;          // between two corridors
+constexpr double min_room_m = 2.4;           // side of a room
+constexpr double min_ring_m = 17;            // side of a floor with a ring of corridors
 constexpr double door_from_corner_m = 0.85;  // its middle
 
 // A rectangle that is yet to be divided, and on which sides a corridor runs along it.
@@ -36,7 +36,7 @@ class Planner {
 
   FloorLayout plan() {
     const Region floor{Vector2d::Zero(), layout_.size};
-    const bool room_for_ring = layout_.size.minCoeff() >= least_ring_m;
+    const bool room_for_ring = layout_.size.minCoeff() >= min_ring_m;
     const bool drawn = random_.chance(0.7);
     if (style_.corridors == Corridors::ring ||
         (style_.corridors == Corridors::any && room_for_ring && drawn)) {
@@ -82,7 +82,7 @@ class Planner {
     for (const bool upright : {wide, !wide}) {
       const bool reached = upright ? region.south || region.north : region.west || region.east;
       const double extent = upright ? size.x() : size.y();
-      if (small || !reached || extent < 2 * least_block_m + 1.15 * corridor_m_) continue;
+      if (small || !reached || extent < 2 * min_block_m + 1.15 * corridor_m_) continue;
       cut(region, upright);
       return;
     }
@@ -94,7 +94,7 @@ class Planner {
     const int across = upright ? 0 : 1;
     const double corridor_m = width();
     const double rest = region.high[across] - region.low[across] - corridor_m;
-    const double least = std::min(least_block_m, 0.5 * rest);
+    const double least = std::min(min_block_m, 0.5 * rest);
     const double from =
         region.low[across] + std::clamp(random_.uniform(0.35, 0.65) * rest, least, rest - least);
     Region below = region, above = region;
@@ -115,13 +115,13 @@ class Planner {
     const double longer = size.maxCoeff(), shorter = size.minCoeff();
     if (shorter < 0.1) return;
     const bool hall = shorter > 5 && size.prod() < 130 && random_.chance(style_.hall_share);
-    if (hall || longer <= room_m_ || longer < 2 * least_room_m) {
+    if (hall || longer <= room_m_ || longer < 2 * min_room_m) {
       layout_.cells.push_back({low, high});
       return;
     }
     const int across = size.x() >= size.y() ? 0 : 1;
     const double at =
-        std::clamp(random_.uniform(0.3, 0.7) * longer, least_room_m, longer - least_room_m) + low[across];
+        std::clamp(random_.uniform(0.3, 0.7) * longer, min_room_m, longer - min_room_m) + low[across];
     Vector2d middle_high = high, middle_low = low;
     middle_high[across] = middle_low[across] = at;
     rooms(low, middle_high);

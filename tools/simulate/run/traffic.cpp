@@ -64,14 +64,14 @@ class Timetable {
     for (std::size_t other = 0; other < robot_; ++other) {
       const auto pose = paths_[other].at(start_s_ + static_cast<double>(tick) * tick_s);
       if (!pose) continue;
-      const double least_m = radii_m_[robot_] + radii_m_[other] + apart_m;
+      const double min_m = radii_m_[robot_] + radii_m_[other] + apart_m;
       for (const auto& [right, up] :
            {Cell{-1, -1}, {0, -1}, {1, -1}, {-1, 0}, {0, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}}) {
         const auto near = ticks_in_.find(cell_of(*pose, right, up));
         if (near == ticks_in_.end()) continue;
         for (const std::size_t driven : near->second) {
           if (driven > tick || tick - driven > max_delay) continue;
-          if (std::hypot(way_[driven].x - pose->x, way_[driven].y - pose->y) < least_m)
+          if (std::hypot(way_[driven].x - pose->x, way_[driven].y - pose->y) < min_m)
             delays.set(tick - driven);
         }
       }

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double shrinks_by = 0.2;
-constexpr double most_rad = 2.2;  // of one arc: the ends of a long building stay apart
+constexpr double max_rad = 2.2;  // of one arc: the ends of a long building stay apart
 
 // Along an arc, from its beginning.
 Pose along(double length_m, double curvature_pm) {
@@ -32,7 +32,7 @@ Bend::Bend(const WildBuilding& building, const Vector2d& size, std::uint64_t see
   double sign = random.chance(0.5) ? 1 : -1;
   for (int i = 0; i < count; ++i) {
     const double room_m = size.x() / count;
-    const double most = std::min({most_rad, building.bend_rad, tightest_pm * room_m});
+    const double most = std::min({max_rad, building.bend_rad, tightest_pm * room_m});
     const double length_m = building.bend == WildBend::curved ? room_m : std::min(room_m, most / tightest_pm);
     const double from_x = i * room_m + random.uniform(0, room_m - length_m);
     arcs_.push_back({from_x, from_x + length_m, sign * most / length_m});

@@ -13,8 +13,8 @@ namespace {
 constexpr double degree = std::numbers::pi / 180;
 constexpr double longest_corridor_m = 200;
 constexpr double longest_drive_m = 900;  // all laps
-constexpr double most_scans = 8000;
-constexpr double most_scans_of_team = 5000;  // of all its robots
+constexpr double max_scans = 8000;
+constexpr double max_scans_of_team = 5000;  // of all its robots
 
 double log_uniform(Random& random, double low, double high) {
   return std::exp(random.uniform(std::log(low), std::log(high)));
@@ -213,7 +213,7 @@ void bound_cost(WildDraw& draw) {
     double scans = 0;
     for (const WildRobot& robot : draw.robots)
       scans += 1.3 * draw.tour.loop_m * draw.tour.laps / robot.drive.speed_mps * robot.laser.rate_hz;
-    return scans / (draw.robots.size() > 1 ? most_scans_of_team : most_scans);
+    return scans / (draw.robots.size() > 1 ? max_scans_of_team : max_scans);
   };
   while (excess() > 1 && draw.tour.laps > 1) --draw.tour.laps;
   while (excess() > 1 && draw.robots.size() > 1) draw.robots.pop_back();

@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double least_room_m = 2.4;
-constexpr double least_door_border_m = 1.9;
+constexpr double min_room_m = 2.4;
+constexpr double min_door_border_m = 1.9;
 constexpr double door_from_corner_m = 0.9;
 
 /// What lies between corridors, and on which sides they run along it.
@@ -190,7 +190,7 @@ class Architect {
     const bool below = across == 1 ? block.south : block.west, above = across == 1 ? block.north : block.east;
     const double deep = block.size()[across];
     if ((!below && !above) || block.size().minCoeff() < 0.1) return;
-    const int strips = below && above && deep >= 2 * least_room_m ? 2 : 1;
+    const int strips = below && above && deep >= 2 * min_room_m ? 2 : 1;
     const bool all = deep < strips * plan_.room_depth_m + 1.5;
     const double depth = all ? deep / strips : plan_.room_depth_m;
     Vector2d high = block.high, low = block.low;
@@ -210,7 +210,7 @@ class Architect {
     double at = low[along];
     while (at < high[along] - 1e-6) {
       double next = at + (alike ? each : plan_.room_m * random_.uniform(0.6, 1.6));
-      if (high[along] - next < least_room_m) next = high[along];
+      if (high[along] - next < min_room_m) next = high[along];
       Vector2d room_low = low, room_high = high;
       room_low[along] = at;
       room_high[along] = next;
@@ -225,8 +225,7 @@ class Architect {
     const DoorSide side = sides_[cell];
     const bool fits = side == DoorSide::all || (side == DoorSide::along_x) == !border.upright;
     // A door in a corridor's end has no lane that passes it.
-    return fits && made_.floor.cells[other].along_x != border.upright &&
-           border.length() > least_door_border_m;
+    return fits && made_.floor.cells[other].along_x != border.upright && border.length() > min_door_border_m;
   }
 
   // One for a room, one on each side for a hall.

@@ -63,12 +63,11 @@ class Traveller {
     return best;
   }
 
-  // The way driven, at most about `most_m`.
-  double go_to(std::size_t node, const Order& order,
-               double most_m = std::numeric_limits<double>::infinity()) {
+  // The way driven, at most about `max_m`.
+  double go_to(std::size_t node, const Order& order, double max_m = std::numeric_limits<double>::infinity()) {
     const auto way = FloorRoutes::way_to(routes_.ways_from(at_), node);
     double driven_m = 0;
-    for (std::size_t i = 1; i < way.size() && driven_m < most_m; ++i) {
+    for (std::size_t i = 1; i < way.size() && driven_m < max_m; ++i) {
       const Vector2d &from = routes_.position(way[i - 1]), &to = routes_.position(way[i]);
       const double lane_m = routes_.lane_m(way[i - 1], way[i]), length_m = (to - from).norm();
       if (random_.chance(order.spins_per_m * length_m)) {
