@@ -1,9 +1,9 @@
 // Buildings of which one place looks like another: no relation may say that they are one.
 
-#include "tools/simulate/campaigns/closures.hpp"
+#include "tools/simulate/campaigns/sightings/closures.hpp"
 
 #include "tests/scenario/simulated_maps.hpp"
-#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/campaigns/sightings/sightings.hpp"
 
 namespace isthmus {
 namespace {

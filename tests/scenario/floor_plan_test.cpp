@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tools/simulate/campaigns/floor_plans.hpp"
+#include "tools/simulate/campaigns/floor_plans/floor_plans.hpp"
 #include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {

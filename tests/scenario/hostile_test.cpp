@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/simulate/campaigns/hostile.hpp"
+#include "tools/simulate/campaigns/hostile/hostile.hpp"
 #include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {

@@ -2,7 +2,7 @@
 // meet (closure 0, a merge) and a while later meet again (closure 1, a loop of the merged island).
 
 #include "tests/scenario/event_sequences.hpp"
-#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/campaigns/sightings/sightings.hpp"
 
 namespace isthmus {
 namespace {

@@ -4,7 +4,7 @@
 //    ==========  corridor  ===   drive on to rooms they do not know, and pass again.
 //      ^ R1
 
-#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/campaigns/sightings/sightings.hpp"
 #include "tests/scenario/event_sequences.hpp"
 
 namespace isthmus {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/simulate/campaigns/confidence.hpp"
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/scenario/scenario_file.hpp"
 #include "tools/simulate/truth/truth_files.hpp"
 

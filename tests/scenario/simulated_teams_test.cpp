@@ -2,7 +2,7 @@
 // though three sightings in ten are false.
 
 #include "tests/scenario/event_sequences.hpp"
-#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/campaigns/sightings/sightings.hpp"
 
 namespace isthmus {
 namespace {

@@ -16,7 +16,7 @@
 #include "server/output/format/csv.hpp"
 #include "server/output/output.hpp"
 #include "server/wire/journal/event_log.hpp"
-#include "tools/simulate/campaigns/confidence.hpp"
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/wild/site.hpp"
 
 namespace isthmus {

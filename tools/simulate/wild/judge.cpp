@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
-#include "tools/simulate/campaigns/closures.hpp"
-#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/campaigns/sightings/closures.hpp"
+#include "tools/simulate/campaigns/sightings/sightings.hpp"
 #include "tools/simulate/run/ray_caster.hpp"
 #include "tools/simulate/truth/trajectory_errors.hpp"
 

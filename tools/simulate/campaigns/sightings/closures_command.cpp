@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "tools/simulate/campaigns/closures.hpp"
 #include "tools/simulate/campaigns/command.hpp"
+#include "tools/simulate/campaigns/sightings/closures.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/campaigns/sightings/sightings.hpp"
 
 #include <gtest/gtest.h>
 

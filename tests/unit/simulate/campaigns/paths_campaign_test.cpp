@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/paths.hpp"
+#include "tools/simulate/campaigns/paths/paths.hpp"
 
 #include <gtest/gtest.h>
 

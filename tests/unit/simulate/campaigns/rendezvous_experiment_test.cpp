@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/rendezvous_experiment.hpp"
+#include "tools/simulate/campaigns/features/rendezvous_experiment.hpp"
 
 #include <gtest/gtest.h>
 

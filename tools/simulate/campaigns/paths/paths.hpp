@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/paths/planner.hpp"
-#include "tools/simulate/campaigns/confidence.hpp"
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/run/simulation.hpp"
 
 namespace isthmus {

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "tools/simulate/campaigns/command.hpp"
-#include "tools/simulate/campaigns/floor_plans.hpp"
+#include "tools/simulate/campaigns/floor_plans/floor_plans.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/closures.hpp"
+#include "tools/simulate/campaigns/sightings/closures.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -10,8 +10,8 @@
 #include <optional>
 #include <tuple>
 
-#include "tools/simulate/campaigns/confidence.hpp"
-#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
+#include "tools/simulate/campaigns/sightings/sightings.hpp"
 #include "tools/simulate/truth/true_patches.hpp"
 #include "tools/simulate/truth/truth_files.hpp"
 

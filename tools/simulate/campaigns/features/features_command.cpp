@@ -8,7 +8,7 @@
 
 #include "server/program/finite_number.hpp"
 #include "tools/simulate/campaigns/command.hpp"
-#include "tools/simulate/campaigns/features.hpp"
+#include "tools/simulate/campaigns/features/features.hpp"
 #include "tools/simulate/run/simulation.hpp"
 
 namespace isthmus {

@@ -10,8 +10,8 @@
 #include "server/program/finite_number.hpp"
 #include "tools/replay/read_map.hpp"
 #include "tools/simulate/campaigns/command.hpp"
-#include "tools/simulate/campaigns/confidence.hpp"
-#include "tools/simulate/campaigns/paths.hpp"
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
+#include "tools/simulate/campaigns/paths/paths.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/campaigns/sightings/sightings.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "server/output/format/csv.hpp"
-#include "tools/simulate/campaigns/confidence.hpp"
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/truth/trajectory_errors.hpp"
 
 namespace isthmus {

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/hostile.hpp"
+#include "tools/simulate/campaigns/hostile/hostile.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,8 @@
 
 #include "server/output/output.hpp"
 #include "server/wire/live/live_server.hpp"
-#include "tools/simulate/campaigns/confidence.hpp"
-#include "tools/simulate/campaigns/unruly_messages.hpp"
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
+#include "tools/simulate/campaigns/hostile/unruly_messages.hpp"
 #include "tools/simulate/plan/random.hpp"
 
 namespace isthmus {

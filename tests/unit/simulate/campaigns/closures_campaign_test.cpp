@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/closures.hpp"
+#include "tools/simulate/campaigns/sightings/closures.hpp"
 
 #include <gtest/gtest.h>
 

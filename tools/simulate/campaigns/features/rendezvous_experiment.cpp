@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/rendezvous_experiment.hpp"
+#include "tools/simulate/campaigns/features/rendezvous_experiment.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "server/features/feature_filter.hpp"
 #include "server/features/unicycle_noise.hpp"
-#include "tools/simulate/campaigns/meeting.hpp"
+#include "tools/simulate/campaigns/features/meeting.hpp"
 #include "tools/simulate/plan/random.hpp"
 
 namespace isthmus {

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/meeting.hpp"
+#include "tools/simulate/campaigns/features/meeting.hpp"
 
 #include <cmath>
 

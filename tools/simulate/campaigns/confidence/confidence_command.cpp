@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/simulate/campaigns/command.hpp"
-#include "tools/simulate/campaigns/confidence.hpp"
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/run/simulation.hpp"
 #include "tools/simulate/scenario/scenario_file.hpp"
 

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/features.hpp"
+#include "tools/simulate/campaigns/features/features.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "scanmatch/features/scan_features.hpp"
 #include "server/features/fusion.hpp"
 #include "server/features/unicycle_noise.hpp"
-#include "tools/simulate/campaigns/meeting.hpp"
+#include "tools/simulate/campaigns/features/meeting.hpp"
 #include "tools/simulate/plan/random.hpp"
 
 namespace isthmus {

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/paths.hpp"
+#include "tools/simulate/campaigns/paths/paths.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "server/output/tables/islands.hpp"
 #include "server/paths/frontiers.hpp"
 #include "server/paths/relative_pose.hpp"
-#include "tools/simulate/campaigns/grid_optimum.hpp"
+#include "tools/simulate/campaigns/paths/grid_optimum.hpp"
 #include "tools/simulate/plan/random.hpp"
 #include "tools/simulate/truth/true_patches.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "tools/simulate/campaigns/command.hpp"
-#include "tools/simulate/campaigns/hostile.hpp"
+#include "tools/simulate/campaigns/hostile/hostile.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/features.hpp"
+#include "tools/simulate/campaigns/features/features.hpp"
 
 #include <gtest/gtest.h>
 

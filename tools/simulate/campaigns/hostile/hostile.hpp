@@ -5,7 +5,7 @@
 #include <string>
 
 #include "server/engine/input/drop_reason.hpp"
-#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/campaigns/sightings/sightings.hpp"
 #include "tools/simulate/run/simulation.hpp"
 
 namespace isthmus {

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/grid_optimum.hpp"
+#include "tools/simulate/campaigns/paths/grid_optimum.hpp"
 
 #include <gtest/gtest.h>
 

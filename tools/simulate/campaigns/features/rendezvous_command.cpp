@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/simulate/campaigns/command.hpp"
-#include "tools/simulate/campaigns/rendezvous_experiment.hpp"
+#include "tools/simulate/campaigns/features/rendezvous_experiment.hpp"
 
 namespace isthmus {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "server/program/finite_number.hpp"
 #include "tools/simulate/campaigns/command.hpp"
-#include "tools/simulate/campaigns/sightings.hpp"
+#include "tools/simulate/campaigns/sightings/sightings.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/confidence.hpp"
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/floor_plans.hpp"
+#include "tools/simulate/campaigns/floor_plans/floor_plans.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "server/output/tables/islands.hpp"
 #include "server/output/vector_plan/map_source.hpp"
 #include "tools/evaluate/alignment.hpp"
-#include "tools/simulate/campaigns/confidence.hpp"
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/truth/true_patches.hpp"
 
 namespace isthmus {

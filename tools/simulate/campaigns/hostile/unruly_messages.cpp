@@ -1,4 +1,4 @@
-#include "tools/simulate/campaigns/unruly_messages.hpp"
+#include "tools/simulate/campaigns/hostile/unruly_messages.hpp"
 
 #include <array>
 #include <cmath>
