@@ -57,6 +57,7 @@ struct EngineOptions {
   FootprintOptions footprints;
   OdometryNoiseOptions odometry_noise;
   OdometryBiasOptions odometry_bias;
+  OdometryLearningOptions odometry_learning;
   PoseHistoryOptions pose_history;
   TeammateOptions teammates;
   HealthOptions health;
@@ -99,6 +100,7 @@ struct EngineOptions {
     group("footprints", footprints);
     group("odometry_noise", odometry_noise);
     group("odometry_bias", odometry_bias);
+    group("odometry_learning", odometry_learning);
     visit_team_tuning(group);
   }
 

@@ -57,10 +57,11 @@ void follow(const Map& map, Robot& robot, const Expectation& expectation, const 
     const Eigen::Matrix2d local_from_step = Eigen::Rotation2Dd(yaw).toRotationMatrix();
     const Eigen::Matrix2d trust =
         local_from_step.transpose() * placement.match.direction_trust * local_from_step;
-    robot.noise.learn(expectation.step, matched_step, trust, options.odometry_noise);
+    robot.noise.learn(expectation.step, matched_step, trust, options.odometry_noise,
+                      options.odometry_learning);
     robot.bias.learn(expectation.claimed_step, matched_step,
                      robot.noise.covariance(expectation.step, options.odometry_noise), trust,
-                     options.odometry_bias);
+                     options.odometry_bias, options.odometry_learning);
   }
   if (placement.matched) {
     robot.health.matched(expectation.claimed_step, matched_step,

@@ -26,21 +26,22 @@ Pose OdometryBias::corrected(const Pose& step) const {
 }
 
 void OdometryBias::learn(const Pose& odometry_step, const Pose& matched_step, const Eigen::Matrix3d& noise,
-                         const Eigen::Matrix2d& direction_trust, const OdometryBiasOptions& options) {
+                         const Eigen::Matrix2d& direction_trust, const OdometryBiasOptions& options,
+                         const OdometryLearningOptions& learning) {
   const double way_m = std::abs(odometry_step.x);
   const double turn_rad = std::abs(odometry_step.yaw);
   // A robot at rest tells only how matching trembles.
-  if (way_m < options.rest_m && turn_rad < options.rest_rad) return;
+  if (way_m < learning.rest_m && turn_rad < learning.rest_rad) return;
   const double kept = std::exp(-way_m / options.memory_m - turn_rad / options.memory_rad);
   const Eigen::Vector2d regressor(odometry_step.x, odometry_step.yaw);
   const double match_variance = options.match_sigma_m * options.match_sigma_m;
   yaw_.learn(regressor, wrap_angle(matched_step.yaw - odometry_step.yaw),
              noise(2, 2) + options.match_sigma_rad * options.match_sigma_rad, kept,
              {options.turn_per_m_sigma, options.turn_share_sigma}, options.outlier_sigmas);
-  if (direction_trust(1, 1) > options.well_known)
+  if (direction_trust(1, 1) > learning.well_known)
     aside_.learn(regressor, matched_step.y - odometry_step.y, noise(1, 1) + match_variance, kept,
                  {options.aside_share_sigma, options.aside_per_rad_sigma}, options.outlier_sigmas);
-  if (direction_trust(0, 0) > options.well_known)
+  if (direction_trust(0, 0) > learning.well_known)
     way_.learn({odometry_step.x, 0}, matched_step.x - odometry_step.x, noise(0, 0) + match_variance, kept,
                {options.way_share_sigma, options.way_share_sigma}, options.outlier_sigmas);
 }

@@ -27,7 +27,8 @@ class OdometryBias {
   /// says in which directions of the step's own frame matching knows better (1) and in which it merely
   /// repeats odometry (0).
   void learn(const Pose& odometry_step, const Pose& matched_step, const Eigen::Matrix3d& noise,
-             const Eigen::Matrix2d& direction_trust, const OdometryBiasOptions& options);
+             const Eigen::Matrix2d& direction_trust, const OdometryBiasOptions& options,
+             const OdometryLearningOptions& learning);
 
   double turn_per_m() const { return yaw_.value(0); }
   double turn_share() const { return yaw_.value(1); }

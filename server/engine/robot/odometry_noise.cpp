@@ -34,10 +34,11 @@ Eigen::Matrix3d OdometryNoise::covariance(const Pose& step, const OdometryNoiseO
 }
 
 void OdometryNoise::learn(const Pose& odometry_step, const Pose& matched_step,
-                          const Eigen::Matrix2d& direction_trust, const OdometryNoiseOptions& options) {
+                          const Eigen::Matrix2d& direction_trust, const OdometryNoiseOptions& options,
+                          const OdometryLearningOptions& learning) {
   // A robot at rest tells only how matching trembles.
-  if (std::hypot(odometry_step.x, odometry_step.y) < options.rest_m &&
-      std::abs(odometry_step.yaw) < options.rest_rad)
+  if (std::hypot(odometry_step.x, odometry_step.y) < learning.rest_m &&
+      std::abs(odometry_step.yaw) < learning.rest_rad)
     return;
   const Variances base = base_variances(odometry_step, options);
   const double outlier = options.outlier_sigmas * options.outlier_sigmas;
@@ -49,9 +50,9 @@ void OdometryNoise::learn(const Pose& odometry_step, const Pose& matched_step,
   };
   update(scale_[1], wrap_angle(matched_step.yaw - odometry_step.yaw), base.rotation);
   const Eigen::Vector2d way = position(odometry_step);
-  if (way.norm() < options.rest_m) return;
+  if (way.norm() < learning.rest_m) return;
   const Eigen::Vector2d along = way.normalized();
-  if (along.dot(direction_trust * along) < options.well_known) return;
+  if (along.dot(direction_trust * along) < learning.well_known) return;
   update(scale_[0], along.dot(position(matched_step) - way), base.translation);
 }
 

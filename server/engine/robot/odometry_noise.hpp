@@ -24,7 +24,7 @@ class OdometryNoise {
   /// translation is learned only from ways along which matching knows, and along the way only, since wheels
   /// hardly slip sideways. Disagreements beyond `outlier_sigmas` count as so many.
   void learn(const Pose& odometry_step, const Pose& matched_step, const Eigen::Matrix2d& direction_trust,
-             const OdometryNoiseOptions& options);
+             const OdometryNoiseOptions& options, const OdometryLearningOptions& learning);
 
   /// Errors of successive steps have a common part (a wheel's diameter, a late stamp), so a path of many
   /// steps errs more than their sum says: a third scale, learned from patch to patch where `well_seen`.

@@ -20,9 +20,6 @@ struct OdometryNoiseOptions {
   double forgetting = 0.005;
   double min_scale = 0.3;
   double max_scale = 20;
-  double well_known = 0.8;
-  double rest_m = 0.01;
-  double rest_rad = 0.005;
   double outlier_sigmas = 4;
   double path_forgetting = 0.05;
   double plausible_path = 7.8;
@@ -44,15 +41,26 @@ struct OdometryNoiseOptions {
     option(forgetting, "forgetting", share_unit, "of the learned variance that one step replaces");
     option(min_scale, "min_scale", "factor", "that is learned at least");
     option(max_scale, "max_scale", "factor", "that is learned at most");
-    option(well_known, "well_known", share_unit,
-           "trust in the direction of the way above which translation is learned from a match");
-    option(rest_m, "rest_m", "m", "a shorter way tells only how matching trembles");
-    option(rest_rad, "rest_rad", "rad", "and a smaller rotation");
     option(outlier_sigmas, "outlier_sigmas", "sigmas", "larger disagreements count as this");
     option(path_forgetting, "path_forgetting", share_unit, "of the path's scale that one path replaces");
     option(plausible_path, "plausible_path", "χ² of 3",
            "that a path may be off by, 95 % of them; where it is off by more, its covariance is widened");
     option(min_path_scale, "min_path_scale", "factor", "on variances of a path that is learned at least");
+  }
+};
+
+/// What a matched step must be for something to be learned of odometry from it, its noise or its bias.
+struct OdometryLearningOptions {
+  double well_known = 0.8;
+  double rest_m = 0.01;
+  double rest_rad = 0.005;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(well_known, "well_known", share_unit,
+           "trust in a direction above which translation along it is learned from a match");
+    option(rest_m, "rest_m", "m", "a shorter way tells only how matching trembles");
+    option(rest_rad, "rest_rad", "rad", "and a smaller rotation");
   }
 };
 
@@ -69,9 +77,6 @@ struct OdometryBiasOptions {
   double match_sigma_m = 0.01;
   double match_sigma_rad = 0.004;
   double outlier_sigmas = 2;
-  double well_known = 0.8;
-  double rest_m = 0.01;
-  double rest_rad = 0.005;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -86,10 +91,6 @@ struct OdometryBiasOptions {
     option(match_sigma_m, "match_sigma_m", "m", "standard deviation of a matched step");
     option(match_sigma_rad, "match_sigma_rad", "rad", "and of its yaw");
     option(outlier_sigmas, "outlier_sigmas", "sigmas", "a disagreement beyond this counts less (Huber)");
-    option(well_known, "well_known", share_unit,
-           "trust in a direction above which it is learned from a match");
-    option(rest_m, "rest_m", "m", "a shorter way tells only how matching trembles");
-    option(rest_rad, "rest_rad", "rad", "and a smaller rotation");
   }
 };
 

@@ -45,8 +45,8 @@ TEST(OdometryNoise, LearnsToTrustOdometryThatAgreesAndToDoubtOneThatDoesNot) {
   OdometryNoise bad;
   const Pose step{0.1, 0, 0.02};
   for (int i = 0; i < 500; ++i) {
-    good.learn(step, step, Eigen::Matrix2d::Identity(), {});
-    bad.learn(step, {0.14, i % 2 == 0 ? 0.03 : -0.03, -0.03}, Eigen::Matrix2d::Identity(), {});
+    good.learn(step, step, Eigen::Matrix2d::Identity(), {}, {});
+    bad.learn(step, {0.14, i % 2 == 0 ? 0.03 : -0.03, -0.03}, Eigen::Matrix2d::Identity(), {}, {});
   }
   EXPECT_LT(good.translation_scale(), 0.7);
   EXPECT_LT(good.rotation_scale(), 0.7);
@@ -57,10 +57,10 @@ TEST(OdometryNoise, LearnsToTrustOdometryThatAgreesAndToDoubtOneThatDoesNot) {
 TEST(OdometryNoise, LearnsNothingFromRestNorAlongADirectionThatTheMatchOnlyGuesses) {
   OdometryNoise noise;
   const double before = noise.translation_scale();
-  for (int i = 0; i < 500; ++i) noise.learn({}, {0.005, 0, 0}, Eigen::Matrix2d::Identity(), {});
+  for (int i = 0; i < 500; ++i) noise.learn({}, {0.005, 0, 0}, Eigen::Matrix2d::Identity(), {}, {});
   EXPECT_EQ(noise.translation_scale(), before);
   const Eigen::Matrix2d across_only = Eigen::Vector2d(0, 1).asDiagonal();
-  for (int i = 0; i < 500; ++i) noise.learn({0.1, 0, 0}, {0.3, 0, 0}, across_only, {});
+  for (int i = 0; i < 500; ++i) noise.learn({0.1, 0, 0}, {0.3, 0, 0}, across_only, {}, {});
   EXPECT_EQ(noise.translation_scale(), before);
 }
 
@@ -90,7 +90,7 @@ struct BiasedWheels {
   void drive(int steps, const Eigen::Matrix2d& trust = Eigen::Matrix2d::Identity()) {
     for (int i = 0; i < steps; ++i) {
       const Pose step{0.1, 0, i % 10 < 2 ? 0.2 : 0};
-      bias.learn(step, matched(step), noise, trust, {});
+      bias.learn(step, matched(step), noise, trust, {}, {});
     }
   }
 };
@@ -127,7 +127,7 @@ TEST(OdometryBias, IsHardlyMovedByASlip) {
   BiasedWheels robot;
   robot.drive(1000);
   const double before = robot.bias.turn_per_m();
-  robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0.6}, robot.noise, Eigen::Matrix2d::Identity(), {});
+  robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0.6}, robot.noise, Eigen::Matrix2d::Identity(), {}, {});
   EXPECT_NEAR(robot.bias.turn_per_m(), before, 0.001);
 }
 
@@ -135,7 +135,7 @@ TEST(OdometryBias, FollowsALoadThatChanges) {
   BiasedWheels robot;
   robot.drive(2000);
   for (int i = 0; i < 3000; ++i)
-    robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0}, robot.noise, Eigen::Matrix2d::Identity(), {});
+    robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0}, robot.noise, Eigen::Matrix2d::Identity(), {}, {});
   EXPECT_NEAR(robot.bias.turn_per_m(), 0, 0.005);
 }
 
