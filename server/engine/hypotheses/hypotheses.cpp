@@ -12,9 +12,7 @@ SearchTerms terms_of(const HypothesisOptions& options) {
   terms.min_score = options.min_score;
   terms.min_score_anywhere = options.min_score_anywhere;
   terms.on_the_map = true;
-  terms.step_price_us = options.step_price_us;
   terms.evaluation_price_us = options.evaluation_price_us;
-  terms.decision_steps = options.decision_steps;
   return terms;
 }
 
@@ -147,7 +145,7 @@ std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
                                            options.place_candidates));
   if (query.search.has_places())
     query.search.look_for(piece_of_way(world.map, query.newest_first, options.place_search));
-  return options.hypotheses.step_price_us;
+  return options.place_search.step_price_us;
 }
 
 void Hypotheses::forget_robot(const Map& map, const std::string& robot) {

@@ -23,7 +23,7 @@ std::int64_t PlaceSearcher::search_next(const RigidPiece& place, const SearchTer
     answers_.back().way_m = candidate.way_m;
     answers_.back().sigma_m = candidate.sigma_m;
   }
-  return terms.step_price_us +
+  return options.place_search.step_price_us +
          static_cast<std::int64_t>(terms.evaluation_price_us * static_cast<double>(search.evaluations));
 }
 
@@ -54,8 +54,8 @@ PlaceDecision PlaceSearcher::decide(const Map& map, const SearchTerms& terms, co
   // While the piece waited, all that is there may have been matched with it.
   if (place.local.patches.empty()) return decision;
   decision.find = refine(place, piece_, best, options);
-  decision.price_us =
-      static_cast<std::int64_t>(terms.decision_steps * static_cast<double>(terms.step_price_us));
+  const PlaceSearchOptions& its = options.place_search;
+  decision.price_us = static_cast<std::int64_t>(its.decision_steps * static_cast<double>(its.step_price_us));
   return decision;
 }
 

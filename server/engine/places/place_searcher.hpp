@@ -22,10 +22,8 @@ struct SearchTerms {
   bool on_the_map =
       false;  ///< the piece is of the map itself: it is looked for among what it was not matched with
   // Nominal microseconds.
-  std::int64_t step_price_us = 0;
   double evaluation_price_us = 0;
   std::int64_t undecided_price_us = 0;  ///< of a decision that comes to nothing before the match
-  double decision_steps = 0;            ///< on step_price_us: of one with the match
 };
 
 /// What the answers at all places come to.

@@ -15,9 +15,10 @@ void ProximityMatching::match_all(const Map& map, const PropagationOptions& opti
 }
 
 void ProximityMatching::advance(Map& map, const EngineOptions& options, std::int64_t now_utime) {
-  credit_.earn(now_utime, {options.proximity_matching.work_share, options.proximity_matching.max_credit_us});
-  if (propagation_.done() || credit_.left_us() < options.proximity_matching.step_price_us) return;
-  credit_.spend(options.proximity_matching.step_price_us);
+  const PropagationOptions& its = options.propagation;
+  credit_.earn(now_utime, {its.work_share, options.proximity_matching.max_credit_us});
+  if (propagation_.done() || credit_.left_us() < its.step_price_us) return;
+  credit_.spend(its.step_price_us);
   propagation_.step(map, options);
 }
 

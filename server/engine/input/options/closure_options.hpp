@@ -26,8 +26,6 @@ struct ClosureOptions {
   std::size_t max_compared = 24;
   double retry_growth = 1.5;
   std::size_t max_reopened = 2'000;
-  std::int64_t step_price_us = 5'000;
-  double work_share = 0.5;
   std::int64_t max_credit_us = 10'000;
   double alike_m = 1;
   double alike_rad = 0.35;
@@ -62,9 +60,7 @@ struct ClosureOptions {
            "in a group's sightings after which a joining that was refused is tried again");
     option(max_reopened, "max_reopened", "count",
            "of refused sightings, the newest, that are looked at again once a merge was contradicted");
-    option(step_price_us, "step_price_us", "µs", "nominal, of one step of a trial");
-    option(work_share, "work_share", share_unit, "of event time for trials");
-    option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
+    option(max_credit_us, "max_credit_us", "µs", "of event time for trials that can be saved up");
     option(
         alike_m, "alike_m", "m",
         "within which two joinings say the same however sharp both are: walls that repeat are farther apart");

@@ -19,9 +19,7 @@ struct FinderOptions {
   double agreeing_way_m = 1;
   std::size_t max_finds = 8;
   std::size_t max_sketch_patches = 150;
-  std::int64_t step_price_us = 1'000;
   double evaluation_price_us = 0.4;
-  double decision_steps = 5;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -35,9 +33,7 @@ struct FinderOptions {
     option(agreeing_way_m, "agreeing_way_m", "m", "between two finds: less is the same view twice");
     option(max_finds, "max_finds", "count", "of a robot that wait for another that agrees");
     option(max_sketch_patches, "max_sketch_patches", "count", "of its sketch, which then begins anew");
-    option(step_price_us, "step_price_us", "µs", "nominal, of one step at least");
     option(evaluation_price_us, "evaluation_price_us", "µs", "nominal, of an evaluation of the search");
-    option(decision_steps, "decision_steps", "factor", "on step_price_us: of matching what was found");
   }
 };
 

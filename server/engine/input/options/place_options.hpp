@@ -83,6 +83,8 @@ struct PlaceSearchOptions {
   std::size_t max_carriers = 4;
   double prediction_variance_m2 = 0.25;
   double prediction_variance_rad2 = 0.01;
+  std::int64_t step_price_us = 1'000;
+  double decision_steps = 5;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -114,6 +116,8 @@ struct PlaceSearchOptions {
            "of newest patches, the best of which carries the relations");
     option(prediction_variance_m2, "prediction_variance_m2", "m²", "of what the search found, for the match");
     option(prediction_variance_rad2, "prediction_variance_rad2", "rad²", "the same of the yaw");
+    option(step_price_us, "step_price_us", "µs", "nominal, of one step at least");
+    option(decision_steps, "decision_steps", "factor", "on step_price_us: of matching what was found");
   }
 };
 

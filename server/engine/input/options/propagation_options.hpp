@@ -15,6 +15,8 @@ struct PropagationOptions {
   int max_visits = 4;
   double slack_m = 2;
   std::size_t refit_patches = 40;
+  std::int64_t step_price_us = 5'000;
+  double work_share = 0.5;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -24,6 +26,9 @@ struct PropagationOptions {
     option(slack_m, "slack_m", "m",
            "that a candidate may lie farther away than a local map reaches (surroundings.reach_m)");
     option(refit_patches, "refit_patches", "count", "of patches, fitted where new relations were found");
+    option(step_price_us, "step_price_us", "µs", "nominal, of one step, in a trial or of proximity matching");
+    option(work_share, "work_share", share_unit,
+           "of event time for trials, and as much for proximity matching");
   }
 };
 
@@ -133,15 +138,11 @@ struct TrialOptions {
 
 /// Matching where robots stand, see propagation/proximity_matching.hpp.
 struct ProximityMatchingOptions {
-  std::int64_t step_price_us = 5'000;
   std::int64_t max_credit_us = 5'000;
-  double work_share = 0.5;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(step_price_us, "step_price_us", "µs", "nominal, of one step");
-    option(max_credit_us, "max_credit_us", "µs", "that can be saved up");
-    option(work_share, "work_share", share_unit, "of event time that becomes credit");
+    option(max_credit_us, "max_credit_us", "µs", "of its share of event time that can be saved up");
   }
 };
 

@@ -82,14 +82,11 @@ TEST(TrialOptions, AskMoreSightingsOfOneDirectionThanOfBoth) {
   EXPECT_LT(its.min_loop_log_odds, its.min_whole_log_odds) << "a merge of wholes is bolder than a loop";
 }
 
-TEST(ProximityMatchingOptions, SaveUpNoLessThanAStepCosts) {
-  const ProximityMatchingOptions its;
-  EXPECT_GE(its.max_credit_us, its.step_price_us) << "else no step would ever be taken";
-}
-
-TEST(ClosureOptions, SaveUpNoLessThanAStepCosts) {
-  const ClosureOptions its;
-  EXPECT_GE(its.max_credit_us, its.step_price_us);
+TEST(PropagationOptions, CostNoMoreAStepThanCanBeSavedUp) {
+  const EngineOptions its;
+  const char* else_what = "else no step would ever be taken";
+  EXPECT_GE(its.proximity_matching.max_credit_us, its.propagation.step_price_us) << else_what;
+  EXPECT_GE(its.closures.max_credit_us, its.propagation.step_price_us) << else_what;
 }
 
 TEST(ClosureOptions, TryAGroupAgainOnlyOnceItHasGrown) {

@@ -21,8 +21,6 @@ std::vector<Pose> along_the_hall(double from_x, int patches) {
 SearchTerms terms() {
   SearchTerms terms;
   terms.min_score = terms.min_score_anywhere = 0.6;
-  terms.step_price_us = 1'000;
-  terms.decision_steps = 5;
   return terms;
 }
 
