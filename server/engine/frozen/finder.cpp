@@ -145,8 +145,9 @@ std::optional<ManifoldPose> Finder::take_found() {
   if (!found_) return std::nullopt;
   const Sighted found = *std::exchange(found_, std::nullopt);
   sighted_.clear();  // should it prove false, they are
-  const Pose query_from_robot = ominus(sketch_from_robot(), sketch_.manifold().pose(found.query));
-  return ManifoldPose{found.pose.patch, found.pose.patch_from_object * query_from_robot};
+  const ManifoldPose seen_from_query =
+      sketch_.manifold().transform(robot_.place->pose, found.query);  // eq. 3
+  return ManifoldPose{found.pose.patch, found.pose.patch_from_object * seen_from_query.patch_from_object};
 }
 
 }  // namespace isthmus

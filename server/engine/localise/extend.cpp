@@ -41,9 +41,9 @@ bool has_looked_from_here(const Map& map, PatchId reference, const Pose& local_f
                           const EngineOptions& options) {
   const std::vector<PatchId> near =
       map.graph().within_hops(reference, options.extend.same_place_hops, says_where_walls_are);
-  const Pose map_from_robot = map.manifold().pose(reference) * local_from_robot;
   return std::ranges::any_of(near, [&](PatchId id) {
-    const Pose patch_from_robot = ominus(map_from_robot, map.manifold().pose(id));
+    const Pose patch_from_robot =
+        map.manifold().transform({reference, local_from_robot}, id).patch_from_object;  // eq. 3
     return std::hypot(patch_from_robot.x, patch_from_robot.y) < options.patch_spacing_m &&
            std::abs(patch_from_robot.yaw) < options.patch_spacing_rad;
   });

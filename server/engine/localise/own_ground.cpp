@@ -21,8 +21,7 @@ void OwnGround::put_back(const std::string& robot, PastPlace& place) const {
   const PatchId other = place.pose.patch;
   if (parted_.graph().island(own) == parted_.graph().island(other)) return;
   if (together_.graph().island(own) != together_.graph().island(other)) return;
-  const Pose map_from_robot = together_.manifold().project(place.pose);
-  place.pose = {own, ominus(map_from_robot, together_.manifold().pose(own))};
+  place.pose = together_.manifold().transform(place.pose, own);  // eq. 3
 }
 
 }  // namespace isthmus
