@@ -31,7 +31,8 @@ struct Feature {
   Eigen::Vector2d a = Eigen::Vector2d::Zero();
   Eigen::Vector2d b = Eigen::Vector2d::Zero();
   double radius_m = 0;
-  double opening_rad = 0;     ///< of a corner: the angle of its free side, told apart by but not estimated
+  double opening_rad =
+      0;  ///< of a corner: the angle of its free side, by which corners are told apart; not estimated
   bool end_a_known = false;   ///< of a segment
   bool end_b_known = false;   ///< of a segment
   bool heading_known = true;  ///< of a corner

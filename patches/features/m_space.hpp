@@ -7,8 +7,8 @@
 namespace isthmus {
 
 /// M-Space (Folkesson, Jensfelt and Christensen 2007; Benedettelli et al. 2012, section 2): errors of a
-/// feature are told by local coordinates x_p, in a frame attached to the feature, so that they do not grow
-/// with its distance from the origin (no lever arm), and only the part that is known has any. Metres and
+/// feature are expressed in local coordinates x_p, in a frame attached to the feature, so that they do not
+/// grow with its distance from the origin (no lever arm), and only the part that is known has any. Metres and
 /// radians:
 ///
 ///     point    (x, y)              axes of the frame that it is given in
@@ -50,7 +50,7 @@ LocalMatrix rows_of(const LocalMatrix& full, const std::array<bool, 4>& which);
 LocalVector rows_of(const LocalVector& full, const std::array<bool, 4>& which);
 
 /// A segment whose unknown ends were moved along its line, to a_m and b_m from its middle, and what that
-/// makes of the errors: δx_p' = change · δx_p (q by q), for ρ is told at another point of the same line.
+/// makes of the errors: δx_p' = change · δx_p (q by q), for ρ is taken at another point of the same line.
 /// Known ends stay.
 struct Stretched {
   Feature feature;

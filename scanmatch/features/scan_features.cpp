@@ -90,7 +90,7 @@ std::optional<ObservedFeature> corner_of(const Line& right, const Line& left) {
   return ObservedFeature{corner, by * variances.asDiagonal() * by.transpose()};
 }
 
-/// In the robot's frame. Covariances of segments and corners are told in their own frames, those of poles in
+/// In the robot's frame. Covariances of segments and corners are in their own frames, those of poles in
 /// its axes.
 ObservedFeature from_laser(const Pose& robot_from_laser, ObservedFeature seen) {
   seen.feature = robot_from_laser * seen.feature;

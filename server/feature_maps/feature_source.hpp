@@ -5,7 +5,7 @@
 
 namespace isthmus {
 
-/// Segments and poles of a feature map as what a floor plan is made of: each as if one view had told it, with
+/// Segments and poles of a feature map as what a floor plan is made of: each as if seen in one view, with
 /// its covariance. There are no beams; openings are between ends that are known.
 PlanSource plan_source(const FeatureState& state);
 

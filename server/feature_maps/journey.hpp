@@ -32,7 +32,7 @@ struct FeatureRobot {
   OdometryNoise noise;
   int journey = -1;                ///< the present one; -1 before the first
   Pose odom_from_last;             ///< odometry where its filter stands
-  Pose last_step;                  ///< that odometry told
+  Pose last_step;                  ///< by odometry
   double way_m = 0, turn_rad = 0;  ///< since a scan was used
   std::deque<Event> waiting;       ///< scans and sightings that odometry has not reached
 };

@@ -29,7 +29,7 @@ class Gates {
 
 /// Which features of the state each observation of a scan may be: of its kind, overlapping it (τ), and within
 /// the gate (M_α, M_ρ and the ends as one, Benedettelli et al. 2012, 3.1). Where only the ends disagree, the
-/// line alone counts: an end may be told wrongly. By observation, nearest first.
+/// line alone counts: an end may be found wrongly. By observation, nearest first.
 std::vector<Candidate> candidates(const FeatureState& state, int robot, std::span<const ObservedFeature> seen,
                                   const AssociationOptions& options, const Gates& gates);
 

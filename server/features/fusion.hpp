@@ -31,12 +31,11 @@ struct Fusion {
 /// Two maps become one at a rendezvous: aligned; duplicates found from the rendezvous outwards, for what the
 /// alignment errs grows with the distance from it (Zhou and Roumeliotis 2006, III-E and algorithm 1). A few
 /// at a time: what may be each one's twin comes from a kd-tree, within what both may be off; joint
-/// compatibility decides; each pair is told to be one (eq. 20), the nearest first, which corrects the whole
-/// second map. Where another twin is nearly as likely it waits for the others, and stays a feature of its own
-/// if that does not settle it.
-/// A first pairing that is wrong leads the others astray, and then few are found: so all is tried with groups
-/// of twice and four times the size too, and the search that finds the most twins holds. Then the same once
-/// more, linear about where the maps were found to lie.
+/// compatibility decides; each pair is measured to be one (eq. 20), the nearest first, which corrects the
+/// whole second map. Where another twin is nearly as likely it waits for the others, and stays a feature of
+/// its own if that does not settle it. A first pairing that is wrong leads the others astray, and then few
+/// are found: so all is tried with groups of twice and four times the size too, and the search that finds the
+/// most twins holds. Then the same once more, linear about where the maps were found to lie.
 ///
 /// Afterwards there is one state for all robots: further meetings are measurements in it
 /// (FeatureFilter::observe_robot), and nothing is counted twice. The inputs are unchanged: a fusion that

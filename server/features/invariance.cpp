@@ -84,7 +84,7 @@ void apply_invariant(FeatureState& state, const Eigen::VectorXd& delta) {
     const RobotInState& robot = state.robots[static_cast<std::size_t>(entry.robot)];
     const Eigen::Vector3d of_robot = delta.segment<3>(robot.offset);
     const Whole whole = whole_error(entry.feature, robot.map_from_robot);
-    // An unknown end does not slide along its wall: where it is drawn is no error, but ρ is told of the
+    // An unknown end does not slide along its wall: where it is drawn is no error, but ρ is that of the
     // middle.
     const LocalVector e = whole.by_own * delta.segment(entry.offset, dimension(entry.feature));
     const Feature to = moved(entry.feature, Exponential(of_robot.z()), e);

@@ -14,8 +14,8 @@ constexpr int exit_failed = 1;  ///< what was asked for could not be done; the r
 constexpr int exit_usage = 2;   ///< nobody can tell what was asked for
 
 /// A program's way from its command line to its exit code: --version is added, the arguments are read, and
-/// `run` does what they ask for. What `run` throws is told on stderr. Of wrong usage it is told what was
-/// probably meant; of a missing command, which there are.
+/// `run` does what they ask for. What `run` throws is printed on stderr; for wrong usage,
+/// what was probably meant; for a missing command, which there are.
 int run_program(CLI::App& app, int argc, const char* const* argv, const std::function<void()>& run = {});
 
 /// Adds --force, for programs that keep from writing over what is there.

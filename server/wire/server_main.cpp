@@ -53,7 +53,7 @@ struct Arguments {
   int stop_timeout_s = 30;
 };
 
-/// Of a server that was told twice to stop.
+/// Of a server that got a second signal to stop.
 constexpr int stopped_at_once = 3;
 
 void add_periods(CLI::App& app, Arguments& arguments) {
@@ -198,7 +198,7 @@ void check_output(const Arguments& arguments, const Log& log) {
   check_new_directory(arguments.output_directory, arguments.force || goes_on);
 }
 
-/// Of a server that hears the network, or reads `log_file` where there is one.
+/// Of a server that receives from the network, or reads `log_file` where there is one.
 LiveOptions live_options(const Arguments& arguments, const std::string& toml, const std::string& log_file,
                          const Log& log) {
   LiveOptions options;

@@ -41,7 +41,7 @@ struct LandmarkTruth {
 };
 LandmarkTruth true_map(const LandmarkLog& exact);
 
-/// The log as it might have been recorded: exact values with fresh noise of the covariances told, drawn from
+/// The log as it might have been recorded: exact values with fresh noise of the given covariances, drawn from
 /// a seed.
 LandmarkLog with_noise(const LandmarkLog& exact, std::uint64_t seed);
 

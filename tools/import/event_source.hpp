@@ -51,7 +51,7 @@ class ListSource final : public EventSource {
   std::size_t next_ = 0;
 };
 
-/// All sources merged by receive time; at the same time the earlier source goes first. `progress` is told the
+/// All sources merged by receive time; at the same time the earlier source goes first. `progress` gets the
 /// mean share of the sources.
 void merge_sources(const std::vector<EventSource*>& sources, const std::function<void(const Event&)>& sink,
                    const std::function<void(double)>& progress);

@@ -39,7 +39,7 @@ struct ImportReport {
 /// all robots merged by each one's running-maximum stamp, file order within a robot; that maximum is the
 /// receive time. The odometry of a laser line comes as an odometry event just before its scan with the same
 /// stamp. Throws FileError naming file, line and reason, or std::runtime_error; all files are checked before
-/// the first event. `progress` is told the share of the work done.
+/// the first event. `progress` gets the share of the work done.
 ImportReport import_carmen(const CarmenImport& what, const std::function<void(const Event&)>& sink,
                            const std::function<void(double)>& progress = {});
 

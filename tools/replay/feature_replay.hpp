@@ -13,7 +13,7 @@ struct FeatureReplayOptions {
   FeatureMapOptions map;
   double until_s = std::numeric_limits<double>::infinity();  ///< of event time after the first event
   std::function<void(double)> progress;
-  std::function<void(const std::string&)> warn;  ///< told of what is damaged
+  std::function<void(const std::string&)> warn;  ///< of what is damaged
 };
 
 struct FeatureReplayResult {

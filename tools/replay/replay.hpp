@@ -25,12 +25,12 @@ struct ReplayOptions {
   std::function<void(const Engine&, double event_s)> sample;
   double sample_every_s = 60;
   std::function<void(double)> progress;
-  /// Told what is done after the last event, before each piece of it.
+  /// Called before each piece of what is done after the last event, with its name.
   std::function<void(const std::string&)> finishing;
-  std::function<void(const std::string&)> warn;  ///< told of what is damaged, or cannot be verified
+  std::function<void(const std::string&)> warn;  ///< of what is damaged, or cannot be verified
 };
 
-/// Finishes the map of an engine, telling of it as the options say.
+/// Finishes the map of an engine, and reports as the options say.
 void finish_map(Engine& engine, const ReplayOptions& options);
 
 struct ReplayResult {

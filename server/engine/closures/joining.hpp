@@ -27,7 +27,7 @@ PatchId ground_of(const Map& map, PatchId patch);
 Joining as_mapped(const Map& map, Joining joining);
 
 /// Whether a map that something has been tried out on, `tried`, brings about a joining that `map` has not:
-/// its ends come to lie as it says, as far as can be told. What can be told follows from how well the joining
+/// its ends come to lie as it says, as far as is known. How far that is follows from how well the joining
 /// was known and from how well the trial knows its ends relative to one another: they may have drifted since,
 /// what joins them may be far from them or a third island.
 bool brings_about(const Map& map, const Map& tried, const Joining& joining, const EngineOptions& options);

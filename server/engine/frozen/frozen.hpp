@@ -16,7 +16,7 @@ namespace isthmus {
 /// Localisation only: robots on a map that does not change. One that is on the map is followed over it as
 /// while mapping (Howard et al. 2006, IV-A, without eq. 15). One that is new, or was carried away, or went
 /// where the map does not reach, is looked for where it was last and, by what it sees on its way, all over
-/// the map; until it is found, no pose is told.
+/// the map; until it is found, no pose is published.
 ///
 /// Nothing of it is kept in snapshots.
 class Frozen {

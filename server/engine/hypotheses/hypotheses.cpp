@@ -19,7 +19,7 @@ SearchTerms terms_of(const HypothesisOptions& options) {
 }  // namespace
 
 void Hypotheses::advance(World world, Closures& closures) {
-  pool_.hear(world, closures, counts_);
+  pool_.take_outcomes(world, closures, counts_);
   follow(world);
   look_up(world);
   work(world);
@@ -27,7 +27,7 @@ void Hypotheses::advance(World world, Closures& closures) {
 }
 
 void Hypotheses::begin_finish(World world, Closures& closures) {
-  pool_.hear(world, closures, counts_);
+  pool_.take_outcomes(world, closures, counts_);
   follow(world);
 }
 
@@ -40,7 +40,7 @@ bool Hypotheses::finish_search(World world) {
 }
 
 bool Hypotheses::propose_last(World world, Closures& closures) {
-  pool_.hear(world, closures, counts_);
+  pool_.take_outcomes(world, closures, counts_);
   return pool_.propose(world, closures, counts_);
 }
 

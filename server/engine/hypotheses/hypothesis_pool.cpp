@@ -162,7 +162,7 @@ std::size_t HypothesisPool::rivals(const Map& map, const std::vector<std::size_t
   }));
 }
 
-void HypothesisPool::hear(World world, Closures& closures, HypothesisCounts& counts) {
+void HypothesisPool::take_outcomes(World world, Closures& closures, HypothesisCounts& counts) {
   for (const auto& [id, reason] : std::exchange(refuted_, {})) closures.refuse_from_scans(id, reason);
   for (const ClosureOutcome& outcome : closures.take_outcomes()) {
     if (outcome.state == ClosureState::waiting && parked_.contains(outcome.id)) {

@@ -25,7 +25,7 @@ class HypothesisPool {
   /// The same whatever has changed. False: nothing was proposed.
   bool propose(World world, Closures& closures, HypothesisCounts& counts);
   /// Takes in what became of those that were proposed, and passes on what has been refuted.
-  void hear(World world, Closures& closures, HypothesisCounts& counts);
+  void take_outcomes(World world, Closures& closures, HypothesisCounts& counts);
   /// What was tried may be proposed again.
   void try_all_again();
 

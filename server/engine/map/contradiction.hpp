@@ -31,7 +31,7 @@ class MeanContradiction {
   int pairs_ = 0;
 };
 
-/// Its mean over patches, of what each is told by others: every patch counts once, however many it is
+/// Its mean over patches, of what others say of each: every patch counts once, however many it is
 /// compared with. So a few far from where two maps meet, where a loop is still open, do not outvote the rest.
 class ContradictionByPatch {
  public:

@@ -11,7 +11,7 @@ namespace isthmus {
 /// Patches at most so many relations apart are near one another, whatever else holds the map together.
 inline constexpr int known_near_hops = 4;
 
-/// Whether a relation may carry what another says: where walls are is told by matches and odometry only.
+/// Whether a relation may carry what another says: only matches and odometry say where walls are.
 bool carries(const Relation& link, const Relation& what);
 
 /// Whether the ends of a relation are known to be near without it, by what else is in the graph.

@@ -57,7 +57,7 @@ const Determined* nearest_among(const Surroundings& surroundings, const LoopQuer
   return nearest;
 }
 
-// The anchor's own firm surroundings near the robot, as far as they are asked for.
+// The anchor's own well-determined surroundings near the robot, as far as they are asked for.
 LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const LoopQuery& query,
                    const Surroundings& around_anchor, const Pose& anchor_from_robot, double slack_m,
                    const EngineOptions& options) {

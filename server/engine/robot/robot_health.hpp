@@ -76,8 +76,9 @@ struct HealthFigures {
 /// prediction held loosely and from other beginnings (localise.hpp). Where the beams leave a direction open,
 /// a match only repeats odometry: those ways are left out.
 ///
-/// One fault hides from this: odometry that stands still holds matches so firmly, scan after scan, that a map
-/// of the first place may seem to explain all. So scans are also compared beam by beam, with no pose at all.
+/// One fault hides from this: odometry that stands still holds matches in place, scan after scan, so that a
+/// map of the first place may seem to explain all. So scans are also compared beam by beam, with no pose at
+/// all.
 class RobotHealth {
  public:
   /// Of any message of the robot, microseconds.

@@ -4,7 +4,7 @@ namespace isthmus {
 
 /// What makes pieces of wall one wall.
 struct WallFitOptions {
-  double agree_probability = 0.999;  ///< that two pieces of one wall are told to be one, by (α, ρ)
+  double agree_probability = 0.999;  ///< that two pieces of one wall are taken for one, by (α, ρ)
   double straight_sigma_m = 0.01;    ///< m: walls, and the map below them, are no straighter
   double straight_sigma_rad = 2e-3;  ///< rad
   double max_step_m = 0.08;          ///< m: what lies farther before or behind a wall is another one
@@ -24,7 +24,7 @@ struct StretchOptions {
   double min_wall_m = 0.3;      ///< m: shorter stretches are clutter
   double min_opening_m = 0.5;   ///< m
   double max_opening_m = 2.5;   ///< m
-  double end_reach_m = 0.15;    ///< m within which told ends are one end
+  double end_reach_m = 0.15;    ///< m within which ends that were found are one end
   double double_m = 0.1;        ///< m: a wall that lies within so much of one more often seen is that one
   double corner_reach_m = 0.8;  ///< m that a wall is drawn on to its corner where nobody looked through
 };

@@ -113,7 +113,7 @@ class Bins {
   std::vector<Bin> bins_;
 };
 
-/// Where an end is that lies near `about_m`: the median of those that were told to be real, else the second
+/// Where an end is that lies near `about_m`: the median of those that were found to be real, else the second
 /// farthest that was seen, else where it was.
 double end_near(double about_m, int side, std::span<const Piece> pieces, double reach_m) {
   std::vector<double> known, seen;

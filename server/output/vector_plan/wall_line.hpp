@@ -21,7 +21,7 @@ struct WallLine {
   Eigen::Vector2d at(double along_m) const { return middle + along_m * along; }
 };
 
-/// The covariance of (α, ρ) with ρ told at `along_m` from the middle.
+/// The covariance of (α, ρ) with ρ taken at `along_m` from the middle.
 Eigen::Matrix2d covariance_at(const WallLine& line, double along_m);
 
 /// How two lines differ where they lie side by side, or in the middle of the gap between them: (α, ρ) of the

@@ -9,7 +9,7 @@
 
 namespace isthmus {
 
-/// What senders are told on ISTHMUS_RECEIVED: for each channel, how many messages were kept since the server
+/// What is acknowledged on ISTHMUS_RECEIVED: for each channel, how many messages were kept since the server
 /// began, and the sender's stamp in the last one. Bounded: of senders that the server does not know only some
 /// are remembered.
 class Receipts {

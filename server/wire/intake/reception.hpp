@@ -17,11 +17,11 @@
 
 namespace isthmus {
 
-/// Told of an operator's order that is refused before the engine could see it, and of who signed it. Any
+/// Called with an operator's order that is refused before the engine could see it, and with its stamp. Any
 /// thread.
 using RefusedOrder = std::function<void(const command_t& order, DropReason reason, std::int64_t utime)>;
 
-/// Who is told of what is received.
+/// Who is notified of what is received.
 struct ReceptionWatch {
   RefusedOrder refused_order;                         ///< empty: nobody
   std::shared_ptr<Mistakes> mistakes;                 ///< none: nobody

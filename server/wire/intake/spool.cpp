@@ -270,7 +270,7 @@ void Spool::sync_loop(const std::stop_token& stop) {
     sync();
 }
 
-/// Then senders are told. Returns 0 or errno.
+/// Then acknowledges. Returns 0 or errno.
 int Spool::sync() {
   const std::lock_guard syncing(sync_mutex_);
   std::unique_lock lock(mutex_);
@@ -284,12 +284,12 @@ int Spool::sync() {
   int error = options_.disk.sync(directory_handle_.get());  // names of new files
   for (std::size_t i = 0; i < closed.size() && !error; ++i) error = options_.disk.sync(closed[i].get());
   if (!error) error = options_.disk.sync(copy.is_open() ? copy.get() : file_.get());
-  const bool told = std::exchange(sync_error_, error) == error;
+  const bool reported = std::exchange(sync_error_, error) == error;
   if (!error) {
     if (options_.acknowledge) options_.acknowledge(receipts);
     return 0;
   }
-  if (!told) report(errno_text(error) + " on writing to the disk; nothing is acknowledged meanwhile");
+  if (!reported) report(errno_text(error) + " on writing to the disk; nothing is acknowledged meanwhile");
   if (!lock.owns_lock()) lock.lock();
   unsynced_ = true;
   std::move(closed.begin(), closed.end(), std::back_inserter(closed_));

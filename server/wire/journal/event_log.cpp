@@ -53,7 +53,7 @@ struct EventLogReader::State {
   std::int64_t skipped_bytes = 0;
   std::int64_t missing_events = 0;
   std::vector<std::string> warnings;
-  LogDamage more;  ///< of a file whose first damage was told
+  LogDamage more;  ///< of a file whose first damage was reported
   std::int64_t more_places = 0;
   SetAsideEvents set_aside;
 
@@ -102,7 +102,7 @@ struct EventLogReader::State {
     segment.expect(std::max(segment.header().first_sequence, place->next_sequence));
   }
 
-  /// The first damage of a file is told at once, all others of that file in one line at its end.
+  /// The first damage of a file is reported at once, all others of that file in one line at its end.
   void note(const std::vector<LogDamage>& damage) {
     for (const LogDamage& one : damage) {
       skipped_bytes += one.bytes;

@@ -30,8 +30,8 @@ struct JournalOptions {
   std::int64_t segment_bytes = 64 * 1024 * 1024;  ///< a segment that would grow beyond it is closed
   std::int64_t waiting_bytes = 64 * 1024 * 1024;  ///< so much of what the disk refuses waits in memory
   std::chrono::milliseconds sync_interval{1000};  ///< what was appended is on the disk after this time
-  /// Told when the disk begins to refuse events, when no more can wait for it, and when it takes them again;
-  /// from any thread.
+  /// Called when the disk begins to refuse events, when no more can wait for it, and when it takes them
+  /// again; from any thread.
   std::function<void(const std::string&)> report;
   JournalDisk disk;
 };

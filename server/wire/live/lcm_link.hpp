@@ -21,8 +21,8 @@ namespace isthmus {
 /// The server's end of an LCM network, for receiving and publishing; or of a log, for receiving.
 class LcmLink {
  public:
-  /// Throws std::runtime_error with what to do about it where the network cannot be opened. The log is told
-  /// when the network begins to refuse messages, and when it takes them again.
+  /// Throws std::runtime_error with what to do about it where the network cannot be opened. Logs when
+  /// the network begins to refuse messages, and when it takes them again.
   explicit LcmLink(const std::string& completed_url, Log log = {});
   ~LcmLink();
 

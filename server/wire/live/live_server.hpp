@@ -64,7 +64,7 @@ struct LiveOptions {
   Viewers viewers;
   /// Shared with whoever receives; none: only what arrives in the inbox is looked at.
   std::shared_ptr<Mistakes> mistakes;
-  /// Is told of the map and of robots, and answers by it; none: nobody asks.
+  /// Gets copies of the map and poses of robots, and answers by them; none: nobody asks.
   std::shared_ptr<QuestionDesk> questions;
 };
 
@@ -164,7 +164,7 @@ class LiveServer {
   std::int64_t clock_steps_ = 0;
   double finish_s_ = 0;
   bool recovered_all_ = true;           ///< of the journal that was found
-  int closed_segments_ = 0;             ///< that it has been told of
+  int closed_segments_ = 0;             ///< that have been reported
   std::unique_ptr<Recovery> recovery_;  ///< of a journal that was found, until it is done
   std::unique_ptr<MapPublisher> map_publisher_;
 };

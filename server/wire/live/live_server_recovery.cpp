@@ -71,14 +71,14 @@ bool LiveServer::has_signed_segments() const {
 void LiveServer::recover() {
   tell_journal_found();
   const Clock::time_point start = Clock::now();
-  Clock::time_point told = start;
+  Clock::time_point reported = start;
   bool more = true;
   while (more && !is_past(handling_share)) {
     more = recovery_->step(map_);
     count_inbox_drops();
     record_drops_if_due();
-    if (Clock::now() - told < recovery_report_interval) continue;
-    told = Clock::now();
+    if (Clock::now() - reported < recovery_report_interval) continue;
+    reported = Clock::now();
     say(LogLevel::info, "recovering",
         {{"percent", std::to_string(static_cast<int>(100 * recovery_->progress()))}});
   }
@@ -95,7 +95,7 @@ void LiveServer::recover() {
        {"events_missing", std::to_string(missing)},
        {"seconds", std::to_string(seconds_of(Clock::now() - start))}});
   if (options_.frozen && recovered_all_) freeze();
-  closure_log_.tell(map_.engine.copy().closures, {});  // told when they were new
+  closure_log_.tell(map_.engine.copy().closures, {});  // they were logged when they were new
 }
 
 void LiveServer::tell_journal_found() const {
@@ -108,7 +108,7 @@ void LiveServer::tell_journal_found() const {
   say(torn_bytes > 0 ? LogLevel::warning : LogLevel::info, "recovering the journal", fields);
 }
 
-/// Those that the journal told of.
+/// Those of the journal.
 void LiveServer::know_robots() {
   const MapCopy map = map_.engine.copy();
   admission_.know(map);

@@ -29,9 +29,9 @@ std::optional<std::string> Bulletin::next(Cursor& cursor, std::chrono::milliseco
 std::string Bulletin::news(Cursor& cursor) const {
   std::string text;
   for (const auto& [name, topic] : topics_) {
-    std::uint64_t& told = cursor[name];
-    if (told == topic.number) continue;
-    told = topic.number;
+    std::uint64_t& sent = cursor[name];
+    if (sent == topic.number) continue;
+    sent = topic.number;
     text += "event: " + name + "\ndata: " + topic.text + "\n\n";
   }
   return text;

@@ -10,17 +10,17 @@
 
 namespace isthmus {
 
-/// What viewers are told, by topic: the newest text of each, and no queue. A viewer that reads slowly misses
-/// what was in between, and costs the others nothing. Any thread.
+/// What is sent to viewers, by topic: the newest text of each, and no queue. A viewer that reads slowly
+/// misses what was in between, and costs the others nothing. Any thread.
 class Bulletin {
  public:
-  /// Which texts a viewer has been told.
+  /// Which texts a viewer has.
   using Cursor = std::map<std::string, std::uint64_t>;
 
-  /// Nobody is told where it is the text there was. It must be one line.
+  /// Nothing is sent where it is the text there was. It must be one line.
   void post(const std::string& topic, std::string text);
 
-  /// The texts that the viewer has not been told, as server-sent events (WHATWG HTML, 9.2); empty where there
+  /// The texts that the viewer has not got yet, as server-sent events (WHATWG HTML, 9.2); empty where there
   /// is none until `wait` is over; nothing once closed.
   std::optional<std::string> next(Cursor& cursor, std::chrono::milliseconds wait);
 

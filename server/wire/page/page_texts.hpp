@@ -9,7 +9,7 @@
 
 namespace isthmus {
 
-/// What viewers are told, each a line of JSON; the room's README lists the fields. Poses are
+/// What is sent to viewers, each a line of JSON; the room's README lists the fields. Poses are
 /// [island, x, y, yaw] in metres and radians, in the island's frame; angles counter-clockwise.
 
 /// Where each robot is.

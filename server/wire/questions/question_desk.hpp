@@ -24,7 +24,7 @@ namespace isthmus {
 struct QuestionLimits {
   std::size_t waiting = 64;          ///< of all askers
   std::size_t waiting_of_asker = 8;  ///< so that one asker's flood leaves room for others
-  std::size_t refusals_per_s = 50;   ///< that are told before the map is asked; others are only counted
+  std::size_t refusals_per_s = 50;   ///< that are sent before the map is asked; others are only counted
   int map_time_share = 4;            ///< at most one in so many seconds goes into keeping the ground
 };
 
@@ -96,7 +96,7 @@ class QuestionDesk {
   RobotPoses robots_, robots_at_offer_, robots_before_;
   std::map<std::string, std::int64_t> counts_;
   Clock::time_point refusals_since_;
-  std::size_t refusals_ = 0;  ///< told in the second that began then
+  std::size_t refusals_ = 0;  ///< sent in the second that began then
   std::jthread thread_;       ///< last: it uses all above
 };
 

@@ -66,7 +66,7 @@ std::string sentence(Mistake mistake, const std::string& robot, const std::strin
     case Mistake::not_introduced:
       return robot + " sends " + detail + " but has not said who it is: " + robot + "_ROBOT comes first";
     case Mistake::other_server:
-      return "another server sends on this network: robots are told two maps";
+      return "another server sends on this network: robots get two maps";
     case Mistake::scans_without_laser:
       return robot + " sends scans, and says by range_max_m = 0 that it has no laser: they are refused";
     case Mistake::signed_without_keys:

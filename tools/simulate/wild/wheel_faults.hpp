@@ -12,7 +12,7 @@ namespace isthmus {
 struct WheelFaults {
   double slip_chance = 0;    ///< of each fast turn
   double slip_share = 0;     ///< of what is turned then, lost or added, at most
-  double told_rps = 0;       ///< what turns faster is told later; 0: all is told at once
+  double told_rps = 0;       ///< what turns faster is reported later; 0: all is reported at once
   double freeze_chance = 0;  ///< of each fast turn: odometry repeats itself, then jumps to where it should be
   double freeze_s = 0;       ///< for so long at most
   double freezes_per_min = 0;  ///< whatever the robot does

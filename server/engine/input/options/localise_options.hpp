@@ -173,7 +173,7 @@ struct FootprintOptions {
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(period_us, "period_us", "µs", "at least, between two poses that are told");
+    option(period_us, "period_us", "µs", "at least, between two poses that are published");
     option(way_step_m, "way_step_m", "m", "between the points of the swept way");
     option(min_radius_m, "min_radius_m", "m", "of the disc that sweeps, whatever the robot declares");
     option(corners, "corners", "count", "of that disc");

@@ -37,10 +37,10 @@ struct Pooling {
   }
   bool propose() { return pool.propose(world(), closures, counts); }
   /// What is on trial is tried out, and heard of.
-  void hear() {
+  void take_outcomes() {
     while (closures.step_trial(world())) {
     }
-    pool.hear(world(), closures, counts);
+    pool.take_outcomes(world(), closures, counts);
   }
 };
 
@@ -125,7 +125,7 @@ TEST(HypothesisPool, TellsWhatScansAloneDoNotDecide) {
   for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
   ASSERT_TRUE(its.propose());
   EXPECT_TRUE(its.pool.undecided().empty()) << "it is on trial";
-  its.hear();
+  its.take_outcomes();
   const std::vector<UndecidedHypothesis> undecided = its.pool.undecided();
   ASSERT_EQ(undecided.size(), 1U);
   EXPECT_EQ(undecided[0].id, ClosureId{0});
@@ -141,7 +141,7 @@ TEST(HypothesisPool, StaysUndecidedWhileItIsTriedAgain) {
   Pooling its;
   for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
   ASSERT_TRUE(its.propose());
-  its.hear();
+  its.take_outcomes();
   ASSERT_EQ(its.pool.undecided().size(), 1U);
   const double value = its.pool.undecided()[0].value;
   its.pool.try_all_again();
@@ -155,7 +155,7 @@ TEST(HypothesisPool, ForgetsFindsThatAreDecided) {
   its.believe_little();
   for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
   ASSERT_TRUE(its.propose());
-  its.hear();
+  its.take_outcomes();
   ASSERT_EQ(its.closures.closures()[0].state, ClosureState::accepted)
       << word(its.closures.closures()[0].reason);
   EXPECT_EQ(its.pool.waiting(), 0U);
@@ -166,12 +166,12 @@ TEST(HypothesisPool, HasFindsWaitAgainThatAreAllowedAgain) {
   its.believe_little();
   for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
   ASSERT_TRUE(its.propose());
-  its.hear();
+  its.take_outcomes();
   its.closures.forbid(its.world(), ClosureId{0}, true);
-  its.hear();
+  its.take_outcomes();
   EXPECT_EQ(its.pool.waiting(), 0U);
   its.closures.allow(ClosureId{0});
-  its.hear();
+  its.take_outcomes();
   EXPECT_EQ(its.pool.waiting(), 3U);
 }
 
@@ -182,7 +182,7 @@ TEST(HypothesisPool, PassesOnWhatIsRefuted) {
   its.pool.refute(ClosureId{0}, Reason::met_nobody);
   EXPECT_EQ(its.pool.waiting(), 0U);
   EXPECT_TRUE(its.closures.on_trial());
-  its.pool.hear(its.world(), its.closures, its.counts);
+  its.pool.take_outcomes(its.world(), its.closures, its.counts);
   EXPECT_FALSE(its.closures.on_trial());
   EXPECT_EQ(its.closures.closures()[0].reason, Reason::met_nobody);
 }
