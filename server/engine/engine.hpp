@@ -10,18 +10,13 @@
 
 #include "server/engine/frozen/lost_robot.hpp"
 #include "server/engine/input/configuration.hpp"
-#include "server/engine/input/drop_reason.hpp"
 #include "server/engine/input/event.hpp"
+#include "server/engine/outcome.hpp"
 #include "server/engine/record/map_copy.hpp"
-#include "server/engine/robot/robot_pose.hpp"
 
 namespace isthmus {
 
-/// What became of an event.
-struct Outcome {
-  DropReason drop_reason = DropReason::none;  ///< none: accepted
-  std::vector<RobotPose> poses;  ///< scans answered by this event (a scan may wait for its odometry)
-};
+struct EngineState;
 
 /// The mapping engine: a deterministic function from a sequence of events to a manifold map. It has no clock,
 /// no LCM and no threads that matter to its result. Not thread-safe: one thread calls it; readers take
@@ -73,11 +68,7 @@ class Engine {
   static Engine restore(std::span<const std::uint8_t> saved, std::shared_ptr<TrajectoryStore> trajectory);
 
  private:
-  struct State;
-  class Handling;
-  class Mapping;
-  class Localising;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<EngineState> state_;
 };
 
 }  // namespace isthmus

@@ -7,21 +7,25 @@
 #include <string>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "server/engine/closures/closures.hpp"
-#include "server/engine/engine.hpp"
 #include "server/engine/handling.hpp"
 #include "server/engine/hypotheses/hypotheses.hpp"
+#include "server/engine/input/configuration.hpp"
 #include "server/engine/localise/mapper.hpp"
 #include "server/engine/map/island_fits.hpp"
 #include "server/engine/propagation/proximity_matching.hpp"
+#include "server/engine/record/counters.hpp"
+#include "server/engine/record/trajectory_store.hpp"
 #include "server/engine/rendezvous/rendezvous.hpp"
+#include "server/engine/robot/session.hpp"
 
 namespace isthmus {
 
 /// All that the engine knows.
-struct Engine::State {
+struct EngineState {
   Configuration configuration;
   Map map;
   std::map<std::string, Robot> robots;
@@ -45,7 +49,8 @@ struct Engine::State {
   std::map<std::string, Dropped> dropped;  // by robot
   std::unique_ptr<Handling> handling;      ///< not in snapshots, which are of engines that map
 
-  explicit State(Configuration given);
+  /// Without a handling: who makes the state gives it one.
+  explicit EngineState(Configuration given) { configure(std::move(given)); }
 
   void configure(Configuration given);
   /// The robot of that name; a new one, with what is known of none, where there is none yet.

@@ -5,17 +5,19 @@
 #include <string_view>
 #include <vector>
 
-#include "server/engine/engine.hpp"
 #include "server/engine/frozen/lost_robot.hpp"
+#include "server/engine/input/drop_reason.hpp"
+#include "server/engine/input/event.hpp"
 #include "server/engine/map/reason.hpp"
+#include "server/engine/outcome.hpp"
 #include "server/engine/robot/robot.hpp"
 
 namespace isthmus {
 
 /// What the engine makes of what declared robots and operators send: a map (Mapping), or only where on a
 /// finished map the robots are (Localising). What is the same for both, from who is known to which stamps are
-/// taken, is Engine::State's.
-class Engine::Handling {
+/// taken, is EngineState's.
+class Handling {
  public:
   virtual ~Handling() = default;
 

@@ -4,17 +4,16 @@
 
 namespace isthmus {
 
-Engine::Localising::Localising(State& state) : state_(state), frozen_(state.map, state.configuration.engine) {
+Localising::Localising(EngineState& state) : state_(state), frozen_(state.map, state.configuration.engine) {
   state_.rendezvous = {};
   for (auto& [name, robot] : state_.robots)
     if (robot.place) robot.place->since_last_patch = {};
 }
 
 // Its way would have to become a map.
-DropReason Engine::Localising::take_way(Robot&, const OdometryEvent&, Outcome&) { return DropReason::frozen; }
+DropReason Localising::take_way(Robot&, const OdometryEvent&, Outcome&) { return DropReason::frozen; }
 
-void Engine::Localising::take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot,
-                                   Outcome& outcome) {
+void Localising::take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) {
   std::optional<ScanOutcome> done =
       frozen_.take_scan(state_.map, robot, state_.observed(robot, scan, odom_from_robot), odom_from_robot,
                         state_.configuration.engine);
@@ -27,17 +26,17 @@ void Engine::Localising::take_scan(Robot& robot, const Scan& scan, const Pose& o
   state_.keep_pose(robot, std::move(*done), odom_from_robot, outcome);
 }
 
-DropReason Engine::Localising::take_sighting(const SightingEvent&, const std::string&, bool) {
+DropReason Localising::take_sighting(const SightingEvent&, const std::string&, bool) {
   return DropReason::frozen;
 }
 
-DropReason Engine::Localising::obey(const CommandEvent&) { return DropReason::frozen; }
+DropReason Localising::obey(const CommandEvent&) { return DropReason::frozen; }
 
-void Engine::Localising::work(std::int64_t receive_utime) {
+void Localising::work(std::int64_t receive_utime) {
   frozen_.advance(state_.map, state_.configuration.engine, receive_utime);
 }
 
-std::vector<LostRobot> Engine::Localising::lost_robots() const {
+std::vector<LostRobot> Localising::lost_robots() const {
   const auto is_placed = [&](const std::string& name) {
     const auto robot = state_.robots.find(name);
     return robot != state_.robots.end() && robot->second.place.has_value();
@@ -45,7 +44,7 @@ std::vector<LostRobot> Engine::Localising::lost_robots() const {
   return frozen_.lost(is_placed, state_.configuration.engine);
 }
 
-bool Engine::Localising::finish_step(Outcome& outcome) {
+bool Localising::finish_step(Outcome& outcome) {
   state_.answer_all(outcome);
   return false;
 }

@@ -10,10 +10,10 @@
 namespace isthmus {
 
 /// Localisation only: the map is finished, and whatever would change it is refused as `frozen`.
-class Engine::Localising : public Engine::Handling {
+class Localising : public Handling {
  public:
   /// Robots that are on the map stay where they are on it.
-  explicit Localising(State& state);
+  explicit Localising(EngineState& state);
 
   DropReason take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) override;
   DropReason refusal_of_scans(const Robot&) const override { return DropReason::none; }
@@ -32,7 +32,7 @@ class Engine::Localising : public Engine::Handling {
   bool maps() const override { return false; }
 
  private:
-  State& state_;
+  EngineState& state_;
   Frozen frozen_;
 };
 

@@ -16,7 +16,7 @@ bool is_closure_id(std::int64_t number) {
 }  // namespace
 
 // Once both robots of a measured start are on the map, it is a relation between their first patches.
-void Engine::Mapping::relate_measured_starts() {
+void Mapping::relate_measured_starts() {
   for (const auto& [name, configured] : state_.configuration.robots) {
     if (!configured.start || state_.starts_related.contains(name)) continue;
     const MeasuredStart& start = *configured.start;
@@ -38,13 +38,13 @@ void Engine::Mapping::relate_measured_starts() {
 }
 
 // Takes a robot's data so far out of the map; what it sends from now on begins a new island.
-DropReason Engine::Mapping::drop_data(const std::string& name) {
+DropReason Mapping::drop_data(const std::string& name) {
   Robot* robot = state_.declared(name);
   if (!robot) return DropReason::unknown_robot;
   state_.closures.forget_robot(name);
   state_.hypotheses.forget_robot(state_.map, name);
   const std::vector<Relation> taken = take_out(state_.map, name, state_.robots);
-  State::Dropped& kept = state_.dropped[name];
+  EngineState::Dropped& kept = state_.dropped[name];
   kept.relations.insert(kept.relations.end(), taken.begin(), taken.end());
   kept.end = state_.map.manifold().next_id();
   for (std::size_t i = 0; i < robot->pending.size(); ++i) state_.drop(name, DropReason::robot_dropped);
@@ -57,7 +57,7 @@ DropReason Engine::Mapping::drop_data(const std::string& name) {
   return DropReason::none;
 }
 
-DropReason Engine::Mapping::take_back_drop(const std::string& name) {
+DropReason Mapping::take_back_drop(const std::string& name) {
   const auto found = state_.dropped.find(name);
   if (found == state_.dropped.end()) return DropReason::not_dropped;
   for (const Relation& relation : found->second.relations) state_.map.relate(relation);
@@ -66,21 +66,21 @@ DropReason Engine::Mapping::take_back_drop(const std::string& name) {
   return DropReason::none;
 }
 
-void Engine::Mapping::map_changed(const std::vector<std::vector<PatchId>>& islands) {
+void Mapping::map_changed(const std::vector<std::vector<PatchId>>& islands) {
   state_.island_fits.map_changed();
   state_.proximity_matching.map_changed();
   for (const std::vector<PatchId>& island : islands)
     if (island.size() > 1) state_.island_fits.request(island.front());
 }
 
-void Engine::Mapping::arrange_meeting() {
+void Mapping::arrange_meeting() {
   if (!state_.rendezvous.is_due(state_.counters.last_receive_utime)) return;
   state_.rendezvous.choose(state_.map, state_.robots, state_.hypotheses.undecided(),
                            state_.counters.last_receive_utime, options());
 }
 
 // Returns why not, or nothing.
-DropReason Engine::Mapping::obey(const CommandEvent& order) {
+DropReason Mapping::obey(const CommandEvent& order) {
   switch (order.verb) {
     case Verb::withdraw:
     case Verb::forbid:
@@ -103,7 +103,7 @@ DropReason Engine::Mapping::obey(const CommandEvent& order) {
   return DropReason::none;
 }
 
-void Engine::Mapping::work(std::int64_t) {
+void Mapping::work(std::int64_t) {
   state_.closures.advance(state_.world());
   state_.hypotheses.advance(state_.world(), state_.closures);
   for (const PatchId patch : state_.closures.take_changed()) {
@@ -120,7 +120,7 @@ void Engine::Mapping::work(std::int64_t) {
   arrange_meeting();
 }
 
-DropReason Engine::Mapping::take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) {
+DropReason Mapping::take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) {
   if (robot.place && event.utime < robot.place->utime - options().intake.backward_us) {
     if (++robot.stale_scans < options().intake.max_stale_scans) return DropReason::stale_stamp;
     robot.place.reset();
@@ -132,12 +132,11 @@ DropReason Engine::Mapping::take_way(Robot& robot, const OdometryEvent& event, O
   return DropReason::none;
 }
 
-DropReason Engine::Mapping::refusal_of_scans(const Robot& robot) const {
+DropReason Mapping::refusal_of_scans(const Robot& robot) const {
   return may_not_begin(robot, options()) ? DropReason::too_many_patches : DropReason::none;
 }
 
-void Engine::Mapping::take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot,
-                                Outcome& outcome) {
+void Mapping::take_scan(Robot& robot, const Scan& scan, const Pose& odom_from_robot, Outcome& outcome) {
   ScanOutcome done = isthmus::take_scan(state_.map, robot, state_.observed(robot, scan, odom_from_robot),
                                         odom_from_robot, options());
   state_.count_scan(done.unmatched);
@@ -151,7 +150,7 @@ void Engine::Mapping::take_scan(Robot& robot, const Scan& scan, const Pose& odom
   if (met_nobody) state_.hypotheses.refute(*met_nobody, Reason::met_nobody);
 }
 
-void Engine::Mapping::keep(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome) {
+void Mapping::keep(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome) {
   if (done.patch_refused) state_.drop(robot.declaration.robot, DropReason::too_many_patches);
   if (done.new_session) {
     state_.begin_session(robot, done.pose);
@@ -163,25 +162,24 @@ void Engine::Mapping::keep(Robot& robot, ScanOutcome done, const Pose& odom_from
   state_.keep_pose(robot, std::move(done), odom_from_robot, outcome);
 }
 
-DropReason Engine::Mapping::take_sighting(const SightingEvent& event, const std::string& target,
-                                          bool is_tag) {
+DropReason Mapping::take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) {
   state_.closures.take(event, target, is_tag, state_.counters.last_receive_utime);
   return DropReason::none;
 }
 
-void Engine::Mapping::refuse_sighting(const SightingEvent& event, Reason reason) {
+void Mapping::refuse_sighting(const SightingEvent& event, Reason reason) {
   state_.closures.refuse(event, reason);
 }
 
-void Engine::Mapping::restarted(Robot& robot) {
+void Mapping::restarted(Robot& robot) {
   if (robot.place) state_.record(robot, robot.place->pose, robot.place->odom_from_robot);
   robot.unplaced.clear();
   robot.place.reset();
 }
 
-void Engine::Mapping::forget_place(Robot& robot) { robot.place.reset(); }
+void Mapping::forget_place(Robot& robot) { robot.place.reset(); }
 
-bool Engine::Mapping::has_work() const {
+bool Mapping::has_work() const {
   return state_.closures.has_work() || state_.hypotheses.has_work() || state_.island_fits.busy() ||
          state_.proximity_matching.busy();
 }

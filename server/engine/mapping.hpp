@@ -10,9 +10,9 @@ namespace isthmus {
 
 /// Simultaneous localisation and mapping: scans extend the map, sightings and orders change its topology
 /// (Howard et al. 2006, IV).
-class Engine::Mapping : public Engine::Handling {
+class Mapping : public Handling {
  public:
-  explicit Mapping(State& state) : state_(state) {}
+  explicit Mapping(EngineState& state) : state_(state) {}
 
   DropReason take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) override;
   DropReason refusal_of_scans(const Robot& robot) const override;
@@ -44,7 +44,7 @@ class Engine::Mapping : public Engine::Handling {
   void map_changed(const std::vector<std::vector<PatchId>>& islands);
   void arrange_meeting();
 
-  State& state_;
+  EngineState& state_;
   FinishStage finish_stage_ = FinishStage::scans;
   std::vector<std::vector<PatchId>> islands_to_fit_;
 };

@@ -4,7 +4,7 @@ namespace isthmus {
 
 /// In pieces, so that whoever waits for the end can look at the clock between them; the map is the same
 /// however many others' work lies between.
-bool Engine::Mapping::finish_step(Outcome& outcome) {
+bool Mapping::finish_step(Outcome& outcome) {
   if (stage_step(outcome)) return true;
   if (finish_stage_ == FinishStage::fit) {
     finish_stage_ = FinishStage::scans;  // whoever goes on may finish again
@@ -16,7 +16,7 @@ bool Engine::Mapping::finish_step(Outcome& outcome) {
 }
 
 /// False: the stage is over.
-bool Engine::Mapping::stage_step(Outcome& outcome) {
+bool Mapping::stage_step(Outcome& outcome) {
   switch (finish_stage_) {
     case FinishStage::scans:
       answer_waiting_scans(outcome);
@@ -38,7 +38,7 @@ bool Engine::Mapping::stage_step(Outcome& outcome) {
   return false;
 }
 
-void Engine::Mapping::begin_stage() {
+void Mapping::begin_stage() {
   switch (finish_stage_) {
     case FinishStage::searches:
       state_.hypotheses.begin_finish(state_.world(), state_.closures);
@@ -59,20 +59,20 @@ void Engine::Mapping::begin_stage() {
   }
 }
 
-void Engine::Mapping::answer_waiting_scans(Outcome& outcome) {
+void Mapping::answer_waiting_scans(Outcome& outcome) {
   state_.answer_all(outcome);
   for (auto& [name, robot] : state_.robots)
     if (robot.place) state_.record(robot, robot.place->pose, robot.place->odom_from_robot);
 }
 
-bool Engine::Mapping::fit_next_island() {
+bool Mapping::fit_next_island() {
   if (islands_to_fit_.empty()) return false;
   state_.map.refit_island(islands_to_fit_.front().front());
   islands_to_fit_.erase(islands_to_fit_.begin());
   return true;
 }
 
-std::string_view Engine::Mapping::finishing() const {
+std::string_view Mapping::finishing() const {
   using Stage = FinishStage;
   switch (finish_stage_) {
     case Stage::scans:

@@ -1,6 +1,7 @@
 #include <string>
 #include <utility>
 
+#include "server/engine/engine.hpp"
 #include "server/engine/engine_state.hpp"
 #include "server/engine/snapshot/snapshot_values.hpp"
 

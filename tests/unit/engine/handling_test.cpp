@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "server/engine/engine.hpp"
 #include "server/engine/localising.hpp"
 #include "server/engine/mapping.hpp"
+#include "server/engine/outcome.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
