@@ -25,13 +25,10 @@ void append_anchors(const Map& map, const std::vector<PatchId>& island, double s
   }
 }
 
-SearchTerms terms_of(const EngineOptions& all) {
-  const FinderOptions& options = all.finder;
+SearchTerms terms_of(const FinderOptions& options) {
   SearchTerms terms;
   terms.min_score = terms.min_score_anywhere = options.min_score;
   terms.min_half_window_rad = options.min_half_window_rad;
-  terms.undecided_price_us = all.place_search.step_price_us;
-  terms.evaluation_price_us = options.evaluation_price_us;
   return terms;
 }
 
@@ -83,7 +80,7 @@ std::int64_t Finder::step(const Map& map, const std::vector<RigidPiece>& places,
     begin(places, options);
     ++counts.queries;
   }
-  const SearchTerms terms = terms_of(options);
+  const SearchTerms terms = terms_of(options.finder);
   if (const PlaceCandidate* next = query_->next()) {
     ++counts.places_searched;
     const auto place = std::ranges::find(places, next->anchor,

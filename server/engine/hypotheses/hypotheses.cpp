@@ -12,7 +12,6 @@ SearchTerms terms_of(const HypothesisOptions& options) {
   terms.min_score = options.min_score;
   terms.min_score_anywhere = options.min_score_anywhere;
   terms.on_the_map = true;
-  terms.evaluation_price_us = options.evaluation_price_us;
   return terms;
 }
 

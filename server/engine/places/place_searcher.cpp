@@ -23,8 +23,9 @@ std::int64_t PlaceSearcher::search_next(const RigidPiece& place, const SearchTer
     answers_.back().way_m = candidate.way_m;
     answers_.back().sigma_m = candidate.sigma_m;
   }
-  return options.place_search.step_price_us +
-         static_cast<std::int64_t>(terms.evaluation_price_us * static_cast<double>(search.evaluations));
+  const PlaceSearchOptions& its = options.place_search;
+  return its.step_price_us +
+         static_cast<std::int64_t>(its.evaluation_price_us * static_cast<double>(search.evaluations));
 }
 
 // What is too much for one step is done in two, once more is known of what is worth finding.
@@ -44,7 +45,6 @@ void PlaceSearcher::search_halves(const PlaceCandidate& place, double min_half_w
 PlaceDecision PlaceSearcher::decide(const Map& map, const SearchTerms& terms, const EngineOptions& options) {
   std::ranges::stable_sort(answers_, std::ranges::greater{}, &PlaceAnswer::score);
   PlaceDecision decision;
-  decision.price_us = terms.undecided_price_us;
   if (answers_.empty()) return decision;
   decision.ambiguous = exhausted_ || !is_unique(map, answers_, options);
   if (decision.ambiguous) return decision;

@@ -21,9 +21,6 @@ struct SearchTerms {
   double min_half_window_rad = std::numbers::pi;
   bool on_the_map =
       false;  ///< the piece is of the map itself: it is looked for among what it was not matched with
-  // Nominal microseconds.
-  double evaluation_price_us = 0;
-  std::int64_t undecided_price_us = 0;  ///< of a decision that comes to nothing before the match
 };
 
 /// What the answers at all places come to.

@@ -19,7 +19,6 @@ struct FinderOptions {
   double agreeing_way_m = 1;
   std::size_t max_finds = 8;
   std::size_t max_sketch_patches = 150;
-  double evaluation_price_us = 0.4;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -33,7 +32,6 @@ struct FinderOptions {
     option(agreeing_way_m, "agreeing_way_m", "m", "between two finds: less is the same view twice");
     option(max_finds, "max_finds", "count", "of a robot that wait for another that agrees");
     option(max_sketch_patches, "max_sketch_patches", "count", "of its sketch, which then begins anew");
-    option(evaluation_price_us, "evaluation_price_us", "µs", "nominal, of an evaluation of the search");
   }
 };
 

@@ -17,7 +17,6 @@ struct HypothesisOptions {
   double min_score_anywhere = 0.6;
   double work_share = 0.02;
   std::int64_t max_credit_us = 10'000;
-  double evaluation_price_us = 0.1;
   std::size_t max_finds = 64;
   std::size_t min_finds = 3;
   double min_way_m = 3;
@@ -40,7 +39,6 @@ struct HypothesisOptions {
            "the same on islands where nothing says where to look");
     option(work_share, "work_share", share_unit, "of event time for the search");
     option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
-    option(evaluation_price_us, "evaluation_price_us", "µs", "nominal, of an evaluation of the search");
     option(max_finds, "max_finds", "count", "that wait for others that agree; the oldest goes");
     option(min_finds, "min_finds", "count", "of agreeing finds that are proposed");
     option(min_way_m, "min_way_m", "m", "of way between two of them");

@@ -84,6 +84,7 @@ struct PlaceSearchOptions {
   double prediction_variance_m2 = 0.25;
   double prediction_variance_rad2 = 0.01;
   std::int64_t step_price_us = 1'000;
+  double evaluation_price_us = 0.1;
   double decision_steps = 5;
 
   template <class Visitor>
@@ -117,6 +118,8 @@ struct PlaceSearchOptions {
     option(prediction_variance_m2, "prediction_variance_m2", "m²", "of what the search found, for the match");
     option(prediction_variance_rad2, "prediction_variance_rad2", "rad²", "the same of the yaw");
     option(step_price_us, "step_price_us", "µs", "nominal, of one step at least");
+    option(evaluation_price_us, "evaluation_price_us", "µs",
+           "nominal, of an evaluation of the search: measured, 0.08 to 0.12");
     option(decision_steps, "decision_steps", "factor", "on step_price_us: of matching what was found");
   }
 };

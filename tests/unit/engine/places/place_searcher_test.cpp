@@ -65,11 +65,24 @@ TEST(PlaceSearcher, FindsTheOnePlaceAmongThoseItSearches) {
 TEST(PlaceSearcher, FindsNothingWhereTwoPlacesFitAboutAsWell) {
   Searched searched(2);
   searched.searcher.add({anywhere_around(PatchId{9}), anywhere_around(PatchId{16 + 9})});
-  searched.its.undecided_price_us = 7;
   const PlaceDecision decision = searched.decide();
   EXPECT_TRUE(decision.ambiguous);
   EXPECT_FALSE(decision.find);
-  EXPECT_EQ(decision.price_us, 7);
+  EXPECT_EQ(decision.price_us, 0) << "nothing was matched";
+}
+
+TEST(PlaceSearcher, PaysForEachEvaluationOfASearch) {
+  const auto price_us = [](double of_an_evaluation) {
+    Searched searched(1);
+    searched.options.place_search.evaluation_price_us = of_an_evaluation;
+    searched.searcher.add({anywhere_around(PatchId{9})});
+    return searched.searcher.search_next(place_around(searched.map, PatchId{9}, {}, searched.options),
+                                         searched.its, searched.options);
+  };
+  EXPECT_EQ(price_us(0), 1'000) << "a step";
+  const std::int64_t of_all = price_us(1) - 1'000;
+  EXPECT_GT(of_all, 100) << "an evaluation has a microsecond";
+  EXPECT_NEAR(static_cast<double>(price_us(0.1) - 1'000), 0.1 * static_cast<double>(of_all), 1);
 }
 
 TEST(PlaceSearcher, HasNothingToDecideWithoutPlaces) {
