@@ -69,7 +69,7 @@ Eigen::Matrix3d OdometryNoise::path_covariance(const Pose& odometry_path,
         std::max(options.min_path_scale,
                  (1 - options.path_forgetting) * path_variance_scale_ + options.path_forgetting * seen);
   }
-  return summed_covariance * std::max(path_variance_scale_, squared / options.plausible_path);
+  return summed_covariance * std::max(path_variance_scale_, squared / options.plausible_path.value());
 }
 
 }  // namespace isthmus

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "patches/option_unit.hpp"
+#include "relations/chi_squared.hpp"
 
 namespace isthmus {
 
@@ -22,7 +23,7 @@ struct OdometryNoiseOptions {
   double max_scale = 20;
   double outlier_sigmas = 4;
   double path_forgetting = 0.05;
-  double plausible_path = 7.8;
+  ChiSquaredBound plausible_path{0.95, 3};
   double min_path_scale = 0.25;
 
   template <class Visitor>
@@ -43,8 +44,8 @@ struct OdometryNoiseOptions {
     option(max_scale, "max_scale", "factor", "that is learned at most");
     option(outlier_sigmas, "outlier_sigmas", "sigmas", "larger disagreements count as this");
     option(path_forgetting, "path_forgetting", share_unit, "of the path's scale that one path replaces");
-    option(plausible_path, "plausible_path", "χ² of 3",
-           "that a path may be off by, 95 % of them; where it is off by more, its covariance is widened");
+    option(plausible_path, "plausible_path", "probability",
+           "χ² of 3 that a path may be off by; where it is off by more, its covariance is widened");
     option(min_path_scale, "min_path_scale", "factor", "on variances of a path that is learned at least");
   }
 };
