@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "patches/features/m_space.hpp"
+#include "relations/chi_squared.hpp"
 #include "scanmatch/features/segmentation.hpp"
 
 namespace isthmus {
@@ -21,11 +22,12 @@ std::string_view name(EndKind kind);
 constexpr bool is_real(EndKind kind) { return kind == EndKind::corner || kind == EndKind::edge; }
 
 struct PoleOptions {
-  double max_radius_m = 0.5;         ///< m: rounder things are walls
-  double min_radius_m = 0.02;        ///< m: thinner ones are hit by chance
-  double clear_m = 0.3;              ///< m that everything beside it lies behind it
-  double known_sigma_m = 0.05;       ///< m: a radius less well known is left out (q = 2)
-  double better_than_line = 9;       ///< that much less χ² than a line through the same points
+  double max_radius_m = 0.5;    ///< m: rounder things are walls
+  double min_radius_m = 0.02;   ///< m: thinner ones are hit by chance
+  double clear_m = 0.3;         ///< m that everything beside it lies behind it
+  double known_sigma_m = 0.05;  ///< m: a radius less well known is left out (q = 2)
+  /// That much less χ² than a line through the same points: a circle has one parameter more.
+  ChiSquaredBound better_than_line{0.9973, 1};
   double chi_squared_per_point = 4;  ///< of the circle
 };
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <tuple>
 
+#include "relations/chi_squared.hpp"
 #include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/campaigns/sightings/sightings.hpp"
 #include "tools/simulate/truth/true_patches.hpp"
@@ -20,8 +21,11 @@ namespace {
 
 constexpr double wrong_from_m = 1;
 constexpr double wrong_from_rad = 20 * std::numbers::pi / 180;
-/// chi² of three beyond which a relation leaves no room for the truth: 5 sigma.
-constexpr double excluded = 25;
+/// Beyond this a relation leaves no room for the truth: true ones lie within it but for 1.5 in 100,000.
+double excluded() {
+  static const double bound = chi2_quantile(0.999985, 3);
+  return bound;
+}
 constexpr std::int64_t same_time_us = 10'000'000;
 
 using TruePatches = std::vector<std::optional<TruePatch>>;
@@ -41,11 +45,11 @@ std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
 // How far what a relation says is from the truth. Directions of which it says little are taken as true: what
 // counts is how far it would pull from the truth a pose that is known there to half a metre and ten degrees.
 Off off(const Relation& relation, const Pose& true_a_from_b) {
-  if (chi_squared(relation.measurement, true_a_from_b) < excluded) return {};
+  if (chi_squared(relation.measurement, true_a_from_b) < excluded()) return {};
   Pose said = minimiser(relation.measurement, true_a_from_b);
   const auto* correspondences = std::get_if<Correspondences>(&relation.measurement);
   // The minimum nearest to the truth may be another than what the relation means.
-  if (correspondences != nullptr && chi_squared(relation.measurement, said) > excluded)
+  if (correspondences != nullptr && chi_squared(relation.measurement, said) > excluded())
     said = correspondences->least.a_from_b;
   const Eigen::Matrix3d pull = information(relation.measurement, said);
   Eigen::Matrix3d hold = Eigen::Matrix3d::Zero();
