@@ -229,7 +229,6 @@ MatchQuality quality_of(const NormalEquations& sums, const Directions& direction
   if (beams == 0 || sums.paired == 0) return quality;
   quality.score = sums.weight_sum / beams;
   quality.rms_m = std::sqrt(sums.squared_sum / std::max(sums.squared_weight, 1e-12));
-  quality.weakest_direction = directions.share(0);
   quality.degenerate = directions.share(0) < thin;
   return quality;
 }

@@ -65,13 +65,10 @@ struct Prediction {
 
 /// How far a match can be believed.
 struct MatchQuality {
-  double score = 0;      ///< mean robust weight over all beams used, 0 to 1
-  double rms_m = 0;      ///< weighted RMS distance of paired beams from their lines
-  int beams = 0;         ///< beams used
-  int paired_beams = 0;  ///< of which paired with at least one patch
-  /// Information per paired beam of the least determined direction of the plane, 0 to about 0.5. Close to
-  /// zero in a corridor.
-  double weakest_direction = 0;
+  double score = 0;         ///< mean robust weight over all beams used, 0 to 1
+  double rms_m = 0;         ///< weighted RMS distance of paired beams from their lines
+  int beams = 0;            ///< beams used
+  int paired_beams = 0;     ///< of which paired with at least one patch
   bool degenerate = false;  ///< the beams leave a direction open: only the prediction holds it
 };
 

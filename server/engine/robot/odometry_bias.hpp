@@ -33,7 +33,6 @@ class OdometryBias {
   double turn_per_m() const { return yaw_.value(0); }
   double turn_share() const { return yaw_.value(1); }
   double aside_share() const { return aside_.value(0); }
-  double aside_per_rad() const { return aside_.value(1); }
   double way_share() const { return way_.value(0); }
 
   auto members() { return std::tie(yaw_, aside_, way_); }

@@ -79,7 +79,6 @@ TEST(MatchRelations, AFewBeamsAlongTheCorridorAreHardlyTrusted) {
   add_box(walls, 3, 0.8, 3.1, 1);
   const Matched m = matched(walls, {{0, 0, 0}}, {0.5, 0.1, 0.05});
   ASSERT_TRUE(m.match.ok);
-  EXPECT_GT(m.match.quality.weakest_direction, 0);
   Match trusting = m.match;
   trusting.direction_trust.setIdentity();
   const auto with = match_relations(m.map, m.points, m.match, PatchId{1}, {}, {});
