@@ -36,8 +36,8 @@ SearchWindow window_anew(const Robot& robot, const Expectation& expectation, std
   window.centre = {window.centre.x + half_step.x(), window.centre.y + half_step.y(), was.yaw};
   window.half_x_m += std::abs(half_step.x());
   window.half_y_m += std::abs(half_step.y());
-  window.half_yaw_rad = std::min(
-      std::numbers::pi, options.slack_rad + options.max_turn_rad_per_s * period_s * (place.lost_scans + 1));
+  window.half_yaw_rad =
+      std::min(std::numbers::pi, options.max_turn_rad_per_s * period_s * (place.lost_scans + 1));
   return window;
 }
 
