@@ -7,19 +7,41 @@
 namespace isthmus {
 namespace {
 
+// The patches that a scan was matched with, by id: those that explain it about as well as any. The map may
+// have another layer of the same place that does not; what the robot sees says nothing of where that lies.
+std::vector<PatchId> matched_patches(const LocalMap& local_map, const Match& match,
+                                     const FollowOptions& options) {
+  std::vector<double> weights(local_map.patches.size(), 0);
+  for (const Pair& pair : match.pairs) weights[static_cast<std::size_t>(pair.patch)] += pair.weight;
+  const double min_weight = options.matched_share * *std::ranges::max_element(weights);
+  std::vector<PatchId> matched;
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    if (weights[i] >= min_weight) matched.push_back(local_map.patches[i].patch->id);
+  std::ranges::sort(matched);
+  return matched;
+}
+
+// The patches that a robot may be put on: well determined and, where its scan was matched, with them.
+std::vector<PatchId> grounds(const Robot& robot, const Placement& placement, const FollowOptions& options) {
+  std::vector<PatchId> well_determined;
+  for (const Determined& determined : robot.surroundings.patches())
+    if (determined.well_determined) well_determined.push_back(determined.patch);
+  if (placement.match.pairs.empty()) return well_determined;
+  const std::vector<PatchId> matched = matched_patches(robot.local_map, placement.match, options);
+  std::erase_if(well_determined, [&](PatchId id) { return !std::ranges::binary_search(matched, id); });
+  return well_determined;
+}
+
 // Eq. 14: puts the robot on the nearest patch of its local map that it lies in. The present patch is kept
 // until another is clearly nearer.
 void project_on_manifold(const Map& map, Robot& robot, const Placement& placement,
                          const FollowOptions& options) {
   const PatchId present = robot.surroundings.reference();
   const Pose& local_from_robot = placement.local_from_robot;
-  std::vector<PatchId> well_determined;
-  for (const Determined& determined : robot.surroundings.patches()) {
-    if (determined.well_determined) well_determined.push_back(determined.patch);
-  }
   const ManifoldPose here{present, local_from_robot};
-  ManifoldPose best =
-      map.manifold().project_back(map.manifold().project(here), well_determined).value_or(here);
+  ManifoldPose best = map.manifold()
+                          .project_back(map.manifold().project(here), grounds(robot, placement, options))
+                          .value_or(here);
   const auto distance = [](const Pose& r) { return std::hypot(r.x, r.y); };
   if (distance(best.patch_from_object) > distance(local_from_robot) - options.clearly_nearer_m) best = here;
 

@@ -103,6 +103,7 @@ struct FollowOptions {
   double reselect_m = 0.4;
   double reselect_rad = 0.3;
   double clearly_nearer_m = 0.2;
+  double matched_share = 0.3;
   double well_seen = 0.8;
   int max_lost_scans = 8;
   int unmatched_lost_scans = 3;
@@ -115,6 +116,8 @@ struct FollowOptions {
     option(reselect_rad, "reselect_rad", "rad", "or of rotation");
     option(clearly_nearer_m, "clearly_nearer_m", "m",
            "by which another patch must be nearer for the robot to change to it");
+    option(matched_share, "matched_share", share_unit,
+           "of the pairs' weights of the patch that explains a scan best: a patch with less does not");
     option(well_seen, "well_seen", share_unit,
            "determinant of the trust in both directions of the plane, above which a match tells of both");
     option(max_lost_scans, "max_lost_scans", "count",

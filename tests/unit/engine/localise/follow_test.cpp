@@ -42,6 +42,7 @@ struct OnPatches {
     Placement placement;
     placement.matched = matched;
     placement.local_from_robot = local_from_robot;
+    placement.match = match;
     placement.covariance = Eigen::Vector3d(1, 4, 9).asDiagonal();
     placement.tracking_covariance = Eigen::Vector3d(2, 8, 18).asDiagonal();
     follow(map, robot, expectation, placement, {7, 8, 0.5}, 5'000'000, {});
@@ -51,6 +52,7 @@ struct OnPatches {
   EngineOptions options;
   Map map;
   Robot robot;
+  Match match;  ///< of the next scan
 };
 
 // Eq. 14: the nearest patch, and r = π* ⊖ π in its frame.
@@ -87,6 +89,24 @@ TEST(Follow, PutsTheRobotOnNoPatchThatItDoesNotLieIn) {
   OnPatches facing_it({{0, 0, 0}, {2, 0, 2 * quarter_turn}});
   facing_it.follow_to({1.3, 0, 0});
   EXPECT_EQ(facing_it.pose().patch, PatchId{1});
+}
+
+// Two layers of one place, as before a loop is closed: the robot stays on the one that its scan was matched
+// with, however near the other is.
+TEST(Follow, PutsTheRobotOnNoPatchThatItsScanDoesNotMatch) {
+  for (const bool fits_both : {false, true}) {
+    OnPatches on({{0, 0, 0}, {2, 0, 2 * quarter_turn}});
+    on.robot.local_map = {PatchId{0}, {}};
+    for (const PatchId id : {PatchId{0}, PatchId{1}})
+      on.robot.local_map.patches.push_back(
+          {on.map.manifold().shared_patch(id), on.map.relative_pose(PatchId{0}, id)});
+    for (int point = 0; point < 20; ++point) {
+      on.match.pairs.push_back({0, point, point, 1.0});
+      if (fits_both || point < 3) on.match.pairs.push_back({1, point, point, 1.0});
+    }
+    on.follow_to({1.8, 0, 0});
+    EXPECT_EQ(on.pose().patch, PatchId{fits_both ? 1 : 0});
+  }
 }
 
 // Only patches of the local map count: of others nobody knows how near they are.
