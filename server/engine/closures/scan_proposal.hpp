@@ -19,6 +19,7 @@ struct ScanProposal {
   double way_m = 0;  ///< of a loop: what lies between its ends, over the map
   /// Their relative position is weakly known: guard against perceptual aliasing.
   bool cautious = false;
+  bool one_of_several = false;  ///< some find is (places/place_search.hpp)
   double revisit_log_odds = 0;  ///< of a loop, see places/place_candidates.hpp
   std::vector<std::string> robots;
 };

@@ -71,11 +71,13 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
   }
   way.recent.add(patch, step_m, options.max_piece_way_m);
   way.since_query_m += step_m;
+  way.length_m += step_m;
   if (way.since_query_m < options.query_every_m || way.recent.length_m() < options.min_piece_way_m) return;
   way.since_query_m = 0;
   PlaceQuery query;
   query.newest_first.assign(way.recent.newest_first.begin(), way.recent.newest_first.end());
   query.robot = robot;
+  query.at_m = way.length_m;
   queue_.push_back(std::move(query));
   ++counts_.queries;
   if (queue_.size() > options.max_queries) {
@@ -130,8 +132,7 @@ std::int64_t Hypotheses::step(World world) {
     return query_->search.search_next(place_around(world.map, next->anchor, own, world.options), terms,
                                       world.options);
   }
-  PlaceDecision decision = query_->search.decide(world.map, terms, world.options);
-  if (decision.ambiguous) ++counts_.ambiguous;
+  PlaceDecision decision = decide(world, *query_);
   if (decision.find) pool_.take(world, query_->robot, *std::move(decision.find), counts_);
   query_.reset();
   return decision.price_us;
@@ -147,6 +148,24 @@ std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
   return options.place_search.step_price_us;
 }
 
+PlaceDecision Hypotheses::decide(World world, PlaceQuery& query) {
+  const SearchTerms terms = terms_of(world.options.hypotheses);
+  AnswersAlongWay& along = ways_[query.robot].answers;
+  along.add({query.newest_first.front(), query.at_m, query.search.best_first()},
+            world.options.answers_along_way);
+  PlaceDecision decision = query.search.decide(world.map, terms, world.options);
+  if (!decision.ambiguous) return decision;
+  ++counts_.ambiguous;
+  const std::optional<PlaceAnswer> answer = along.all_but_certain(world.map, world.options);
+  // Two islands that look alike may well be two buildings: they are joined by what is found once only.
+  if (!answer ||
+      world.map.graph().island(answer->anchor) != world.map.graph().island(query.newest_first.front()))
+    return decision;
+  decision = query.search.decide_on(*answer, world.map, terms, world.options);
+  if (decision.find) decision.find->one_of_several = true;
+  return decision;
+}
+
 void Hypotheses::forget_robot(const Map& map, const std::string& robot) {
   pool_.forget_robot(map, robot);
   if (query_ && query_->robot == robot) query_.reset();
@@ -156,6 +175,7 @@ void Hypotheses::forget_robot(const Map& map, const std::string& robot) {
   for (PlaceQuery& query : asked_)
     if (asks(query)) query.newest_first.clear();
   ways_.erase(robot);
+  for (auto& [name, way] : ways_) way.answers.forget_robot(map, robot);
 }
 
 }  // namespace isthmus

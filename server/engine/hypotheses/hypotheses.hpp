@@ -11,6 +11,7 @@
 #include "server/engine/hypotheses/hypothesis_counts.hpp"
 #include "server/engine/hypotheses/hypothesis_pool.hpp"
 #include "server/engine/map/credit.hpp"
+#include "server/engine/places/answers_along_way.hpp"
 #include "server/engine/places/place_searcher.hpp"
 #include "server/engine/places/places_job.hpp"
 #include "server/engine/places/recent_way.hpp"
@@ -21,9 +22,10 @@ namespace isthmus {
 struct PlaceQuery {
   std::vector<PatchId> newest_first;
   std::string robot;
+  double at_m = 0;  ///< along its way
   PlaceSearcher search;
 
-  auto members() { return std::tie(newest_first, robot, search); }
+  auto members() { return std::tie(newest_first, robot, at_m, search); }
 };
 
 /// Loops and merges that scans alone suggest, closed lazily: every few metres of a robot's way, what it saw
@@ -64,8 +66,10 @@ class Hypotheses {
   struct Way {
     RecentWay recent;
     double since_query_m = 0;
+    double length_m = 0;
+    AnswersAlongWay answers;
 
-    auto members() { return std::tie(recent, since_query_m); }
+    auto members() { return std::tie(recent, since_query_m, length_m, answers); }
   };
 
   void follow(World world);
@@ -77,6 +81,7 @@ class Hypotheses {
   /// One bounded piece of the search; what it costs, in nominal microseconds.
   std::int64_t step(World world);
   std::int64_t begin(World world, PlaceQuery& query);
+  PlaceDecision decide(World world, PlaceQuery& query);
 
   std::map<std::string, Way> ways_;
   std::map<std::string, PatchId> newest_;

@@ -52,7 +52,9 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
   std::set<std::string> robots;
   for (const Find* find : finds) {
     proposal.way_m = std::max(proposal.way_m, find->way_m);
-    proposal.cautious = proposal.cautious || find->sigma_m > options.hypotheses.known_sigma_m;
+    proposal.one_of_several = proposal.one_of_several || find->one_of_several;
+    proposal.cautious = proposal.cautious || proposal.one_of_several ||
+                        find->sigma_m > options.hypotheses.known_sigma_m;
     std::ranges::copy(find->relations, std::back_inserter(proposal.relations));
     robots.insert(map.manifold().patch(find->query).robot);
     robots.insert(map.manifold().patch(find->anchor).robot);

@@ -68,6 +68,7 @@ struct EngineOptions {
   ProximityMatchingOptions proximity_matching;
   PlaceCandidateOptions place_candidates;
   PlaceSearchOptions place_search;
+  AnswersAlongWayOptions answers_along_way;
   ConsistencyOptions consistency;
   AlignmentOptions alignment;
   EvidenceOptions evidence;
@@ -117,6 +118,7 @@ struct EngineOptions {
     group("proximity_matching", proximity_matching);
     group("place_candidates", place_candidates);
     group("place_search", place_search);
+    group("answers_along_way", answers_along_way);
     group("consistency", consistency);
     group("alignment", alignment);
     group("evidence", evidence);

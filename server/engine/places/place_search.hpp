@@ -62,8 +62,11 @@ struct Find {
   double way_m = 0;
   double sigma_m = 0;
   std::vector<Relation> relations;  ///< of patches of the way with patches of the place
+  bool one_of_several = false;      ///< places that look alike: the way before it tells which
 
-  auto members() { return std::tie(query, anchor, anchor_from_query, way_m, sigma_m, relations); }
+  auto members() {
+    return std::tie(query, anchor, anchor_from_query, way_m, sigma_m, relations, one_of_several);
+  }
 };
 
 /// Fits the piece to the place in full, and the scan of one of its patches for the relations. Nothing where

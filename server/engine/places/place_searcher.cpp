@@ -42,18 +42,26 @@ void PlaceSearcher::search_halves(const PlaceCandidate& place, double min_half_w
   }
 }
 
-PlaceDecision PlaceSearcher::decide(const Map& map, const SearchTerms& terms, const EngineOptions& options) {
+const std::vector<PlaceAnswer>& PlaceSearcher::best_first() {
   std::ranges::stable_sort(answers_, std::ranges::greater{}, &PlaceAnswer::score);
+  return answers_;
+}
+
+PlaceDecision PlaceSearcher::decide(const Map& map, const SearchTerms& terms, const EngineOptions& options) {
   PlaceDecision decision;
-  if (answers_.empty()) return decision;
+  if (best_first().empty()) return decision;
   decision.ambiguous = exhausted_ || !is_unique(map, answers_, options);
-  if (decision.ambiguous) return decision;
-  const PlaceAnswer& best = answers_.front();
+  return decision.ambiguous ? decision : decide_on(answers_.front(), map, terms, options);
+}
+
+PlaceDecision PlaceSearcher::decide_on(const PlaceAnswer& answer, const Map& map, const SearchTerms& terms,
+                                       const EngineOptions& options) const {
+  PlaceDecision decision;
   const RigidPiece place = place_around(
-      map, best.anchor, terms.on_the_map ? own_part(map, piece_) : std::vector<PatchId>{}, options);
+      map, answer.anchor, terms.on_the_map ? own_part(map, piece_) : std::vector<PatchId>{}, options);
   // While the piece waited, all that is there may have been matched with it.
   if (place.local.patches.empty()) return decision;
-  decision.find = refine(place, piece_, best, options);
+  decision.find = refine(place, piece_, answer, options);
   const PlaceSearchOptions& its = options.place_search;
   decision.price_us = static_cast<std::int64_t>(its.decision_steps * static_cast<double>(its.step_price_us));
   return decision;

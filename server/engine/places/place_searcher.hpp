@@ -46,7 +46,12 @@ class PlaceSearcher {
   const PlaceCandidate* next() const { return next_ < places_.size() ? &places_[next_] : nullptr; }
   /// Searches there; `place`: what lies around its anchor. Returns the price, in nominal microseconds.
   std::int64_t search_next(const RigidPiece& place, const SearchTerms& terms, const EngineOptions& options);
+  /// All that was found.
+  const std::vector<PlaceAnswer>& best_first();
   PlaceDecision decide(const Map& map, const SearchTerms& terms, const EngineOptions& options);
+  /// Where something else tells which answer it is.
+  PlaceDecision decide_on(const PlaceAnswer& answer, const Map& map, const SearchTerms& terms,
+                          const EngineOptions& options) const;
 
   auto members() { return std::tie(piece_, places_, next_, answers_, best_score_, exhausted_); }
 

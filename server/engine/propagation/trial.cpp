@@ -230,10 +230,13 @@ bool Trial::scans_disagree() const {
          account_.matched < its.min_matched_share * account_.compared;
 }
 
-// By how much of the building matches: what only looks alike does so over so much more seldom.
+// By how much of the building matches: what only looks alike does so over so much more seldom. Where it is
+// known to look alike along the way, the way has been counted already, to tell the places apart.
 double Trial::shared_log_odds(const SharedPart& shared) const {
-  return options_.trial.log_odds_per_way_m * shared.way_m +
-         options_.trial.log_odds_per_width_m * shared.width_m;
+  const double probability = options_.answers_along_way.min_probability;
+  const double by_way = proposal_.one_of_several ? std::log(probability / (1 - probability))
+                                                 : options_.trial.log_odds_per_way_m * shared.way_m;
+  return by_way + options_.trial.log_odds_per_width_m * shared.width_m;
 }
 
 // Without sightings, guard against perceptual aliasing: many buildings repeat themselves.

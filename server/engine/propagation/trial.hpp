@@ -34,12 +34,13 @@ struct Proposal {
   /// What the map may err by beyond its covariance, where the loop closes: variances of x, y, yaw.
   Eigen::Vector3d beyond_covariance = slip_variances({});
   bool cautious = false;        ///< only where much agrees
+  bool one_of_several = false;  ///< places that look alike: that as much looks alike says nothing more
   double revisit_log_odds = 0;  ///< that scans found a place again, by where the map had it
   bool measured = false;        ///< placed by the operators themselves: no test can refuse it
 
   auto members() {
     return std::tie(id, merge, older, younger, older_from_younger, relations, supporters, two_way, from_scans,
-                    beyond_covariance, cautious, revisit_log_odds, measured);
+                    beyond_covariance, cautious, one_of_several, revisit_log_odds, measured);
   }
 };
 

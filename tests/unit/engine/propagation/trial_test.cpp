@@ -304,6 +304,20 @@ TEST(TrialByScans, OfALoopAlongOneCorridorIsAcceptedWhereTheMapHadItsEnds) {
   }
 }
 
+// What it matches along the way has told the places apart already, and is not counted twice.
+TEST(TrialByScans, OfALoopFoundAtOneOfSeveralPlacesNeedsMoreThanItsWay) {
+  for (const bool one_of_several : {false, true}) {
+    Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
+    its.proposal.cautious = true;
+    its.proposal.one_of_several = one_of_several;
+    its.proposal.revisit_log_odds = 4;
+    its.say(PatchId{5}, PatchId{17});
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.accepted(), !one_of_several) << word(trial.refusal());
+    EXPECT_EQ(trial.undecided(), one_of_several);
+  }
+}
+
 // Ten patches over twenty metres: few, however far apart.
 TEST(TrialByScans, OfAMergeByFewPatchesWaits) {
   Case its = by_scans(merge_of(long_corridor(), along(0, 30, 0, 5), long_corridor(), along(9, 40, 0.1, 5)));
