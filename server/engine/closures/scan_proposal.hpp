@@ -17,9 +17,10 @@ struct ScanProposal {
   std::vector<Relation> relations;  ///< of the finds; their origin is still to be given
   int finds = 0;
   double way_m = 0;  ///< of a loop: what lies between its ends, over the map
-  /// Their relative position is weakly known: guard against perceptual aliasing.
+  /// Their relative position is weakly known.
   bool cautious = false;
-  bool one_of_several = false;  ///< some find is (places/place_search.hpp)
+  /// But for finds at one of several places that look alike (places/place_search.hpp) there were too few.
+  bool one_of_several = false;
   double revisit_log_odds = 0;  ///< of a loop, see places/place_candidates.hpp
   std::vector<std::string> robots;
 };

@@ -52,13 +52,13 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
   std::set<std::string> robots;
   for (const Find* find : finds) {
     proposal.way_m = std::max(proposal.way_m, find->way_m);
-    proposal.one_of_several = proposal.one_of_several || find->one_of_several;
-    proposal.cautious = proposal.cautious || proposal.one_of_several ||
-                        find->sigma_m > options.hypotheses.known_sigma_m;
+    proposal.cautious = proposal.cautious || find->sigma_m > options.hypotheses.known_sigma_m;
     std::ranges::copy(find->relations, std::back_inserter(proposal.relations));
     robots.insert(map.manifold().patch(find->query).robot);
     robots.insert(map.manifold().patch(find->anchor).robot);
   }
+  const auto several = std::ranges::count_if(finds, [](const Find* find) { return find->one_of_several; });
+  proposal.one_of_several = finds.size() - static_cast<std::size_t>(several) < options.hypotheses.min_finds;
   proposal.robots.assign(robots.begin(), robots.end());
   return proposal;
 }

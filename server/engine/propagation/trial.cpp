@@ -250,7 +250,7 @@ void Trial::judge_scans() {
     refusal_ = Reason::scans_disagree;
   } else if (account_.matched < its.few_matched_scans) {
     leave_undecided(Reason::too_little_support);
-  } else if (proposal_.merge || proposal_.cautious) {
+  } else {
     const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
     const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
     const SharedPart shared =
@@ -258,11 +258,11 @@ void Trial::judge_scans() {
     account_.way_m = shared.way_m;
     account_.width_m = shared.width_m;
     account_.shared_log_odds = shared_log_odds(shared);
-    proposal_.merge ? judge_merge(shared) : judge_cautious_loop();
+    proposal_.merge ? judge_merge(shared) : judge_loop();
   }
 }
 
-void Trial::judge_cautious_loop() {
+void Trial::judge_loop() {
   const TrialOptions& its = options_.trial;
   if (account_.revisit_log_odds + account_.shared_log_odds < its.min_loop_log_odds)
     leave_undecided(account_.width_m < its.min_width_m ? Reason::one_corridor : Reason::too_little_support);

@@ -33,7 +33,7 @@ struct Proposal {
   bool from_scans = false;  ///< relations are of scans that agree, nobody has seen anybody
   /// What the map may err by beyond its covariance, where the loop closes: variances of x, y, yaw.
   Eigen::Vector3d beyond_covariance = slip_variances({});
-  bool cautious = false;        ///< only where much agrees
+  bool cautious = false;        ///< the map hardly knows how its ends lie: fitted as more matches
   bool one_of_several = false;  ///< places that look alike: that as much looks alike says nothing more
   double revisit_log_odds = 0;  ///< that scans found a place again, by where the map had it
   bool measured = false;        ///< placed by the operators themselves: no test can refuse it
@@ -92,7 +92,7 @@ class Trial {
   bool refits() const;
   void judge();
   void judge_scans();
-  void judge_cautious_loop();
+  void judge_loop();
   void judge_merge(const SharedPart& shared);
   void leave_undecided(Reason why);
   bool scans_disagree() const;
