@@ -1,5 +1,6 @@
 #include "server/paths/frontiers.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -44,6 +45,38 @@ std::vector<std::vector<NodeId>> clusters(const Ground& ground) {
   return found;
 }
 
+double size_m(const Ground& ground, const std::vector<NodeId>& members) {
+  Cell low = ground.cell(members.front()), high = low;
+  for (const NodeId node : members) {
+    const Cell& cell = ground.cell(node);
+    low = {std::min(low.x, cell.x), std::min(low.y, cell.y)};
+    high = {std::max(high.x, cell.x), std::max(high.y, cell.y)};
+  }
+  return ground_cell_m * std::hypot(high.x - low.x + 1, high.y - low.y + 1);
+}
+
+/// Cuts what is longer across its longest direction, at its middle, until nothing is (Zhou et al. 2021).
+void cut(const Ground& ground, std::vector<NodeId> members, double max_size_m,
+         std::vector<std::vector<NodeId>>& pieces) {
+  if (size_m(ground, members) <= max_size_m) {
+    pieces.push_back(std::move(members));
+    return;
+  }
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const NodeId node : members) middle += ground.centre(node) / static_cast<double>(members.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const NodeId node : members) {
+    const Eigen::Vector2d away = ground.centre(node) - middle;
+    spread += away * away.transpose();
+  }
+  const Eigen::Vector2d along = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
+  const auto second = std::stable_partition(members.begin(), members.end(), [&](NodeId node) {
+    return along.dot(ground.centre(node) - middle) < 0;
+  });
+  cut(ground, {members.begin(), second}, max_size_m, pieces);
+  cut(ground, {second, members.end()}, max_size_m, pieces);
+}
+
 Frontier frontier_of(const Ground& ground, const std::vector<NodeId>& members) {
   Frontier frontier;
   for (const NodeId node : members) frontier.middle += ground.centre(node);
@@ -52,13 +85,7 @@ Frontier frontier_of(const Ground& ground, const std::vector<NodeId>& members) {
     return (ground.centre(a) - frontier.middle).squaredNorm() <
            (ground.centre(b) - frontier.middle).squaredNorm();
   });
-  Cell low = ground.cell(members.front()), high = low;
-  for (const NodeId node : members) {
-    const Cell& cell = ground.cell(node);
-    low = {std::min(low.x, cell.x), std::min(low.y, cell.y)};
-    high = {std::max(high.x, cell.x), std::max(high.y, cell.y)};
-  }
-  frontier.size_m = ground_cell_m * std::hypot(high.x - low.x + 1, high.y - low.y + 1);
+  frontier.size_m = size_m(ground, members);
   return frontier;
 }
 
@@ -120,11 +147,14 @@ std::vector<Frontier> find_frontiers(const Roadmap& roadmap, NodeId from, const 
   const Ground& ground = roadmap.ground();
   const std::vector<float> costs = from >= 0 ? costs_from(roadmap, from) : std::vector<float>{};
   std::vector<std::int32_t> reached(ground.size(), -1);
+  const double min_size_m = 2 * roadmap.footprint().radius_m * options.min_size_diameters;
+  std::vector<std::vector<NodeId>> pieces;
+  for (std::vector<NodeId>& members : clusters(ground))
+    if (size_m(ground, members) >= min_size_m) cut(ground, std::move(members), options.max_size_m, pieces);
   std::vector<Frontier> found;
   std::int32_t mark = 0;
-  for (const std::vector<NodeId>& members : clusters(ground)) {
+  for (const std::vector<NodeId>& members : pieces) {
     Frontier frontier = frontier_of(ground, members);
-    if (frontier.size_m < options.min_size_m) continue;
     find_viewpoint(roadmap, members, costs, options.reach_m, reached, mark++, frontier);
     frontier.gain_m2 =
         gain_m2(ground, frontier.viewpoint >= 0 ? frontier.viewpoint : frontier.node, options.view_m);

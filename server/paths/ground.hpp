@@ -31,6 +31,11 @@ class Ground {
 
   /// The nodes of a cell, from `first` to before `second`.
   std::pair<NodeId, NodeId> at(const Cell& cell) const;
+  /// The node of a cell of one layer; -1 where there is none, or several.
+  NodeId only(const Cell& cell) const {
+    const auto [first, last] = at(cell);
+    return last - first == 1 ? first : -1;
+  }
   /// The node of a cell beside one's own on the surface; -1 where nothing is known to go on there.
   NodeId step(NodeId from, const Cell& to) const;
   /// The layer of a cell that a patch is of: its own where it leads one, else that which is nearest to it

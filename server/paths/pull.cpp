@@ -8,6 +8,7 @@ namespace isthmus {
 namespace {
 
 constexpr int rounds = 10;
+constexpr double worth_a_round = 0.001;  // of the length
 constexpr double shares[] = {1,    0.7,  0.5,  0.35,
                              0.25, 0.18, 0.12, 0.06};  // of the legs at a corner, tried in turn
 
@@ -60,8 +61,14 @@ std::vector<NodeId> cut_corners(const Roadmap& roadmap, const std::vector<NodeId
 
 std::vector<NodeId> pull(const Roadmap& roadmap, std::vector<NodeId> way) {
   way = leave_out_what_is_seen_past(roadmap, way);
-  for (int round = 0; round < rounds && way.size() > 2; ++round)
-    way = leave_out_what_is_seen_past(roadmap, cut_corners(roadmap, way));
+  double length = length_m(roadmap.ground(), way);
+  for (int round = 0; round < rounds && way.size() > 2; ++round) {
+    std::vector<NodeId> next = leave_out_what_is_seen_past(roadmap, cut_corners(roadmap, way));
+    const double shorter = length_m(roadmap.ground(), next);
+    if (shorter > (1 - worth_a_round) * length) break;
+    way = std::move(next);
+    length = shorter;
+  }
   return way;
 }
 

@@ -1,9 +1,10 @@
 #include "server/paths/roadmap.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <numbers>
 #include <utility>
+
+#include "server/paths/cell_line.hpp"
 
 namespace isthmus {
 namespace {
@@ -25,6 +26,7 @@ Roadmap::Roadmap(std::shared_ptr<const Ground> ground, const Footprint& footprin
     : ground_(std::move(ground)), footprint_(footprint) {
   find_squares(footprint);
   find_beside();
+  find_open();
 }
 
 void Roadmap::find_squares(const Footprint& footprint) {
@@ -71,35 +73,63 @@ void Roadmap::find_beside() {
       pairs.emplace_back(square(next), square(node));
     });
   }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  beside_.reserve(pairs.size());
-  for (const auto& [from, to] : pairs) {
-    first_beside_.resize(static_cast<std::size_t>(from) + 1, static_cast<std::uint32_t>(beside_.size()));
-    beside_.push_back(to);
+  std::vector<Cell> middles;
+  std::vector<Eigen::Vector2d> points_m;
+  for (const NodeId middle : middle_) {
+    middles.push_back(ground_->cell(middle));
+    points_m.push_back(ground_->centre(middle));
   }
-  first_beside_.resize(middle_.size() + 1, static_cast<std::uint32_t>(beside_.size()));
+  graph_ = PointGraph(std::move(points_m), std::move(pairs));
+  regions_ = Regions(middles, graph_);
+}
+
+/// Whether stepping from a cell to any of the eight beside it comes to the only layer there is, on which the
+/// footprint fits.
+bool Roadmap::is_open(NodeId node) const {
+  if (!fits(node) || ground_->only(ground_->cell(node)) != node) return false;
+  bool open = true;
+  visit_beside(ground_->cell(node), [&](const Cell& beside) {
+    const NodeId next = ground_->only(beside);
+    open = open && next >= 0 && fits(next) && ground_->step(node, beside) == next;
+  });
+  return open;
+}
+
+/// From where something is near outwards, ring by ring.
+void Roadmap::find_open() {
+  constexpr std::uint8_t unreached = 255;
+  open_.assign(ground_->size(), unreached);
+  std::vector<NodeId> wave;
+  for (NodeId node = 0; node < static_cast<NodeId>(ground_->size()); ++node) {
+    if (is_open(node)) continue;
+    open_[static_cast<std::size_t>(node)] = 0;
+    wave.push_back(node);
+  }
+  for (std::uint8_t ring = 1; ring < unreached && !wave.empty(); ++ring) {
+    std::vector<NodeId> next_wave;
+    for (const NodeId node : wave) {
+      visit_beside(ground_->cell(node), [&](const Cell& beside) {
+        const NodeId next = ground_->only(beside);
+        if (next < 0 || open_[static_cast<std::size_t>(next)] != unreached) return;
+        open_[static_cast<std::size_t>(next)] = ring;
+        next_wave.push_back(next);
+      });
+    }
+    wave = std::move(next_wave);
+  }
 }
 
 std::optional<NodeId> Roadmap::straight(NodeId from, const Cell& to) const {
-  Cell at = ground_->cell(from);
-  const int width = std::abs(to.x - at.x), height = std::abs(to.y - at.y);
-  const int right = to.x > at.x ? 1 : -1, up = to.y > at.y ? 1 : -1;
+  CellLine line(ground_->cell(from), to);
   NodeId node = from;
-  // Of the sides of the cells that the line crosses: which comes next, in halves of a cell.
-  for (int ix = 0, iy = 0; ix < width || iy < height;) {
-    const auto next_x = static_cast<std::int64_t>(1 + 2 * ix) * height;
-    const auto next_y = static_cast<std::int64_t>(1 + 2 * iy) * width;
-    if (next_x <= next_y) {
-      at.x += right;
-      ++ix;
+  while (!line.done()) {
+    const std::int32_t open = open_cells(node);
+    if (open > 1) {
+      node = ground_->only(line.leap(open));
+    } else {
+      node = ground_->step(node, line.step());
+      if (node < 0 || !fits(node)) return std::nullopt;
     }
-    if (next_y <= next_x) {
-      at.y += up;
-      ++iy;
-    }
-    node = ground_->step(node, at);
-    if (node < 0 || !fits(node)) return std::nullopt;
   }
   return node;
 }

@@ -3,9 +3,12 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "server/paths/ground.hpp"
+#include "server/paths/point_graph.hpp"
+#include "server/paths/regions.hpp"
 
 namespace isthmus {
 
@@ -32,10 +35,14 @@ class Roadmap {
   std::size_t squares() const { return middle_.size(); }
   /// One of a square's cells, which stands for it.
   NodeId middle(SquareId square) const { return middle_[static_cast<std::size_t>(square)]; }
-  std::span<const SquareId> beside(SquareId square) const {
-    const auto i = static_cast<std::size_t>(square);
-    return {beside_.data() + first_beside_[i], first_beside_[i + 1] - first_beside_[i]};
-  }
+  std::span<const SquareId> beside(SquareId square) const { return graph_.beside(square); }
+  /// The squares, at the centres of their middles.
+  const PointGraph& graph() const { return graph_; }
+  const Regions& regions() const { return regions_; }
+
+  /// So many cells in rows and columns around this one the footprint fits, the ground has one layer only, and
+  /// stepping comes to it: within them a line of sight need not be looked at.
+  std::int32_t open_cells(NodeId node) const { return open_[static_cast<std::size_t>(node)]; }
 
   /// The cell that one comes to straight from another where the footprint fits all along.
   std::optional<NodeId> straight(NodeId from, const Cell& to) const;
@@ -45,13 +52,16 @@ class Roadmap {
   void find_squares(const Footprint& footprint);
   void flood(NodeId start);
   void find_beside();
+  void find_open();
+  bool is_open(NodeId node) const;
 
   std::shared_ptr<const Ground> ground_;
   Footprint footprint_;
-  std::vector<SquareId> square_;  // by node
-  std::vector<NodeId> middle_;    // by square
-  std::vector<std::uint32_t> first_beside_{0};
-  std::vector<SquareId> beside_;
+  std::vector<SquareId> square_;    // by node
+  std::vector<NodeId> middle_;      // by square
+  std::vector<std::uint8_t> open_;  // by node
+  PointGraph graph_;
+  Regions regions_;
 };
 
 }  // namespace isthmus

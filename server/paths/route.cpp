@@ -11,6 +11,8 @@ namespace isthmus {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
+/// How far the search looks: farther out a straight way gets corners that pulling it taut takes out again.
+constexpr float sight_m = 10;
 
 class Search {
  public:
@@ -18,11 +20,13 @@ class Search {
       : roadmap_(roadmap),
         from_(from),
         to_(to),
+        left_m_(roadmap.regions().left_m(roadmap.square(from), roadmap.square(to))),
         cost_(roadmap.squares(), infinity),
         parent_(roadmap.squares(), -1),
         closed_(roadmap.squares(), 0) {}
 
   bool run(std::size_t max_steps) {
+    if (left_m_.empty()) return false;
     const SquareId start = roadmap_.square(from_), goal = roadmap_.square(to_);
     open(start, start, 0);
     for (std::size_t steps = 0; !waiting_.empty() && steps < max_steps; ++steps) {
@@ -60,17 +64,19 @@ class Search {
   }
 
   void open(SquareId square, SquareId parent, float cost) {
-    if (!(cost < cost_[at(square)])) return;
+    const float left_m = left_m_[at(roadmap_.regions().of(square))];
+    if (!(cost < cost_[at(square)]) || left_m == infinity) return;
     cost_[at(square)] = cost;
     parent_[at(square)] = parent;
-    waiting_.emplace(cost + distance(square, roadmap_.square(to_)), cost, square);
+    waiting_.emplace(cost + std::max(left_m, distance(square, roadmap_.square(to_))), cost, square);
   }
 
   /// It was hoped that the square is seen from its parent; where it is not, it is reached from beside.
   void settle(SquareId square) {
     closed_[at(square)] = 1;
     const SquareId hoped = parent_[at(square)];
-    if (hoped == square || roadmap_.sees(node(hoped), node(square))) return;
+    if (hoped == square) return;
+    if (distance(hoped, square) <= sight_m && roadmap_.sees(node(hoped), node(square))) return;
     cost_[at(square)] = infinity;
     for (const SquareId beside : roadmap_.beside(square)) {
       if (!closed_[at(beside)]) continue;
@@ -85,6 +91,7 @@ class Search {
 
   const Roadmap& roadmap_;
   const NodeId from_, to_;
+  std::vector<float> left_m_;  // by region: see Regions
   std::vector<float> cost_;
   std::vector<SquareId> parent_;
   std::vector<std::uint8_t> closed_;
@@ -135,26 +142,7 @@ std::optional<std::vector<NodeId>> find_route(const Roadmap& roadmap, NodeId fro
 }
 
 std::vector<float> costs_from(const Roadmap& roadmap, NodeId from) {
-  using Entry = std::pair<float, SquareId>;
-  std::vector<float> cost(roadmap.squares(), infinity);
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> waiting;
-  const auto open = [&](SquareId square, float to_it) {
-    if (!(to_it < cost[static_cast<std::size_t>(square)])) return;
-    cost[static_cast<std::size_t>(square)] = to_it;
-    waiting.emplace(to_it, square);
-  };
-  open(roadmap.square(from), 0);
-  while (!waiting.empty()) {
-    const auto [to_it, square] = waiting.top();
-    waiting.pop();
-    if (to_it > cost[static_cast<std::size_t>(square)]) continue;
-    const Eigen::Vector2d here = roadmap.ground().centre(roadmap.middle(square));
-    for (const SquareId next : roadmap.beside(square)) {
-      const Eigen::Vector2d there = roadmap.ground().centre(roadmap.middle(next));
-      open(next, to_it + static_cast<float>((there - here).norm()));
-    }
-  }
-  return cost;
+  return roadmap.graph().lengths_from(roadmap.square(from));
 }
 
 }  // namespace isthmus

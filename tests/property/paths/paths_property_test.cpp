@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
+#include "server/paths/cell_line.hpp"
 #include "server/paths/ground_keeper.hpp"
 #include "server/paths/pull.hpp"
 #include "server/paths/relative_pose.hpp"
@@ -66,6 +68,47 @@ RC_GTEST_PROP(RouteProperty, IsFoundWhereStepsAloneLeadThereAndKeepsClear, ()) {
   RC_ASSERT(length_m(ground, taut) <= length_m(ground, *route) + 1e-9);
   RC_ASSERT(length_m(ground, taut) >= (ground.centre(to) - ground.centre(from)).norm() - 1e-9);
   for (std::size_t i = 1; i < taut.size(); ++i) RC_ASSERT(roadmap.sees(taut[i - 1], taut[i]));
+}
+
+/// Cell by cell, as it is defined.
+std::optional<NodeId> stepped(const Roadmap& roadmap, NodeId from, const Cell& to) {
+  NodeId node = from;
+  for (CellLine line(roadmap.ground().cell(from), to); !line.done();) {
+    node = roadmap.ground().step(node, line.step());
+    if (node < 0 || !roadmap.fits(node)) return std::nullopt;
+  }
+  return node;
+}
+
+NodeId any_room(const Roadmap& roadmap) {
+  const auto node = static_cast<NodeId>(*rc::gen::inRange<std::size_t>(0, roadmap.ground().size()));
+  return roadmap.fits(node) ? node : -1;
+}
+
+RC_GTEST_PROP(RoadmapProperty, LinesOfSightLeapOverOpenGroundAndComeToWhatStepsComeTo, ()) {
+  const Roadmap roadmap(scattered(*rc::gen::inRange(0, 6)), {0.05, 0.0});
+  for (int i = 0; i < 20; ++i) {
+    const NodeId from = any_room(roadmap);
+    if (from < 0) continue;
+    const Cell to{*rc::gen::inRange(0, side), *rc::gen::inRange(0, side)};
+    RC_ASSERT(roadmap.straight(from, to) == stepped(roadmap, from, to));
+  }
+}
+
+RC_GTEST_PROP(RoadmapProperty, LinesOfSightStayInTheirLayerAsStepsDo, ()) {
+  static const testing::Spiral spiral;
+  static const Roadmap roadmap = [] {
+    GroundKeeper keeper;
+    keeper.update(testing::copy_of(spiral.map));
+    return Roadmap(keeper.ground(IslandId{0}), {0.1, 0.05});
+  }();
+  for (int i = 0; i < 20; ++i) {
+    const NodeId from = any_room(roadmap);
+    if (from < 0) continue;
+    const Cell at = roadmap.ground().cell(from);
+    const Cell to{at.x + *rc::gen::inRange(-100, 100), at.y + *rc::gen::inRange(-100, 100)};
+    RC_ASSERT(roadmap.straight(from, to) == stepped(roadmap, from, to));
+  }
 }
 
 /// The same layers at the same cells.

@@ -52,6 +52,35 @@ TEST(Frontiers, AClosedRoomAndAGapBetweenBeamsHaveNone) {
   }
 }
 
+TEST(Frontiers, OneThatIsNarrowerThanTheRobotIsNone) {
+  const auto ground = room_with_door(9);  // .45 m
+  const Roadmap slim_road(ground, slim), wide_road(ground, {0.25, 0});
+  EXPECT_EQ(find_frontiers(slim_road, -1).size(), 1U);
+  EXPECT_TRUE(find_frontiers(wide_road, -1).empty());
+}
+
+TEST(Frontiers, AVeryLongOneIsCutInPiecesThatLieSideBySide) {
+  const auto ground = testing::ground_of(120, [](int x, int y) {
+    return x == 0 || y == 0 || y == 119 ? Seen::occupied : Seen::open;  // 6 m long, at x = 6 m
+  });
+  const Roadmap roadmap(ground, slim);
+  FrontierOptions options;
+  options.max_size_m = 2;
+  const auto found = find_frontiers(roadmap, -1, options);
+  ASSERT_EQ(found.size(), 4U);
+  for (const Frontier& one : found) {
+    EXPECT_LE(one.size_m, 2);
+    EXPECT_GE(one.size_m, 1.3);
+    EXPECT_NEAR(one.middle.x(), 5.975, 1e-6);
+    for (const Frontier& other : found) {
+      if (&one == &other) continue;
+      EXPECT_GE((one.middle - other.middle).norm(), 1.3);
+    }
+  }
+  options.max_size_m = 8;
+  EXPECT_EQ(find_frontiers(roadmap, -1, options).size(), 1U);
+}
+
 TEST(Frontiers, OneThatCannotBeReachedCostsInfinitely) {
   const auto ground = testing::ground_of(100, [](int x, int y) {
     const bool edge = x == 0 || y == 0 || y == 99;
@@ -59,8 +88,8 @@ TEST(Frontiers, OneThatCannotBeReachedCostsInfinitely) {
   });
   const Roadmap roadmap(ground, slim);
   const auto found = find_frontiers(roadmap, node_at(*ground, 20, 50));
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].cost_m, std::numeric_limits<double>::infinity());
+  ASSERT_FALSE(found.empty());
+  for (const Frontier& one : found) EXPECT_EQ(one.cost_m, std::numeric_limits<double>::infinity());
 }
 
 TEST(Frontiers, WithoutARobotCostsAreTheWayFromTheViewpoint) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/ground_scenes.hpp"
 
 namespace isthmus {
@@ -48,6 +50,26 @@ TEST(GroundKeeper, ARelationMakesLayersOneThoughNoPatchMoves) {
   EXPECT_EQ(layers(), 2);
   spiral.close(20);
   EXPECT_EQ(layers(), 1);
+}
+
+/// Of where a robot began and came back to, after so many metres out and as many back.
+NodeId layers_after(int metres) {
+  Map map;
+  for (int i = 0; i <= 2 * metres; ++i) {
+    const PatchId id{i};
+    map.add(testing::round_patch(testing::corridor(), id, {}, 2.5),
+            {1.0 * std::min(i, 2 * metres - i), 0, 0});
+    if (i > 0) map.relate(testing::odometry_relation(PatchId{i - 1}, id, {i <= metres ? 1.0 : -1.0, 0, 0}));
+  }
+  GroundKeeper keeper;
+  keeper.update(testing::copy_of(map));
+  const auto [first, last] = keeper.ground(IslandId{0})->at(cell_of({0, 0}));
+  return last - first;
+}
+
+TEST(GroundKeeper, WithinSixtyMetresAlongRelationsAPlaceIsOneAndBeyondItMayHaveDrifted) {
+  EXPECT_EQ(layers_after(29), 1);
+  EXPECT_EQ(layers_after(33), 2);
 }
 
 TEST(GroundKeeper, AnIslandThatIsGoneHasNoGround) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/paths/ground_keeper.hpp"
 #include "server/paths/pull.hpp"
 #include "server/paths/route.hpp"
 #include "tests/support/ground_scenes.hpp"
@@ -39,6 +40,40 @@ TEST(Roadmap, OneSeesThroughTheGapAndNotThroughTheWall) {
   EXPECT_TRUE(roadmap.sees(node_at(ground, 20, 60), node_at(ground, 80, 72)));
   EXPECT_FALSE(roadmap.sees(node_at(ground, 20, 20), node_at(ground, 80, 20)));
   EXPECT_FALSE(roadmap.sees(node_at(ground, 20, 20), node_at(ground, 80, 90)));
+}
+
+TEST(Roadmap, OpenCellsEndWhereTheFootprintDoesNotFit) {
+  const Roadmap roadmap(wall_with_gap(12), {0.1, 0.05});
+  const Ground& ground = roadmap.ground();
+  for (const int x : {20, 30, 40}) {
+    const NodeId node = node_at(ground, x, 30);
+    const std::int32_t open = roadmap.open_cells(node);
+    ASSERT_GT(open, 0);
+    bool all = true, more = true;
+    for (std::int32_t dy = -open - 1; dy <= open + 1; ++dy) {
+      for (std::int32_t dx = -open - 1; dx <= open + 1; ++dx) {
+        const NodeId other = node_at(ground, x + dx, 30 + dy);
+        const bool within = std::max(std::abs(dx), std::abs(dy)) <= open;
+        (within ? all : more) = (within ? all : more) && roadmap.fits(other);
+      }
+    }
+    EXPECT_TRUE(all) << x;
+    EXPECT_FALSE(more) << x;
+  }
+}
+
+TEST(Roadmap, NoCellsAreOpenWhereLayersLieOnOneAnother) {
+  const testing::Spiral spiral;
+  GroundKeeper keeper;
+  keeper.update(testing::copy_of(spiral.map));
+  const Roadmap roadmap(keeper.ground(IslandId{0}), {0.1, 0.05});
+  const auto at = [&](int patch) {
+    return roadmap.ground().find(cell_of(position(spiral.map.manifold().pose(PatchId{patch}))),
+                                 PatchId{patch});
+  };
+  EXPECT_GT(roadmap.open_cells(at(60)), 0);
+  EXPECT_EQ(roadmap.open_cells(at(20)), 0);
+  EXPECT_EQ(roadmap.open_cells(at(20 + testing::Spiral::lap_patches)), 0);
 }
 
 TEST(Route, GoesThroughAGapThatIsWideEnoughOnly) {
