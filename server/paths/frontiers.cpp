@@ -92,13 +92,13 @@ Frontier frontier_of(const Ground& ground, const std::vector<NodeId>& members) {
 /// The cell near the frontier, and not behind anything, to which the way is shortest. Cells are reached from
 /// the frontier over free ground.
 void find_viewpoint(const Roadmap& roadmap, const std::vector<NodeId>& members,
-                    const std::vector<float>& costs, double reach_m, std::vector<std::int32_t>& reached,
-                    std::int32_t mark, Frontier& frontier) {
+                    const std::vector<float>& costs, const FrontierOptions& options,
+                    std::vector<std::int32_t>& reached, std::int32_t mark, Frontier& frontier) {
   const Ground& ground = roadmap.ground();
   std::vector<NodeId> wave = members;
   for (const NodeId node : wave) reached[index(node)] = mark;
   frontier.cost_m = infinity;
-  const int steps = static_cast<int>(reach_m / ground_cell_m);
+  const int steps = static_cast<int>(options.reach_m / ground_cell_m);
   for (int step = 0; step < steps && !wave.empty(); ++step) {
     std::vector<NodeId> next_wave;
     for (const NodeId node : wave) {
@@ -117,6 +117,7 @@ void find_viewpoint(const Roadmap& roadmap, const std::vector<NodeId>& members,
         next_wave.push_back(next);
       });
     }
+    if (options.close_up && frontier.viewpoint >= 0) return;
     wave = std::move(next_wave);
   }
 }
@@ -155,7 +156,7 @@ std::vector<Frontier> find_frontiers(const Roadmap& roadmap, NodeId from, const 
   std::int32_t mark = 0;
   for (const std::vector<NodeId>& members : pieces) {
     Frontier frontier = frontier_of(ground, members);
-    find_viewpoint(roadmap, members, costs, options.reach_m, reached, mark++, frontier);
+    find_viewpoint(roadmap, members, costs, options, reached, mark++, frontier);
     frontier.gain_m2 =
         gain_m2(ground, frontier.viewpoint >= 0 ? frontier.viewpoint : frontier.node, options.view_m);
     if (frontier.gain_m2 >= options.min_gain_m2) found.push_back(frontier);

@@ -24,6 +24,9 @@ struct FrontierOptions {
   double min_gain_m2 = 1;  ///< behind which there is less is none either
   double view_m = 4;       ///< how far the gain looks
   double reach_m = 1.5;    ///< of the viewpoint from the frontier, along the surface
+  /// The viewpoint is the nearest to the frontier of those that can be reached, wherever the robot is; else
+  /// the one that the way to is shortest.
+  bool close_up = false;
 };
 
 /// The frontiers of a ground by falling gain. `from`: where the robot is, a cell that fits; -1: nobody asks

@@ -81,6 +81,22 @@ TEST(Frontiers, AVeryLongOneIsCutInPiecesThatLieSideBySide) {
   EXPECT_EQ(find_frontiers(roadmap, -1, options).size(), 1U);
 }
 
+TEST(Frontiers, AViewpointCloseUpDoesNotDependOnWhereTheRobotIs) {
+  const Roadmap roadmap(room_with_door(20), slim);
+  const auto from = [&](int x, int y) { return node_at(roadmap.ground(), x, y); };
+  FrontierOptions options;
+  options.close_up = true;
+  const auto one = find_frontiers(roadmap, from(20, 50), options),
+             other = find_frontiers(roadmap, from(60, 20), options);
+  ASSERT_EQ(one.size(), 1U);
+  ASSERT_EQ(other.size(), 1U);
+  const auto away_m = [&](const Frontier& frontier) {
+    return (roadmap.ground().centre(frontier.viewpoint) - frontier.middle).norm();
+  };
+  EXPECT_LE(away_m(one[0]), 0.6);
+  EXPECT_LE(away_m(other[0]), 0.6);
+}
+
 TEST(Frontiers, OneThatCannotBeReachedCostsInfinitely) {
   const auto ground = testing::ground_of(100, [](int x, int y) {
     const bool edge = x == 0 || y == 0 || y == 99;

@@ -39,6 +39,7 @@ void add_features_command(CLI::App& app);
 void add_rendezvous_command(CLI::App& app);
 void add_floor_plans_command(CLI::App& app);
 void add_paths_command(CLI::App& app);
+void add_explore_command(CLI::App& app);
 /// @}
 
 }  // namespace isthmus

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace isthmus {
+
+/// What it takes robots to go to places and work there, in metres that a robot drives meanwhile; infinity
+/// where there is no way.
+struct RouteCosts {
+  std::vector<std::vector<double>> from_robot;  ///< by robot and place
+  std::vector<std::vector<double>> between;     ///< by place and place, the same both ways
+  std::vector<double> work;                     ///< by place
+};
+
+/// The places that a robot goes to, in order.
+using Route = std::vector<std::size_t>;
+
+/// Metres until the last place of a route is done; 0 for an empty one.
+double route_m(const RouteCosts& costs, std::size_t robot, const Route& route);
+
+/// Shares places out among robots, each place that somebody can reach to one of them, so that the longest
+/// route and what all routes take on average are short together: cheapest insertion, then moves of one place
+/// and turns of a stretch as long as they help (the min-max travelling salesmen of Franca et al. 1995). By
+/// robot. Bounded work, the same for the same costs.
+std::vector<Route> share_out(const RouteCosts& costs);
+
+}  // namespace isthmus

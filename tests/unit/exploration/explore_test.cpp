@@ -1,0 +1,99 @@
+#include "server/exploration/explore.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/ground_scenes.hpp"
+
+namespace isthmus {
+namespace {
+
+constexpr Footprint slim{0.2, 0.1};
+
+/// A corridor along x of which a robot saw 6 m each way: frontiers at both ends.
+struct Corridor {
+  Planner planner;
+  std::map<std::string, Explorer> team;
+
+  Corridor() {
+    Map map;
+    map.add(testing::round_patch(testing::corridor(), PatchId{0}, {}, 6), {});
+    planner.update(testing::shared_copy(map));
+  }
+  void add(const std::string& name, double x) {
+    team[name] = {{PatchId{0}, {x, 0, 0}}, slim, std::nullopt, {}};
+  }
+  double goal_x(const std::map<std::string, ExplorationGoal>& goals, const std::string& name) {
+    return planner.project(goals.at(name).viewpoint).x;
+  }
+};
+
+TEST(Explore, TwoRobotsSideBySideGoToDifferentEnds) {
+  Corridor corridor;
+  corridor.add("R1", 0.4);
+  corridor.add("R2", 1);
+  ExplorationOptions options;
+  const auto shared = share_frontiers(corridor.planner, corridor.team, options);
+  EXPECT_LT(corridor.goal_x(shared, "R1") * corridor.goal_x(shared, "R2"), 0);
+  options.sharing = Sharing::nearest;
+  const auto nearest = share_frontiers(corridor.planner, corridor.team, options);
+  EXPECT_GT(corridor.goal_x(nearest, "R1"), 0);
+  EXPECT_GT(corridor.goal_x(nearest, "R2"), 0);
+}
+
+TEST(Explore, ARobotKeepsItsGoalWhileThatIsAFrontier) {
+  Corridor corridor;
+  corridor.add("R1", 0.4);
+  const auto first = share_frontiers(corridor.planner, corridor.team);
+  const double x = corridor.goal_x(first, "R1");
+  corridor.add("R1", x > 0 ? -2 : 2);  // nearer to the other now
+  EXPECT_LT(corridor.goal_x(share_frontiers(corridor.planner, corridor.team), "R1") * x, 0);
+  corridor.team["R1"].goal = first.at("R1").viewpoint;
+  EXPECT_GT(corridor.goal_x(share_frontiers(corridor.planner, corridor.team), "R1") * x, 0);
+}
+
+TEST(Explore, WhatARobotGaveUpIsNoGoalOfItsAgain) {
+  Corridor corridor;
+  corridor.add("R1", 0.4);
+  const auto first = share_frontiers(corridor.planner, corridor.team);
+  corridor.team["R1"].given_up.push_back(first.at("R1").viewpoint);
+  const auto second = share_frontiers(corridor.planner, corridor.team);
+  EXPECT_LT(corridor.goal_x(first, "R1") * corridor.goal_x(second, "R1"), 0);
+  corridor.team["R1"].given_up.push_back(second.at("R1").viewpoint);
+  EXPECT_TRUE(share_frontiers(corridor.planner, corridor.team).empty());
+}
+
+TEST(Explore, ARobotDoesNotKeepAGoalThatItGaveUp) {
+  Corridor corridor;
+  corridor.add("R1", 0.4);
+  const auto first = share_frontiers(corridor.planner, corridor.team);
+  corridor.team["R1"].goal = first.at("R1").viewpoint;
+  corridor.team["R1"].given_up.push_back(first.at("R1").viewpoint);
+  EXPECT_LT(
+      corridor.goal_x(share_frontiers(corridor.planner, corridor.team), "R1") * corridor.goal_x(first, "R1"),
+      0);
+}
+
+TEST(Explore, TheViewpointFitsAndLooksAtTheFrontier) {
+  Corridor corridor;
+  corridor.add("R1", 0.4);
+  const auto goals = share_frontiers(corridor.planner, corridor.team);
+  const ExplorationGoal& goal = goals.at("R1");
+  const Path path = corridor.planner.path({corridor.team["R1"].pose, goal.viewpoint, slim});
+  EXPECT_EQ(path.refusal, Refusal::none);
+  EXPECT_NEAR(goal.cost_m, path.length_m, 0.1 * path.length_m + 0.3);
+  EXPECT_GT(goal.gain_m2, 0.3);
+  const Pose at = corridor.planner.project(goal.viewpoint);
+  EXPECT_GT(at.x * std::cos(at.yaw), 0);  // outwards
+}
+
+TEST(Explore, ARobotThatStandsNowhereHasNoGoal) {
+  Corridor corridor;
+  corridor.team["R1"] = {{PatchId{7}, {}}, slim, std::nullopt, {}};
+  corridor.team["R2"] = {{PatchId{0}, {0, 50, 0}}, slim, std::nullopt, {}};
+  EXPECT_TRUE(share_frontiers(corridor.planner, corridor.team).empty());
+}
+
+}  // namespace
+}  // namespace isthmus

@@ -1,0 +1,67 @@
+#include "tools/simulate/live/exploration_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tools/simulate/live/reachable_ground.hpp"
+
+namespace isthmus {
+namespace {
+
+/// Two rooms of 4 m with a doorway between them, and so many robots in the first.
+Scenario two_rooms(std::size_t robots) {
+  Building building;
+  building.walls.push_back({{{0, 0}, {8, 0}, {8, 4}, {0, 4}}, true, {}});
+  building.walls.push_back({{{4, 0}, {4, 4}}, false, {{2, 1}}});
+  Scenario scenario;
+  scenario.name = "two_rooms";
+  scenario.plan = build_floor_plan(building);
+  for (std::size_t i = 0; i < robots; ++i) {
+    RobotPlan robot;
+    robot.name = "R" + std::to_string(i + 1);
+    robot.barcode = 101 + static_cast<int>(i);
+    robot.start = {1, 1, 0};
+    scenario.robots.push_back(robot);
+  }
+  return scenario;
+}
+
+TEST(ReachableGround, IsWhereARobotsCentreCanCome) {
+  const FloorPlan plan = two_rooms(1).plan;
+  const RayCaster caster(plan);
+  const ReachableGround through(plan, caster, {1, 1}, 0.3), shut(plan, caster, {1, 1}, 0.6);
+  EXPECT_NEAR(through.area_m2(), 2 * 3.2 * 3.3, 2);  // both rooms, a wall's half and .3 m less all round
+  EXPECT_NEAR(shut.area_m2(), 2.7 * 2.7, 1.5);
+}
+
+TEST(ReachableGround, RobotsStartBesideOneAnotherWhereThereIsRoom) {
+  const RayCaster caster(two_rooms(1).plan);
+  const auto starts = starts_beside(caster, {1, 1}, 4, 0.4);
+  ASSERT_EQ(starts.size(), 4U);
+  for (std::size_t a = 0; a < starts.size(); ++a) {
+    EXPECT_FALSE(caster.touches(starts[a], 0.4));
+    for (std::size_t b = 0; b < a; ++b) EXPECT_GE((starts[a] - starts[b]).norm(), 0.89);
+  }
+  EXPECT_THROW(starts_beside(caster, {1, 1}, 40, 0.4), std::runtime_error);
+}
+
+TEST(ExplorationRun, ARobotExploresBothRoomsByItselfAndTouchesNothing) {
+  ExplorationRunOptions options;
+  options.max_s = 300;
+  const ExplorationScore score = explore(two_rooms(1), 1, options);
+  EXPECT_GE(score.share, 0.99);
+  EXPECT_GT(score.found_s, 0);
+  EXPECT_EQ(score.touched_walls, 0U);
+  EXPECT_LT(score.way_m, 40);
+}
+
+TEST(ExplorationRun, TheSameRunIsTheSameToTheLastBit) {
+  ExplorationRunOptions options;
+  options.robots = 2;
+  options.max_s = 40;
+  const ExplorationScore once = explore(two_rooms(2), 3, options), again = explore(two_rooms(2), 3, options);
+  EXPECT_EQ(once.way_m, again.way_m);
+  EXPECT_EQ(once.share, again.share);
+}
+
+}  // namespace
+}  // namespace isthmus

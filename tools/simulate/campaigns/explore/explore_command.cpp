@@ -1,0 +1,121 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/output/grid/picture.hpp"
+#include "server/output/tables/islands.hpp"
+#include "server/program/finite_number.hpp"
+#include "tools/simulate/campaigns/command.hpp"
+#include "tools/simulate/live/exploration_run.hpp"
+
+namespace isthmus {
+namespace {
+
+struct Arguments : CampaignRuns {
+  std::vector<std::size_t> robots = {1, 2, 4};
+  bool nearest = false;
+  bool both = false;
+  std::string pictures;
+  double picture_s = 60;
+  ExplorationRunOptions run;
+};
+
+void print_header() {
+  std::printf("%-20s %2s %-7s %6s %6s %7s %7s %7s %7s %3s %5s %6s %5s %5s %6s %7s\n", "", "n", "sharing",
+              "m2", "share", "99% s", "99% m", "end s", "way m", "isl", "walls", "robots", "makes", "goals",
+              "vain", "plan ms");
+}
+
+void print(const std::string& what, std::size_t robots, Sharing sharing, const ExplorationScore& s) {
+  std::printf("%-20s %2zu %-7s %6.0f %6.4f %7.0f %7.0f %7.0f %7.0f %3zu %5zu %6zu %5zu %5zu %6zu %7.0f%s\n",
+              what.c_str(), robots, sharing == Sharing::routes ? "routes" : "nearest", s.reachable_m2,
+              s.share, s.found_s, s.found_way_m, s.end_s, s.way_m, s.islands, s.touched_walls,
+              s.touched_robots, s.back_offs, s.goals, s.goals_given_up, s.plan_cpu_ms,
+              s.given_up ? "  out of time" : "");
+  std::fflush(stdout);
+}
+
+/// The largest island with frontiers as dots, and lines from robots to their goals.
+void draw(const ExplorationView& view, const std::string& path) {
+  const RankedIslands islands = rank_islands(view.planner.map());
+  if (islands.patches.empty()) return;
+  Picture picture(render_island(view.planner.map(), islands.patches[0]));
+  const IslandId island = view.planner.map().graph.island(islands.patches[0].front());
+  for (std::size_t robot = 0; const auto& [name, explorer] : view.team) {
+    if (view.planner.map().graph.island(explorer.pose.patch) == island) {
+      const Eigen::Vector2d at = position(view.planner.project(explorer.pose));
+      picture.dot(at, robot);
+      if (explorer.goal) {
+        const Eigen::Vector2d goal = position(view.planner.project(*explorer.goal));
+        picture.line(at, goal, robot);
+        picture.dot(goal, robot);
+      }
+    }
+    ++robot;
+  }
+  picture.scale_bar();
+  picture.write(path);
+}
+
+void explore_once(const Arguments& arguments, const std::string& name, std::uint64_t seed, std::size_t robots,
+                  Sharing sharing) {
+  const Scenario scenario = arguments.load(name, seed);
+  ExplorationRunOptions options = arguments.run;
+  options.robots = robots;
+  options.exploration.sharing = sharing;
+  const std::string what = name + "-" + std::to_string(seed);
+  double next_s = 0;
+  const auto watch = [&](const ExplorationView& view) {
+    if (view.time_s < next_s) return;
+    next_s = view.time_s + arguments.picture_s;
+    char file[96];
+    std::snprintf(file, sizeof file, "/%s-%zu-%s-%05.0f.png", what.c_str(), robots,
+                  sharing == Sharing::routes ? "routes" : "nearest", view.time_s);
+    draw(view, arguments.pictures + file);
+  };
+  print(what, robots, sharing,
+        explore(scenario, seed, options, arguments.pictures.empty() ? WatchExploration{} : watch));
+}
+
+void explore_campaign(const Arguments& arguments) {
+  print_header();
+  for (const std::string& name : arguments.scenarios)
+    for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed)
+      for (const std::size_t robots : arguments.robots)
+        for (const Sharing sharing : {Sharing::routes, Sharing::nearest})
+          if (arguments.both || (sharing == Sharing::nearest) == arguments.nearest)
+            explore_once(arguments, name, seed, robots, sharing);
+}
+
+}  // namespace
+
+void add_explore_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  arguments->seeds = 1;
+  CLI::App* explore = app.add_subcommand(
+      "explore",
+      "Lets robots explore simulated buildings by themselves, by the goals and paths of the map that they\n"
+      "make, and tells what they found, how long it took, how far they drove, and what they touched.");
+  arguments->add_scenarios(*explore);
+  arguments->add_runs(*explore);
+  explore->add_option("--robots", arguments->robots, "of the scenario's, side by side; several numbers")
+      ->check(CLI::PositiveNumber)
+      ->allow_extra_args(false);
+  explore->add_flag("--nearest", arguments->nearest, "instead: each to the frontier nearest to it");
+  explore->add_flag("--both", arguments->both, "both ways, one after the other");
+  explore->add_option("--clearance", arguments->run.clearance_m, "from walls, m")
+      ->check(finite_number & CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  explore->add_option("--max-time", arguments->run.max_s, "a run is given up then, s")
+      ->check(finite_number & CLI::PositiveNumber)
+      ->capture_default_str();
+  explore->add_option("--pictures", arguments->pictures, "directory for pictures of each run");
+  explore->add_option("--picture-time", arguments->picture_s, "between pictures, s")
+      ->check(finite_number & CLI::PositiveNumber)
+      ->capture_default_str();
+  explore->callback([arguments] { explore_campaign(*arguments); });
+}
+
+}  // namespace isthmus
