@@ -231,11 +231,10 @@ bool Trial::scans_disagree() const {
 }
 
 // By how much of the building matches: what only looks alike does so over so much more seldom. Where it is
-// known to look alike along the way, the way has been counted already, to tell the places apart.
+// known to look alike along the way, the way tells the places apart that the map has, and nothing of one that
+// it does not have yet.
 double Trial::shared_log_odds(const SharedPart& shared) const {
-  const double probability = options_.answers_along_way.min_probability;
-  const double by_way = proposal_.one_of_several ? std::log(probability / (1 - probability))
-                                                 : options_.trial.log_odds_per_way_m * shared.way_m;
+  const double by_way = proposal_.one_of_several ? 0 : options_.trial.log_odds_per_way_m * shared.way_m;
   return by_way + options_.trial.log_odds_per_width_m * shared.width_m;
 }
 
