@@ -60,7 +60,7 @@ std::optional<LinearMeasurement> measure_robot(const FeatureState& state, const 
   const double range = offset.norm();
   if (!(range > 1e-3)) return std::nullopt;
   LinearMeasurement measurement;
-  measurement.residual = LocalVector(2);
+  measurement.residual.resize(2);
   measurement.residual << sighting.range_m - range,
       wrap_angle(sighting.bearing_rad - std::atan2(offset.y(), offset.x()) + observer.map_from_robot.yaw);
   measurement.noise = LocalMatrix::Zero(2, 2);
