@@ -1,11 +1,9 @@
 #include "server/output/output.hpp"
 
-#include <utility>
-
 #include "server/output/format/atomic_file.hpp"
 #include "server/output/grid/grid.hpp"
 #include "server/output/grid/grid_files.hpp"
-#include "server/output/grid/picture.hpp"
+#include "server/output/pictures/map_pictures.hpp"
 #include "server/output/report.hpp"
 #include "server/output/stale.hpp"
 #include "server/output/tables/graph_g2o.hpp"
@@ -16,24 +14,15 @@
 namespace isthmus {
 namespace {
 
-/// Pictures that are drawn at once, in pixels, however many islands there are: each time the whole trajectory
-/// is read.
-constexpr std::size_t max_pixels = 64'000'000;
-
 void write_grids(const MapCopy& map, const RankedIslands& islands, const std::string& directory,
                  double resolution_m) {
-  std::vector<Picture> pictures;
-  std::size_t pixels = 0;
+  MapPictures pictures(map, islands, directory);
   for (std::size_t k = 0; k < islands.patches.size(); ++k) {
     const OccupancyGrid grid = render_island(map, islands.patches[k], resolution_m);
     write_grid(grid, directory + "/island-" + std::to_string(k));
-    pictures.emplace_back(grid);
-    pixels += grid.pixels.size();
-    if (pixels < max_pixels && k + 1 < islands.patches.size()) continue;
-    const std::size_t first = k + 1 - pictures.size();
-    write_pictures(map, islands, first, std::exchange(pictures, {}), directory);
-    pixels = 0;
+    pictures.add(k, grid);
   }
+  pictures.finish();
 }
 
 }  // namespace

@@ -106,6 +106,10 @@ std::vector<std::uint8_t> render_cells(std::span<const PlacedPatch> placed, cons
   return pixels;
 }
 
+MapBox island_box(const MapCopy& map, const std::vector<PatchId>& island_patches) {
+  return bounds_of(place(map, island_patches));
+}
+
 OccupancyGrid render_island(const MapCopy& map, const std::vector<PatchId>& island_patches,
                             double resolution_m, std::size_t max_pixels) {
   const std::vector<PlacedPatch> placed = place(map, island_patches);

@@ -52,6 +52,10 @@ MapBox box_on_grid(const PlacedPatch& placed);
 /// The cells of a lattice row by row from the top, as `render_island` has them; patches may reach beyond it.
 std::vector<std::uint8_t> render_cells(std::span<const PlacedPatch> placed, const Lattice& lattice);
 
+/// What a grid of an island covers, but for the cells around it: all that its patches leave; a point where
+/// they leave nothing.
+MapBox island_box(const MapCopy& map, const std::vector<PatchId>& island_patches);
+
 /// Renders one island from its patches, at their poses in the map copy. Free is what the free space of some
 /// patch covers, by the very polygons of the patches; occupied is what scans hit, unless clearly contradicted
 /// by other patches' free space. Fixed tags leave no trace. The grid is bounded to `max_pixels` by coarsening

@@ -10,8 +10,8 @@
 #include <sstream>
 
 #include "server/output/format/atomic_file.hpp"
-#include "server/output/grid/picture.hpp"
 #include "server/output/output.hpp"
+#include "server/output/pictures/map_pictures.hpp"
 #include "tests/unit/output/room.hpp"
 
 namespace isthmus {
@@ -56,18 +56,19 @@ Pgm read_pgm(const std::string& file) {
 TEST(WriteOutputs, EveryFileIsThereAndNoOther) {
   const TemporaryDirectory directory;
   write_outputs(room(), {}, directory.file("new/out"));
-  EXPECT_EQ(names_in(directory.file("new/out")),
-            (std::set<std::string>{"graph.g2o", "island-0-trajectory.png", "island-0.pgm", "island-0.png",
-                                   "island-0.yaml", "patches.csv", "relations.csv", "report.json",
-                                   "robots.csv", "sightings.csv", "tags.csv", "trajectories/R1.tum"}));
+  EXPECT_EQ(
+      names_in(directory.file("new/out")),
+      (std::set<std::string>{"graph.g2o", "island-0-trajectory.png", "island-0.pgm", "island-0.png",
+                             "island-0.yaml", "overview.png", "patches.csv", "relations.csv", "report.json",
+                             "robots.csv", "sightings.csv", "tags.csv", "trajectories/R1.tum"}));
 }
 
 TEST(WriteOutputs, AnEmptyMapIsWrittenToo) {
   const TemporaryDirectory directory;
   write_outputs(MapCopy{}, {}, directory.path());
   EXPECT_EQ(names_in(directory.path()),
-            (std::set<std::string>{"graph.g2o", "patches.csv", "relations.csv", "report.json", "robots.csv",
-                                   "sightings.csv", "tags.csv"}));
+            (std::set<std::string>{"graph.g2o", "overview.png", "patches.csv", "relations.csv", "report.json",
+                                   "robots.csv", "sightings.csv", "tags.csv"}));
 }
 
 TEST(WriteOutputs, TheGridReadsBackAsMapServerReadsIt) {
@@ -96,21 +97,19 @@ TEST(WriteOutputs, TheGridReadsBackAsMapServerReadsIt) {
   EXPECT_EQ(std::set<char>(pgm.pixels.begin(), pgm.pixels.end()).size(), 3u);
 }
 
-TEST(WriteOutputs, PicturesAreOfTheGridsSize) {
+TEST(WriteOutputs, ThePictureForMapServerIsOfTheGridsSize) {
   const TemporaryDirectory directory;
   write_outputs(room(), {}, directory.path());
   const Pgm pgm = read_pgm(directory.file("island-0.pgm"));
-  for (const char* name : {"island-0.png", "island-0-trajectory.png"}) {
-    const std::string png = content(directory.file(name));
-    ASSERT_EQ(png.substr(1, 3), "PNG");
-    const auto big_endian = [&](std::size_t at) {
-      int value = 0;
-      for (std::size_t i = at; i < at + 4; ++i) value = value * 256 + static_cast<unsigned char>(png[i]);
-      return value;
-    };
-    EXPECT_EQ(big_endian(16), pgm.width);
-    EXPECT_EQ(big_endian(20), pgm.height);
-  }
+  const std::string png = content(directory.file("island-0.png"));
+  ASSERT_EQ(png.substr(1, 3), "PNG");
+  const auto big_endian = [&](std::size_t at) {
+    int value = 0;
+    for (std::size_t i = at; i < at + 4; ++i) value = value * 256 + static_cast<unsigned char>(png[i]);
+    return value;
+  };
+  EXPECT_EQ(big_endian(16), pgm.width);
+  EXPECT_EQ(big_endian(20), pgm.height);
 }
 
 // However many islands there are, only some are held at once.
@@ -120,12 +119,15 @@ TEST(WriteOutputs, PicturesDrawnSomeAtATimeAreAsThoseDrawnTogether) {
   map.graph.remove(map.graph.between(PatchId{0}, PatchId{1}).front());
   const RankedIslands islands = rank_islands(map);
   ASSERT_EQ(islands.patches.size(), 2U);
-  const auto picture = [&](std::size_t k) { return Picture(render_island(map, islands.patches[k], 0.05)); };
-  make_directory(directory.file("together"));
-  make_directory(directory.file("apart"));
-  write_pictures(map, islands, 0, {picture(0), picture(1)}, directory.file("together"));
-  for (const std::size_t k : {0U, 1U}) write_pictures(map, islands, k, {picture(k)}, directory.file("apart"));
-  for (const std::string name : {"island-0-trajectory.png", "island-1-trajectory.png"})
+  const auto draw = [&](const std::string& where, std::size_t max_waiting_pixels) {
+    make_directory(directory.file(where));
+    MapPictures pictures(map, islands, directory.file(where), max_waiting_pixels);
+    for (const std::size_t k : {0U, 1U}) pictures.add(k, render_island(map, islands.patches[k], 0.05));
+    pictures.finish();
+  };
+  draw("together", 24'000'000);
+  draw("apart", 0);
+  for (const std::string name : {"island-0-trajectory.png", "island-1-trajectory.png", "overview.png"})
     EXPECT_EQ(content(directory.file("together/" + name)), content(directory.file("apart/" + name))) << name;
   EXPECT_NE(content(directory.file("apart/island-0-trajectory.png")),
             content(directory.file("apart/island-1-trajectory.png")));

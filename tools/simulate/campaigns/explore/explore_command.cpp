@@ -1,10 +1,13 @@
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "server/output/grid/picture.hpp"
+#include "server/output/format/number.hpp"
+#include "server/output/pictures/map_sheet.hpp"
+#include "server/output/pictures/marks.hpp"
 #include "server/output/tables/islands.hpp"
 #include "server/program/finite_number.hpp"
 #include "tools/simulate/campaigns/command.hpp"
@@ -37,26 +40,32 @@ void print(const std::string& what, std::size_t robots, Sharing sharing, const E
   std::fflush(stdout);
 }
 
-/// The largest island with frontiers as dots, and lines from robots to their goals.
+SheetText text_of(const ExplorationView& view) {
+  return {"Island 0", "exploration after " + fixed(view.time_s, 0) + " s: robots, and lines to their goals"};
+}
+
+/// The largest island, each robot there with its heading and a line to its goal.
 void draw(const ExplorationView& view, const std::string& path) {
   const RankedIslands islands = rank_islands(view.planner.map());
   if (islands.patches.empty()) return;
-  Picture picture(render_island(view.planner.map(), islands.patches[0]));
   const IslandId island = view.planner.map().graph.island(islands.patches[0].front());
+  Legend legend;
+  for (const auto& [name, explorer] : view.team) legend.push_back(way_entry(name, way_style(legend.size())));
+  MapSheet sheet(render_island(view.planner.map(), islands.patches[0]), text_of(view), legend);
   for (std::size_t robot = 0; const auto& [name, explorer] : view.team) {
-    if (view.planner.map().graph.island(explorer.pose.patch) == island) {
-      const Eigen::Vector2d at = position(view.planner.project(explorer.pose));
-      picture.dot(at, robot);
-      if (explorer.goal) {
-        const Eigen::Vector2d goal = position(view.planner.project(*explorer.goal));
-        picture.line(at, goal, robot);
-        picture.dot(goal, robot);
-      }
+    const WayStyle style = way_style(robot++);
+    if (view.planner.map().graph.island(explorer.pose.patch) != island) continue;
+    const Pose at = view.planner.project(explorer.pose);
+    if (explorer.goal) {
+      const Eigen::Vector2d goal = position(view.planner.project(*explorer.goal));
+      sheet.canvas().line(
+          std::array{sheet.window().pixels(position(at)), sheet.window().pixels(goal)},
+          {.colour = style.colour, .width_px = way_line_px(sheet.window().em), .dashes = style.dashes});
+      draw_patch(sheet.canvas(), sheet.window(), goal, style.colour);
     }
-    ++robot;
+    draw_end(sheet.canvas(), sheet.window(), at, style);
   }
-  picture.scale_bar();
-  picture.write(path);
+  sheet.write(path);
 }
 
 void explore_once(const Arguments& arguments, const std::string& name, std::uint64_t seed, std::size_t robots,

@@ -6,7 +6,8 @@
 #include <optional>
 
 #include "server/engine/engine.hpp"
-#include "server/output/grid/picture.hpp"
+#include "server/output/pictures/map_sheet.hpp"
+#include "server/output/pictures/marks.hpp"
 #include "server/output/tables/islands.hpp"
 #include "server/paths/frontiers.hpp"
 #include "server/paths/relative_pose.hpp"
@@ -20,6 +21,15 @@ namespace {
 constexpr std::size_t goals_of_a_start = 25;
 constexpr std::size_t drawn_paths = 8;
 constexpr double asked_ratio = 1.05;
+
+/// Frontiers have a colour of their own, which no path has.
+WayStyle frontier_style() { return way_style(1); }
+WayStyle path_style(std::size_t path) { return way_style(path == 0 ? 0 : path + 1); }
+
+Legend paths_legend() {
+  return {way_entry("frontier, and from where it is best seen", frontier_style()),
+          way_entry("path", path_style(0)), way_entry("next path, and so on", path_style(1))};
+}
 
 double cpu_now_ms() {
   timespec now{};
@@ -50,7 +60,7 @@ class PathTrial {
         island_(rank_islands(*map).patches.at(0)),
         grid_(render_island(*map, island_, ground_cell_m)),
         optimum_(grid_, footprint),
-        picture_(grid_) {
+        picture_(grid_, {"Paths", "the first from each of some starts, and frontiers"}, paths_legend()) {
     const double begin = cpu_now_ms();
     planner_.update(std::move(map));
     const double kept = cpu_now_ms();
@@ -84,15 +94,28 @@ class PathTrial {
   }
   /// The first paths from each start, and frontiers as lines from where they are best seen.
   void draw(const std::string& path) {
+    Canvas& canvas = picture_.canvas();
+    const MapWindow& window = picture_.window();
+    canvas.clip(window.box);
     for (const Frontier& frontier : find_frontiers(*roadmap_, -1)) {
       const Ground& ground = roadmap_->ground();
-      picture_.dot(frontier.middle, 1);
-      if (frontier.viewpoint >= 0) picture_.line(ground.centre(frontier.viewpoint), frontier.middle, 1);
+      draw_patch(canvas, window, frontier.middle, frontier_style().colour);
+      if (frontier.viewpoint >= 0)
+        draw_line({ground.centre(frontier.viewpoint), frontier.middle}, frontier_style());
     }
+    for (std::size_t i = 0; i < drawn_.size(); ++i) draw_line(drawn_[i], path_style(i));
+    canvas.unclip();
     picture_.write(path);
   }
 
  private:
+  void draw_line(std::vector<Eigen::Vector2d> map_points, const WayStyle& style) {
+    for (Eigen::Vector2d& point : map_points) point = picture_.window().pixels(point);
+    picture_.canvas().line(
+        map_points,
+        {.colour = style.colour, .width_px = way_line_px(picture_.window().em), .dashes = style.dashes});
+  }
+
   Cell place(Random& random) const { return optimum_.room().at(random.index(optimum_.room().size())); }
 
   std::optional<ManifoldPose> pose_of(const Cell& cell) const {
@@ -138,22 +161,21 @@ class PathTrial {
       score_.worst_ratio = std::max(score_.worst_ratio, ratio);
       score_.too_long += ratio > asked_ratio;
     }
-    if (score_.pairs % goals_of_a_start == 1 && drawn_++ < drawn_paths)
-      for (std::size_t i = 1; i < way.size(); ++i) picture_.line(way[i - 1], way[i], drawn_);
+    if (score_.pairs % goals_of_a_start == 1 && drawn_.size() < drawn_paths) drawn_.push_back(way);
   }
 
   Footprint footprint_;
   std::vector<PatchId> island_;
   OccupancyGrid grid_;
   GridOptimum optimum_;
-  Picture picture_;
+  MapSheet picture_;
   Planner planner_;
   std::shared_ptr<const Roadmap> roadmap_;
   Cell start_;
   PathScore score_;
   std::vector<double> times_ms_;
   std::size_t judged_ = 0;
-  std::size_t drawn_ = 0;
+  std::vector<std::vector<Eigen::Vector2d>> drawn_;
 };
 
 MapCopy map_until(const SimulatedRun& run, double until_s) {
