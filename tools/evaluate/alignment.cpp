@@ -34,7 +34,8 @@ std::map<int, PairsByRobot> pair_up(const std::map<std::string, Trajectory>& tru
         ++missing[robot];
       } else if (trajectory.nearest(estimate->utime, std::abs(estimate->utime - row.utime))->utime ==
                  row.utime) {
-        by_island[estimate->island][robot].push_back({row.map_from_robot, estimate->map_from_robot});
+        by_island[estimate->island][robot].push_back(
+            {row.map_from_robot, estimate->map_from_robot, row.utime});
       }
     }
   }
@@ -47,6 +48,7 @@ IslandErrors errors_of_island(int island, const PairsByRobot& by_robot, const Ta
   IslandErrors errors;
   errors.island = island;
   errors.truth_from_map = align(all);
+  errors.pairs = by_robot;
   errors.team = errors_of(all, errors.truth_from_map);
   for (const auto& [robot, pairs] : by_robot) errors.robots[robot] = errors_of(pairs, errors.truth_from_map);
   std::vector<double> distances_m;

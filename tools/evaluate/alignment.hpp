@@ -15,6 +15,7 @@ namespace isthmus {
 struct PosePair {
   Pose truth_from_robot;
   Pose map_from_robot;
+  std::int64_t utime = 0;  ///< of the truth
 };
 
 /// truth_from_map: the rigid motion of least squared distance between positions (Umeyama, PAMI 13, 1991, in
@@ -36,7 +37,8 @@ struct IslandErrors {
   std::map<std::string, PoseErrors> robots;
   PoseErrors team;  ///< of all robots' poses together
   Statistics tag_translation_m;
-  std::size_t tags = 0;  ///< compared
+  std::size_t tags = 0;                                ///< compared
+  std::map<std::string, std::vector<PosePair>> pairs;  ///< what was compared, by robot
 };
 
 /// What a team's map is worth against the truth.

@@ -6,7 +6,9 @@
 
 #include "server/engine/input/robot_name.hpp"
 #include "server/program/command_line.hpp"
+#include "server/program/new_output.hpp"
 #include "server/program/spelling.hpp"
+#include "tools/evaluate/error_pictures.hpp"
 #include "tools/evaluate/failure.hpp"
 
 namespace {
@@ -19,8 +21,10 @@ struct Arguments {
   std::string output;
   std::string robot;
   std::string g2o;
+  std::string pictures;
   LandmarkArguments landmarks;
   bool json = false;
+  bool force = false;
 };
 
 bool ends_with(const std::string& text, const std::string& end) {
@@ -58,6 +62,39 @@ TagsToCompare read_tags(const Arguments& arguments) {
   tags.truth = read_true_tags(truth);
   if (std::filesystem::exists(placed)) tags.map = read_placed_tags(placed);
   return tags;
+}
+
+std::vector<TrueWall> read_walls(const std::string& truth) {
+  const std::string file = truth + "/floor_plan.csv";
+  return std::filesystem::exists(file) ? read_floor_plan(file) : std::vector<TrueWall>{};
+}
+
+/// Those of an earlier evaluation stay, unless --force is given.
+void check_no_pictures(const Arguments& arguments) {
+  for (const char* name : {"errors", "relation-errors"})
+    check_new_file(arguments.pictures + "/island-0-" + name + ".png", arguments.force);
+}
+
+/// Of poses where there is their truth, else of relations.
+void draw(const Arguments& arguments, const Evaluation& evaluation) {
+  ErrorPictures pictures;
+  pictures.output = arguments.output;
+  if (evaluation.absolute) {
+    pictures.name = "errors";
+    pictures.what = "positions";
+    pictures.errors = errors_of_poses(*evaluation.absolute);
+    pictures.walls = read_walls(arguments.truth);
+    for (const IslandErrors& island : evaluation.absolute->islands)
+      pictures.truth_from_map[island.island] = island.truth_from_map;
+    write_error_pictures(pictures, arguments.pictures);
+  }
+  if (arguments.relations.empty()) return;
+  const TeamTrajectories team(arguments.output);
+  pictures.name = "relation-errors";
+  pictures.what = "relations";
+  pictures.joined = false;
+  pictures.errors = errors_of_relations(read_relations(arguments, team), team);
+  write_error_pictures(pictures, arguments.pictures);
 }
 
 Evaluation evaluate(const Arguments& arguments) {
@@ -112,14 +149,24 @@ int main(int argc, char** argv) {
   app.add_option("--robot", arguments.robot, "the robot that the relations are of, if the map has several");
   auto* g2o = app.add_option("--g2o", arguments.g2o, "a pose graph to fit in one batch, plain or gz");
   auto* landmarks = add_landmarks(app, arguments.landmarks);
+  auto* pictures =
+      app.add_option("--pictures", arguments.pictures,
+                     "directory for pictures of each island: where the map is off and by how much, over "
+                     "the true floor plan where the truth has one, and errors over time")
+          ->type_name("DIR")
+          ->needs(output);
   app.add_flag("--json", arguments.json, "print JSON");
+  add_force(app, arguments.force);
   relations->needs(output);
   truth->needs(output);
   return run_program(app, argc, argv, [&] {
     if (!*relations && !*truth && !*g2o && !*landmarks)
       throw CLI::RequiredError("--relations, --truth, --g2o or --landmarks");
+    if (*pictures && !*relations && !*truth) throw CLI::RequiredError("--relations or --truth");
+    if (*pictures) check_no_pictures(arguments);
     const Evaluation evaluation = evaluate(arguments);
     std::fputs((arguments.json ? to_json(evaluation) : to_text(evaluation)).c_str(), stdout);
+    if (*pictures) draw(arguments, evaluation);
     if (const std::string failure = failure_of(evaluation); !failure.empty())
       throw std::runtime_error(failure);
   });

@@ -21,16 +21,13 @@ struct Samples {
 };
 
 void compare(const TrueRelation& truth, const TeamTrajectories& team, Samples& samples) {
-  const auto pose1 = team.pose(truth.robot1, truth.utime1);
-  const auto pose2 = team.pose(truth.robot2, truth.utime2);
-  if (!pose1 || !pose2 || pose1->island != pose2->island) {
+  const std::optional<Pose> error = relation_error(truth, team);
+  if (!error) {
     ++samples.missing;
     return;
   }
-  const Pose from_1_to_2 = ominus(pose2->map_from_robot, pose1->map_from_robot);
-  samples.translation_m.push_back(
-      std::hypot(from_1_to_2.x - truth.from_1_to_2.x, from_1_to_2.y - truth.from_1_to_2.y));
-  samples.rotation_deg.push_back(std::abs(wrap_angle(from_1_to_2.yaw - truth.from_1_to_2.yaw)) * degrees);
+  samples.translation_m.push_back(std::hypot(error->x, error->y));
+  samples.rotation_deg.push_back(std::abs(error->yaw) * degrees);
 }
 
 std::vector<double> squared(std::vector<double> values) {
@@ -94,6 +91,15 @@ Statistics statistics(std::vector<double> values) {
   result.median = values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
   result.max = values.back();
   return result;
+}
+
+std::optional<Pose> relation_error(const TrueRelation& truth, const TeamTrajectories& team) {
+  const auto pose1 = team.pose(truth.robot1, truth.utime1);
+  const auto pose2 = team.pose(truth.robot2, truth.utime2);
+  if (!pose1 || !pose2 || pose1->island != pose2->island) return std::nullopt;
+  const Pose from_1_to_2 = ominus(pose2->map_from_robot, pose1->map_from_robot);
+  return Pose{from_1_to_2.x - truth.from_1_to_2.x, from_1_to_2.y - truth.from_1_to_2.y,
+              wrap_angle(from_1_to_2.yaw - truth.from_1_to_2.yaw)};
 }
 
 std::map<std::string, RelationErrors> evaluate_relations(const std::vector<TrueRelation>& relations,

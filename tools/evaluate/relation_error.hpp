@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,10 @@ struct RelationErrors {
   Statistics squared_translation_m2;
   Statistics squared_rotation_deg2;
 };
+
+/// By how much the map's relative pose is off, component by component; nothing where it has none: no pose
+/// within 0.1 s, or the two are not on one island.
+std::optional<Pose> relation_error(const TrueRelation& truth, const TeamTrajectories& team);
 
 /// The metric of Kümmerle et al. (Autonomous Robots 27, 2009): the component-wise difference of the relative
 /// pose in the trajectories and the true one, as absolute translational and rotational error. By kind.

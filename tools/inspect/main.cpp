@@ -2,15 +2,20 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <vector>
 
+#include "server/output/grid/grid_files.hpp"
 #include "server/output/report.hpp"
 #include "server/program/command_line.hpp"
+#include "server/program/new_output.hpp"
+#include "tools/inspect/confidence_picture.hpp"
 #include "tools/inspect/confidence_text.hpp"
 #include "tools/inspect/overview.hpp"
 #include "tools/inspect/pose_graph.hpp"
 #include "tools/replay/read_map.hpp"
+#include "tools/text/csv.hpp"
 #include "tools/text/progress.hpp"
 
 namespace {
@@ -21,6 +26,8 @@ struct Arguments {
   std::string path;
   std::string config_file;
   std::vector<std::int32_t> confidence;
+  std::string picture;
+  bool force = false;
 };
 
 std::string read_text(const std::string& file) {
@@ -42,22 +49,61 @@ ReplayResult replayed(const Arguments& arguments) {
   return read_map(arguments.path, options);
 }
 
-std::string confidence(const Arguments& arguments, const RelationGraph& graph, std::span<const Pose> poses) {
-  return confidence_text(graph, poses, PatchId{arguments.confidence[0]}, PatchId{arguments.confidence[1]});
+PatchId first(const Arguments& arguments) { return PatchId{arguments.confidence[0]}; }
+PatchId second(const Arguments& arguments) { return PatchId{arguments.confidence[1]}; }
+
+/// The island of a patch as patches.csv lists it: its patches, and K.
+struct ListedIsland {
+  int rank = -1;
+  std::vector<PatchId> patches;
+};
+ListedIsland island_of(const std::string& directory, PatchId patch) {
+  std::map<int, std::vector<PatchId>> islands;
+  ListedIsland found;
+  CsvReader csv(directory + "/patches.csv");
+  while (csv.next()) {
+    const int rank = static_cast<int>(csv.integer("island"));
+    islands[rank].push_back(PatchId{static_cast<std::int32_t>(csv.integer("id"))});
+    if (islands[rank].back() == patch) found.rank = rank;
+  }
+  if (found.rank >= 0) found.patches = islands[found.rank];
+  return found;
+}
+
+std::string confidence_on_disk(const Arguments& arguments) {
+  const PoseGraph map = read_pose_graph(arguments.path + "/graph.g2o");
+  const std::string text = confidence_text(map.graph, map.poses, first(arguments), second(arguments));
+  if (arguments.picture.empty()) return text;
+  const ListedIsland island = island_of(arguments.path, first(arguments));
+  const OccupancyGrid grid = read_grid(arguments.path + "/island-" + std::to_string(island.rank));
+  write_confidence_picture({map.graph, map.poses, island.patches, grid}, first(arguments), second(arguments),
+                           arguments.picture);
+  return text;
+}
+
+std::string confidence(const Arguments& arguments, const MapCopy& map) {
+  const std::string text = confidence_text(map.graph, map.poses, first(arguments), second(arguments));
+  const RankedIslands islands = rank_islands(map);
+  const int k = islands.rank(first(arguments));
+  if (arguments.picture.empty() || k < 0) return text;
+  const std::vector<PatchId>& patches = islands.patches[static_cast<std::size_t>(k)];
+  write_confidence_picture({map.graph, map.poses, patches, render_island(map, patches)}, first(arguments),
+                           second(arguments), arguments.picture);
+  return text;
 }
 
 /// An output directory is read as it is; of anything else the map is made.
 std::string inspect(const Arguments& arguments) {
+  if (!arguments.picture.empty()) check_new_file(arguments.picture, arguments.force);
   const std::string report = arguments.path + "/report.json";
   if (std::filesystem::exists(report)) {
     if (arguments.confidence.empty())
       return overview(read_text(report), read_meeting_counts(arguments.path), report);
-    const PoseGraph map = read_pose_graph(arguments.path + "/graph.g2o");
-    return confidence(arguments, map.graph, map.poses);
+    return confidence_on_disk(arguments);
   }
   const ReplayResult result = replayed(arguments);
   const MapCopy map = result.engine.copy();
-  if (!arguments.confidence.empty()) return confidence(arguments, map.graph, map.poses);
+  if (!arguments.confidence.empty()) return confidence(arguments, map);
   return overview(report_json(map, rank_islands(map), result.cost), count_meetings(map), arguments.path);
 }
 
@@ -70,9 +116,15 @@ int main(int argc, char** argv) {
   app.add_option("path", arguments.path,
                  "an output directory, a snapshot, a journal directory, or an LCM log (replayed)")
       ->required();
-  app.add_option("--confidence", arguments.confidence,
-                 "A B: how well patch B is determined with respect to patch A (ids as in patches.csv)")
-      ->expected(2);
+  auto* confidence =
+      app.add_option("--confidence", arguments.confidence,
+                     "A B: how well patch B is determined with respect to patch A (ids as in patches.csv)")
+          ->expected(2);
+  app.add_option("--picture", arguments.picture,
+                 "PNG to write: the island with the ellipses in which patches lie with 95 %, relative to A")
+      ->type_name("FILE")
+      ->needs(confidence);
+  add_force(app, arguments.force);
   app.add_option("--config", arguments.config_file, "TOML configuration, instead of the journal's own");
   return run_program(app, argc, argv, [&] { std::fputs(inspect(arguments).c_str(), stdout); });
 }

@@ -7,10 +7,10 @@
 namespace isthmus {
 namespace {
 
-std::string encode(png_image& image, const std::vector<std::uint8_t>& pixels, const void* colour_map) {
+std::string encode(png_image& image, const std::vector<std::uint8_t>& pixels) {
   std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
   png_alloc_size_t size = bytes.size();
-  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, colour_map) == 0) {
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
     const std::string reason = image.message;
     png_image_free(&image);
     throw std::runtime_error("cannot be encoded as PNG: " + reason);
@@ -32,14 +32,7 @@ png_image image_of(int width, int height, png_uint_32 format) {
 
 std::string grey_png(int width, int height, const std::vector<std::uint8_t>& pixels) {
   png_image image = image_of(width, height, PNG_FORMAT_GRAY);
-  return encode(image, pixels, nullptr);
-}
-
-std::string palette_png(int width, int height, const std::vector<std::uint8_t>& pixels,
-                        const std::vector<Rgb>& palette) {
-  png_image image = image_of(width, height, PNG_FORMAT_RGB_COLORMAP);
-  image.colormap_entries = static_cast<png_uint_32>(palette.size());
-  return encode(image, pixels, palette.data());
+  return encode(image, pixels);
 }
 
 }  // namespace isthmus

@@ -1,6 +1,10 @@
 #include "server/output/grid/grid_files.hpp"
 
+#include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
 
 #include "server/output/format/atomic_file.hpp"
 #include "server/output/format/number.hpp"
@@ -37,7 +41,53 @@ std::string yaml(const OccupancyGrid& grid, const std::string& image) {
          "free_thresh: 0.196\n";
 }
 
+std::string read_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << stream.rdbuf();
+  if (!stream) throw std::runtime_error(path + ": cannot be read");
+  return bytes.str();
+}
+
+/// The text after `key` at the beginning of a line.
+std::istringstream after_key(const std::string& text, const std::string& key, const std::string& path) {
+  const std::size_t at = ("\n" + text).find("\n" + key);
+  if (at == std::string::npos) throw std::runtime_error(path + ": has no " + key);
+  return std::istringstream(text.substr(at + key.size()));
+}
+
+void read_pgm(const std::string& path, OccupancyGrid& grid) {
+  const std::string bytes = read_file(path);
+  std::istringstream header(bytes);
+  std::string magic;
+  int most = 0;
+  header >> magic >> grid.width >> grid.height >> most;
+  constexpr int max_side = 100'000;
+  const bool good = header && magic == "P5" && most == 255 && grid.width > 0 && grid.height > 0 &&
+                    grid.width <= max_side && grid.height <= max_side;
+  const std::size_t size =
+      good ? static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height) : 0;
+  if (!good || bytes.size() < size + 1 || static_cast<std::size_t>(header.tellg()) + 1 + size != bytes.size())
+    throw std::runtime_error(path + ": is no grid of isthmus");
+  const auto* first = reinterpret_cast<const std::uint8_t*>(bytes.data()) + (bytes.size() - size);
+  grid.pixels.assign(first, first + size);
+}
+
 }  // namespace
+
+OccupancyGrid read_grid(const std::string& stem) {
+  const std::string path = stem + ".yaml", text = read_file(path);
+  OccupancyGrid grid;
+  char bracket = 0, comma = 0;
+  auto resolution = after_key(text, "resolution:", path), origin = after_key(text, "origin:", path);
+  resolution >> grid.resolution_m;
+  origin >> bracket >> grid.origin_x_m >> comma >> grid.origin_y_m;
+  if (!resolution || !origin || bracket != '[' || comma != ',' || !(grid.resolution_m > 0) ||
+      !std::isfinite(grid.origin_x_m) || !std::isfinite(grid.origin_y_m))
+    throw std::runtime_error(path + ": resolution or origin cannot be read");
+  read_pgm(stem + ".pgm", grid);
+  return grid;
+}
 
 void write_grid(const OccupancyGrid& grid, const std::string& stem) {
   write_file(stem + ".pgm", pgm(grid));

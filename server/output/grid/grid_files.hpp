@@ -9,4 +9,7 @@ namespace isthmus {
 /// Writes `stem`.pgm, .yaml and .png, the grid in map_server's convention (mode trinary).
 void write_grid(const OccupancyGrid& grid, const std::string& stem);
 
+/// Reads `stem`.pgm and .yaml as `write_grid` writes them. Throws std::runtime_error naming file and reason.
+OccupancyGrid read_grid(const std::string& stem);
+
 }  // namespace isthmus

@@ -50,7 +50,9 @@ std::vector<PixelBox> legend_boxes(const SheetParts& parts, const SheetLayout& l
   if (!is_low) {
     const auto rows = static_cast<std::size_t>(std::max(
         {parts.map_height / entry, std::min<double>(12, static_cast<double>(parts.legend_entries)), 1.0}));
-    return columns(parts, {layout.map.right + column_gap_em * parts.em, layout.map.top}, rows);
+    return columns(parts,
+                   {std::max(layout.map.right, layout.bar.right) + column_gap_em * parts.em, layout.map.top},
+                   rows);
   }
   const double step = parts.legend_width + column_gap_em * parts.em;
   const double across = std::max(1.0, std::floor((parts.map_width + column_gap_em * parts.em) / step));

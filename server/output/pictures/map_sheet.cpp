@@ -11,7 +11,7 @@ namespace {
 
 /// Lines of text on a picture that is shown in whole are then neither tiny nor huge.
 constexpr double lines_a_side = 85;
-constexpr double least_em = 13, most_em = 24;
+constexpr double least_em = 13, most_em = 32;
 
 constexpr double title_size_em = 1.35;
 constexpr double small_em = 0.9;

@@ -4,10 +4,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "relations/confidence.hpp"
 #include "server/output/tables/tables.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tools/inspect/confidence_picture.hpp"
 #include "tools/inspect/confidence_text.hpp"
 #include "tools/inspect/meeting_counts.hpp"
 #include "tools/inspect/overview.hpp"
@@ -239,6 +241,48 @@ TEST(Confidence, OfAMergedIslandComesFromRangesAndBearings) {
   relate(0, 3, position_only);
   const std::string text = confidence_text(graph_of_two, poses, PatchId{1}, PatchId{2});
   EXPECT_NE(text.find("pose   x 0.0000 m, y 2.0000 m, yaw 57.296 deg"), std::string::npos) << text;
+}
+
+TEST(ConfidencePicture, EllipsesAreEnlargedByARoundNumberUntilTheyAreSeen) {
+  EXPECT_DOUBLE_EQ(enlargement(0.05, 40), 20);  // 2.4 m of 40
+  EXPECT_DOUBLE_EQ(enlargement(3, 40), 1);
+  EXPECT_DOUBLE_EQ(enlargement(100, 40), 1) << "never made smaller";
+  EXPECT_GT(enlargement(0, 40), 1000);
+}
+
+TEST(ConfidencePicture, IsDrawnOfTheIslandsPatches) {
+  const TemporaryDirectory directory;
+  RelationGraph chain;
+  std::vector<Pose> poses;
+  std::vector<PatchId> patches;
+  for (int i = 0; i < 600; ++i) {
+    chain.add_patch(PatchId{i});
+    patches.push_back(PatchId{i});
+    poses.push_back({0.1 * i, 0.5, 0.3});
+    if (i == 0) continue;
+    Relation relation;
+    relation.a = PatchId{i - 1};
+    relation.b = PatchId{i};
+    relation.kind = RelationKind::relative_pose;
+    relation.measurement =
+        RelativePose{ominus(poses[static_cast<std::size_t>(i)], poses[static_cast<std::size_t>(i - 1)]),
+                     1e4 * Eigen::Matrix3d::Identity()};
+    chain.add(relation);
+  }
+  const OccupancyGrid grid{0.05, -1, -1, 1300, 80, std::vector<std::uint8_t>(1300 * 80, OccupancyGrid::free)};
+  write_confidence_picture({chain, poses, patches, grid}, PatchId{3}, PatchId{577}, directory / "far.png");
+  write_confidence_picture({chain, poses, patches, grid}, PatchId{3}, PatchId{4}, directory / "near.png");
+  std::ostringstream png;
+  png << std::ifstream(directory / "far.png", std::ios::binary).rdbuf();
+  EXPECT_EQ(png.str().substr(1, 3), "PNG");
+  EXPECT_TRUE(std::filesystem::exists(directory / "near.png"));
+
+  chain.remove(chain.between(PatchId{3}, PatchId{4}).front());
+  EXPECT_FALSE(error_of([&] {
+                 write_confidence_picture({chain, poses, patches, grid}, PatchId{3}, PatchId{577},
+                                          directory / "torn.png");
+               }).empty());
+  EXPECT_FALSE(std::filesystem::exists(directory / "torn.png"));
 }
 
 TEST(Overview, WhatIsNoReportIsAnErrorThatNamesTheFile) {

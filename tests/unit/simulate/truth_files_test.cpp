@@ -71,7 +71,10 @@ TEST(TruthFiles, AreWrittenInTheirFormats) {
   const auto outliers = lines_of(directory / "truth/outliers.csv");
   EXPECT_EQ(outliers.at(0), "row,utime_us,observer,barcode,kind,true_barcode,true_range_m,true_bearing_rad");
   EXPECT_EQ(outliers.size(), 1 + run.false_sightings.size());
-  EXPECT_EQ(lines_of(directory / "truth/floor_plan.svg").back(), "</svg>");
+  const auto walls = lines_of(directory / "truth/floor_plan.csv");
+  EXPECT_EQ(walls.at(0), "ax_m,ay_m,bx_m,by_m");
+  EXPECT_EQ(walls.size(), 1 + scenario.plan.segments.size());
+  EXPECT_EQ(lines_of(directory / "truth/floor_plan.png").at(0).substr(1, 3), "PNG");
 }
 
 TEST(TruthFiles, UnwritablePlaceIsNamed) {

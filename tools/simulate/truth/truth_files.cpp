@@ -1,10 +1,16 @@
 #include "tools/simulate/truth/truth_files.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "server/output/format/atomic_file.hpp"
+#include "server/output/format/csv.hpp"
 #include "server/output/format/number.hpp"
 #include "server/output/format/tum.hpp"
+#include "server/output/pictures/map_sheet.hpp"
+#include "server/output/pictures/marks.hpp"
+#include "server/output/pictures/way_pen.hpp"
 
 namespace isthmus {
 namespace {
@@ -43,37 +49,53 @@ std::string outliers_csv(const std::vector<FalseSighting>& sightings) {
   return text;
 }
 
-// SVG's y points down.
-std::string xy(const Eigen::Vector2d& point) { return fixed(point.x(), 3) + ' ' + fixed(-point.y(), 3); }
-
-std::string way_of(const RobotTruth& truth) {
-  std::string path;
-  std::size_t stretch = 0;
-  for (const TruePose& pose : truth.poses) {
-    path += path.empty() || pose.stretch != stretch ? " M " : " L ";
-    path += xy({pose.world_from_robot.x, pose.world_from_robot.y});
-    stretch = pose.stretch;
-  }
-  return path;
+/// Every surface, in metres of the world that the true poses are in.
+void write_walls(const FloorPlan& plan, const std::string& path) {
+  CsvFile csv(path, "ax_m,ay_m,bx_m,by_m");
+  for (const Segment& segment : plan.segments)
+    csv.row(segment.a.x(), segment.a.y(), segment.b.x(), segment.b.y());
+  csv.commit();
 }
 
-std::string floor_plan_svg(const FloorPlan& plan, const std::vector<RobotTruth>& truth) {
-  constexpr double margin = 0.5;
-  static const char* const colours[] = {"#d62728", "#1f77b4", "#2ca02c", "#ff7f0e", "#9467bd", "#8c564b"};
-  const Eigen::Vector2d size = plan.high - plan.low + Eigen::Vector2d::Constant(2 * margin);
-  std::string text = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + fixed(size.x() * 30, 0) +
-                     "\" height=\"" + fixed(size.y() * 30, 0) + "\" viewBox=\"" +
-                     fixed(plan.low.x() - margin, 3) + ' ' + fixed(-plan.high.y() - margin, 3) + ' ' +
-                     fixed(size.x(), 3) + ' ' + fixed(size.y(), 3) +
-                     "\">\n<rect x=\"-10000\" y=\"-10000\" width=\"20000\" height=\"20000\" "
-                     "fill=\"white\"/>\n<path fill=\"none\" stroke=\"black\" stroke-width=\"0.04\" d=\"";
-  for (const Segment& segment : plan.segments) text += "M " + xy(segment.a) + " L " + xy(segment.b) + '\n';
-  text += "\"/>\n";
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    text += "<path id=\"" + truth[i].robot + "\" fill=\"none\" stroke=\"" + colours[i % std::size(colours)] +
-            "\" stroke-width=\"0.03\" d=\"" + way_of(truth[i]) + "\"/>\n";
+/// The building as a grid without any wall: walls are drawn on it as lines.
+OccupancyGrid empty_grid(const FloorPlan& plan) {
+  constexpr double margin_m = 0.5, max_cells_a_side = 4000;
+  const Eigen::Vector2d size = plan.high - plan.low + Eigen::Vector2d::Constant(2 * margin_m);
+  OccupancyGrid grid;
+  grid.resolution_m = std::max(grid.resolution_m, size.maxCoeff() / max_cells_a_side);
+  grid.origin_x_m = plan.low.x() - margin_m;
+  grid.origin_y_m = plan.low.y() - margin_m;
+  grid.width = static_cast<int>(std::ceil(size.x() / grid.resolution_m));
+  grid.height = static_cast<int>(std::ceil(size.y() / grid.resolution_m));
+  grid.pixels.assign(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height),
+                     OccupancyGrid::free);
+  return grid;
+}
+
+void draw_way(MapSheet& sheet, const RobotTruth& truth, const WayStyle& style) {
+  WayPen pen(sheet.canvas(), sheet.window(), style);
+  for (std::size_t i = 0; i < truth.poses.size(); ++i) {
+    if (i > 0 && truth.poses[i].stretch != truth.poses[i - 1].stretch) pen.lift();
+    pen.to(position(truth.poses[i].world_from_robot));
   }
-  return text + "</svg>\n";
+}
+
+void write_floor_plan(const FloorPlan& plan, const std::vector<RobotTruth>& truth, const std::string& path) {
+  Legend legend;
+  for (const RobotTruth& robot : truth) legend.push_back(way_entry(robot.robot, way_style(legend.size())));
+  legend.push_back(start_entry());
+  legend.push_back(end_entry());
+  MapSheet sheet(empty_grid(plan), {"The simulated building", "the robots' true ways"}, legend);
+  for (const Segment& segment : plan.segments)
+    sheet.canvas().line(std::array{sheet.window().pixels(segment.a), sheet.window().pixels(segment.b)},
+                        {.colour = ink::wall, .width_px = 1.5});
+  for (std::size_t i = 0; i < truth.size(); ++i) draw_way(sheet, truth[i], way_style(i));
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (truth[i].poses.empty()) continue;
+    draw_start(sheet.canvas(), sheet.window(), truth[i].poses.front().world_from_robot, way_style(i));
+    draw_end(sheet.canvas(), sheet.window(), truth[i].poses.back().world_from_robot, way_style(i));
+  }
+  sheet.write(path);
 }
 
 }  // namespace
@@ -84,7 +106,8 @@ void write_truth(const Scenario& scenario, const SimulatedRun& run,
   for (const RobotTruth& robot : run.truth) write_file(directory + '/' + robot.robot + ".tum", tum(robot));
   write_file(directory + "/relations.csv", relations_csv(relations));
   write_file(directory + "/outliers.csv", outliers_csv(run.false_sightings));
-  write_file(directory + "/floor_plan.svg", floor_plan_svg(scenario.plan, run.truth));
+  write_walls(scenario.plan, directory + "/floor_plan.csv");
+  write_floor_plan(scenario.plan, run.truth, directory + "/floor_plan.png");
 }
 
 }  // namespace isthmus

@@ -20,8 +20,9 @@ struct TrueRelation {
 /// apart; of two robots, ones near in space. None spans a time in which the robot was carried.
 std::vector<TrueRelation> sample_relations(const std::vector<RobotTruth>& truth, std::uint64_t seed);
 
-/// Writes ROBOT.tum, relations.csv, outliers.csv and floor_plan.svg into a directory, made where missing;
-/// each file is complete or absent. Throws std::runtime_error naming the file and the reason.
+/// Writes ROBOT.tum, relations.csv, outliers.csv, floor_plan.csv (walls) and floor_plan.png into a directory,
+/// made where missing; each file is complete or absent. Throws std::runtime_error naming the file and the
+/// reason.
 void write_truth(const Scenario& scenario, const SimulatedRun& run,
                  const std::vector<TrueRelation>& relations, const std::string& directory);
 

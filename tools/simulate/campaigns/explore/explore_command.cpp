@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/output/format/atomic_file.hpp"
 #include "server/output/format/number.hpp"
 #include "server/output/pictures/map_sheet.hpp"
 #include "server/output/pictures/marks.hpp"
@@ -89,6 +90,7 @@ void explore_once(const Arguments& arguments, const std::string& name, std::uint
 }
 
 void explore_campaign(const Arguments& arguments) {
+  if (!arguments.pictures.empty()) make_directory(arguments.pictures);
   print_header();
   for (const std::string& name : arguments.scenarios)
     for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed)

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/output/format/atomic_file.hpp"
 #include "server/program/finite_number.hpp"
 #include "tools/replay/read_map.hpp"
 #include "tools/simulate/campaigns/command.hpp"
@@ -48,6 +49,7 @@ void print_teammates(const std::string& what, const TeammateScore& score) {
 }
 
 void judge_map(const Arguments& arguments, const std::string& what, MapCopy map, std::uint64_t seed) {
+  if (!arguments.pictures.empty()) make_directory(arguments.pictures);
   const std::string picture = arguments.pictures.empty() ? "" : arguments.pictures + "/" + what + ".png";
   print(what, score_paths(std::make_shared<const MapCopy>(std::move(map)), arguments.pairs, seed,
                           arguments.footprint, picture));

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "relations/graph.hpp"
+#include "server/output/grid/grid.hpp"
+
+namespace isthmus {
+
+/// An island of a map as a picture of confidence shows it.
+struct ConfidenceMap {
+  const RelationGraph& graph;
+  std::span<const Pose> poses;       ///< by patch id
+  std::span<const PatchId> patches;  ///< of the island, without tags
+  const OccupancyGrid& grid;
+};
+
+/// How many times ellipses of up to `longest_m` are enlarged, so that they are seen on a map `map_m` long: a
+/// round number, at least 1.
+double enlargement(double longest_m, double map_m);
+
+/// Draws in what ellipse each patch lies with 95 %, relative to patch a (exact, over the whole island); patch
+/// b stands out. They are enlarged by a round number, which the legend tells. Of a large island some of the
+/// patches, evenly. Throws std::runtime_error where the file cannot be written or a patch is not determined.
+void write_confidence_picture(const ConfidenceMap& map, PatchId a, PatchId b, const std::string& path);
+
+}  // namespace isthmus
