@@ -17,6 +17,9 @@ if [[ "${1:-}" == "--ci" ]]; then
   packages+=(clang clang-format clang-tidy libclang-rt-14-dev)
 elif [[ "${1:-}" == "--browser" ]]; then
   packages+=(chromium chromium-driver python3-selenium)
+elif [[ "${1:-}" == -h || "${1:-}" == --help ]]; then
+  sed -n '2,6s/^# \{0,1\}//p' "$0"
+  exit 0
 elif [[ $# -gt 0 ]]; then
   echo "usage: tools/install-dependencies.sh [--ci | --browser]" >&2
   exit 2

@@ -3,6 +3,10 @@
 #   tools/test.sh [ctest options]
 set -euo pipefail
 cd "$(dirname "$0")/.."
+if [[ ${1:-} == -h || ${1:-} == --help ]]; then
+  sed -n '2,3s/^# \{0,1\}//p' tools/test.sh
+  exit 0
+fi
 
 tools/install-dependencies.sh
 cmake --preset dev -DISTHMUS_TESTS=ON > /dev/null

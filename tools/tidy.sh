@@ -16,6 +16,10 @@ case ${1:-} in
     mapfile -t files < <(git log -n 20 --pretty= --name-only --diff-filter=AM -- '*.cpp' | awk '!seen[$0]++' |
       while read -r file; do [[ ! -f $file ]] || grep -qE 'include <(CGAL|ceres)/' "$file" || echo "$file"; done | head -n "$2")
     ;;
+  -*)
+    echo "usage: tools/tidy.sh [--recent N | FILE...]" >&2
+    exit 2
+    ;;
   "") mapfile -t files < <(git ls-files '*.cpp') ;;
   *) files=("$@") ;;
 esac

@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""What every program and script does with a command line: --version, --help, wrong usage, names that are nearly
+right, and what is there already.
+
+    tests/scenario/words_test.py --build .build/dev
+"""
+
+import argparse
+import glob
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+# Of each program: a command that writes something, and so takes -o and --output and does not write over it.
+WRITES = {"isthmus-replay": [], "isthmus-export": [], "isthmus-simulate": [], "isthmus-import": ["carmen"]}
+# What is handed on to ctest is not judged here.
+HANDS_ON = {"test.sh"}
+UNKNOWN_START = '[robots.R2]\nstart = { with = "R7", x = 0.0, y = -1.2, yaw = 0.0 }\n'
+
+failures = []
+
+
+def expect(good, what, run):
+    if not good:
+        failures.append(f"{what}: exit code {run.returncode}\n{run.stdout}{run.stderr}")
+
+
+def run(*command):
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, stdin=subprocess.DEVNULL)
+
+
+def judge_program(path):
+    name = os.path.basename(path)
+    version = run(path, "--version")
+    expect(version.returncode == 0 and re.match(rf"{name} \d+\.\d+\.\d+ \([0-9a-f]{{7,}}\+?\)\n$", version.stdout),
+           f"{name} --version tells version and commit", version)
+    help_text = run(path, "--help")
+    expect(help_text.returncode == 0 and "Usage: " in help_text.stdout, f"{name} --help is help", help_text)
+    wrong = run(path, "--nonsense")
+    expect(wrong.returncode == 2 and wrong.stderr.startswith(f"{name}: "), f"{name} --nonsense is wrong usage", wrong)
+    nearly = run(path, "--versoin")
+    expect(nearly.returncode == 2 and "did you mean '--version'?" in nearly.stderr, f"{name} suggests", nearly)
+    if name in WRITES:
+        written = run(path, *WRITES[name], "--help")
+        expect("-o,--output" in written.stdout, f"{name} takes -o and --output", written)
+        expect("--force" in written.stdout, f"{name} takes --force", written)
+
+
+def judge_script(path):
+    name = os.path.basename(path)
+    help_text = run(path, "--help")
+    expect(help_text.returncode == 0 and f"tools/{name}" in help_text.stdout + help_text.stderr or "usage:" in help_text.stdout,
+           f"{name} --help is help", help_text)
+    if name not in HANDS_ON:
+        wrong = run(path, "--nonsense")
+        expect(wrong.returncode == 2, f"{name} --nonsense is wrong usage", wrong)
+
+
+def judge_outputs(build, work):
+    """Nothing is written over without --force."""
+    def program(name, *arguments):
+        return run(os.path.join(build, "bin", name), *arguments)
+
+    log, map_directory = os.path.join(work, "run.lcm"), os.path.join(work, "map")
+    simulate = ("isthmus-simulate", "--scenario", "meeting", "--set", "duration_s=3", "false_sightings=0.1", "-o", log)
+    first = program(*simulate)
+    expect(first.returncode == 0, "--set takes several settings", first)
+    replay = ("isthmus-replay", log, "-o", map_directory)
+    first = program(*replay)
+    expect(first.returncode == 0, "a log is replayed", first)
+    truth = os.path.join(work, "truth")
+    for command in (simulate, replay, ("isthmus-export", log, "-o", map_directory)):
+        again = program(*command)
+        expect(again.returncode == 1 and "--force" in again.stderr, f"{command[0]} does not write over", again)
+    forced = program(*simulate, "--truth", truth, "--force")
+    expect(forced.returncode == 0, "--force writes over", forced)
+    expect(program(*replay, "--force").returncode == 0, "--force writes over", forced)
+
+    picture = os.path.join(work, "confidence.png")
+    inspect = ("isthmus-inspect", map_directory, "--confidence", "0", "0", "--picture", picture)
+    expect(program(*inspect).returncode == 0 and os.path.exists(picture), "--picture draws", forced)
+    again = program(*inspect)
+    expect(again.returncode == 1 and "--force" in again.stderr, "isthmus-inspect does not write over", again)
+    evaluate = ("isthmus-evaluate", "--truth", truth, "-o", map_directory, "--pictures", os.path.join(work, "errors"))
+    drawn = program(*evaluate)
+    expect(drawn.returncode == 0 and os.path.exists(os.path.join(work, "errors", "island-0-errors.png")),
+           "isthmus-evaluate --pictures draws", drawn)
+    again = program(*evaluate)
+    expect(again.returncode == 1 and "--force" in again.stderr, "isthmus-evaluate does not write over", again)
+
+
+def judge_words(build, work):
+    bare = run(os.path.join(build, "bin", "isthmus-campaign"))
+    expect(bare.returncode == 2 and "wild" in bare.stderr, "a bare isthmus-campaign tells the campaigns", bare)
+    nearly = run(os.path.join(build, "bin", "isthmus-simulate"), "--scenario", "metting", "-o", os.path.join(work, "x"))
+    expect(nearly.returncode == 1 and "did you mean 'meeting'?" in nearly.stderr, "scenarios are suggested", nearly)
+    config = os.path.join(work, "start.toml")
+    with open(config, "w", encoding="utf-8") as file:
+        file.write(UNKNOWN_START)
+    checked = run(os.path.join(build, "bin", "isthmus-server"), "--check-config", config)
+    expect("R7" in checked.stderr, "--check-config finds a start that is measured from nobody", checked)
+    relations = os.path.join(work, "other.csv")
+    with open(relations, "w", encoding="utf-8") as file:
+        file.write("robot1,utime1_us,robot2,utime2_us,x_m,y_m,yaw_rad,kind\nR1,1,R1,2,0,0,0,intra\n")
+    nothing = run(os.path.join(build, "bin", "isthmus-evaluate"), "--relations", relations, "--output",
+                  os.path.join(work, "map"))
+    expect(nothing.returncode == 1, "truth that matches nothing is an error", nothing)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--build", default=".build/dev")
+    build = os.path.abspath(parser.parse_args().build)
+    programs = sorted(glob.glob(os.path.join(build, "bin", "isthmus-*")))
+    scripts = sorted(glob.glob(os.path.join(ROOT, "tools", "*.sh")) + glob.glob(os.path.join(ROOT, "tools", "*.py")))
+    if len(programs) < 11 or len(scripts) < 12:
+        raise SystemExit(f"only {len(programs)} programs and {len(scripts)} scripts: is all built?")
+    for path in programs:
+        judge_program(path)
+    for path in scripts:
+        judge_script(path)
+    with tempfile.TemporaryDirectory() as work:
+        judge_outputs(build, work)
+        judge_words(build, work)
+    print("\n".join(failures) if failures else f"{len(programs)} programs, {len(scripts)} scripts")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
