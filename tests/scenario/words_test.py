@@ -79,6 +79,15 @@ def judge_outputs(build, work):
     expect(forced.returncode == 0, "--force writes over", forced)
     expect(program(*replay, "--force").returncode == 0, "--force writes over", forced)
 
+    mcap = os.path.join(work, "run.mcap")
+    export = ("isthmus-export", log, "--mcap", mcap)
+    expect(program(*export).returncode == 0 and os.path.exists(mcap), "--mcap writes, and needs no --output", forced)
+    again = program(*export)
+    expect(again.returncode == 1 and "--force" in again.stderr, "isthmus-export --mcap does not write over", again)
+    expect(program(*export, "--force").returncode == 0, "--force writes over", forced)
+    nowhere = program("isthmus-export", log)
+    expect(nowhere.returncode == 2, "isthmus-export needs to know what to write", nowhere)
+
     picture = os.path.join(work, "confidence.png")
     inspect = ("isthmus-inspect", map_directory, "--confidence", "0", "0", "--picture", picture)
     expect(program(*inspect).returncode == 0 and os.path.exists(picture), "--picture draws", forced)
