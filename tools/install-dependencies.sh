@@ -8,7 +8,7 @@ set -euo pipefail
 
 packages=(
   g++ cmake ninja-build pkg-config
-  libeigen3-dev libceres-dev libsuitesparse-dev libcgal-dev libboost-graph-dev libnanoflann-dev
+  libeigen3-dev libceres-dev libsuitesparse-dev libcgal-dev libboost-dev libboost-graph-dev libnanoflann-dev
   liblcm-dev liblcm-bin libcpp-httplib-dev libjs-leaflet libcereal-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libpng-dev libcairo2-dev libssl-dev zlib1g-dev
   libgtest-dev libbenchmark-dev librapidcheck-dev python3

@@ -16,6 +16,7 @@
 #include "server/program/finite_number.hpp"
 #include "server/program/new_output.hpp"
 #include "server/wire/file/text_file.hpp"
+#include "server/wire/foxglove/foxglove_server.hpp"
 #include "server/wire/journal/event_log.hpp"
 #include "server/wire/journal/journal_files.hpp"
 #include "server/wire/live/answers.hpp"
@@ -40,6 +41,7 @@ struct Arguments {
   std::string log_level = "info";
   int metrics_port = 0;
   int http_port = 0;
+  int foxglove_port = 0;
   std::string http_address = "127.0.0.1";
   std::string http_token_file;
   std::int64_t segment_mb = 64;
@@ -96,13 +98,22 @@ void add_page_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--http-port", arguments.http_port,
                  "a page to watch and overrule the map at http://127.0.0.1:PORT/; 0: none")
       ->check(CLI::Range(0, 65535));
+  app.add_option("--foxglove-port", arguments.foxglove_port,
+                 "a WebSocket to watch the map with Foxglove or Lichtblick at ws://127.0.0.1:PORT; 0: none")
+      ->check(CLI::Range(0, 65535));
+  const auto needs_port = [&arguments] {
+    if (arguments.http_port == 0 && arguments.foxglove_port == 0)
+      throw CLI::RequiresError("--http-bind and --http-token-file", "--http-port or --foxglove-port");
+  };
   app.add_option("--http-bind", arguments.http_address,
-                 "address that the page is served at; others than this machine's need a token")
-      ->needs("--http-port")
+                 "address that the page and the WebSocket are served at; others than this machine's need a "
+                 "token")
       ->capture_default_str();
   app.add_option("--http-token-file", arguments.http_token_file,
-                 "file with a token that viewers of the page must have")
-      ->needs("--http-port");
+                 "file with a token that viewers of the page and the WebSocket must have");
+  app.callback([&app, needs_port] {
+    if (app.count("--http-bind") + app.count("--http-token-file") > 0) needs_port();
+  });
 }
 
 void add_options(CLI::App& app, Arguments& arguments) {
@@ -230,35 +241,64 @@ Inbox inbox_of(const LiveOptions& options) {
   return Inbox({}, InboxOrder::fair, [clock = options.clock] { return clock->now(); });
 }
 
+/// What viewers must have; empty where that is nothing.
+std::string token_of(const Arguments& arguments) {
+  if (arguments.http_token_file.empty()) return "";
+  if (const std::string warning = check_key_file(arguments.http_token_file); !warning.empty())
+    say("warning: " + warning);
+  return read_token(arguments.http_token_file);
+}
+
+std::unique_ptr<FoxgloveServer> foxglove_server(const Arguments& arguments, const std::string& token) {
+  if (arguments.foxglove_port == 0) return nullptr;
+  FoxgloveOptions options;
+  options.port = arguments.foxglove_port;
+  options.address = arguments.http_address;
+  options.token = token;
+  return std::make_unique<FoxgloveServer>(options);
+}
+
 /// The page, where one is asked for.
-std::unique_ptr<PageServer> page_server(const Arguments& arguments, bool orders_signed, TakeMessage take) {
+std::unique_ptr<PageServer> page_server(const Arguments& arguments, const std::string& token,
+                                        bool orders_signed, TakeMessage take) {
   if (arguments.http_port == 0) return nullptr;
   PageOptions options;
   options.port = arguments.http_port;
   options.address = arguments.http_address;
   options.orders_signed = orders_signed;
-  if (!arguments.http_token_file.empty()) {
-    options.token = read_token(arguments.http_token_file);
-    if (const std::string warning = check_key_file(arguments.http_token_file); !warning.empty())
-      say("warning: " + warning);
-  }
+  options.token = token;
   return std::make_unique<PageServer>(options, std::move(take));
 }
 
-Viewers viewers_of(PageServer& page, bool frozen) {
-  return {[&page](const RobotPose& pose) { page.model().show(pose); },
-          [&page, frozen](auto map, const status_t& status, double latency_p99_s) {
-            page.model().show(LiveView{std::move(map), status, latency_p99_s, frozen});
-          },
-          [&page](const CommandEvent& order, DropReason reason) { page.orders().answered(order, reason); }};
+/// Each may be missing.
+Viewers viewers_of(PageServer* page, FoxgloveServer* foxglove, bool frozen) {
+  Viewers viewers;
+  if (!page && !foxglove) return viewers;
+  viewers.pose = [=](const RobotPose& pose) {
+    if (page) page->model().show(pose);
+    if (foxglove) foxglove->show(pose);
+  };
+  viewers.map = [=](std::shared_ptr<const MapCopy> map, const status_t& status, double latency_p99_s) {
+    if (foxglove) foxglove->show(map, status);
+    if (page) page->model().show(LiveView{std::move(map), status, latency_p99_s, frozen});
+  };
+  if (foxglove) viewers.event = [=](const Event& event) { foxglove->show(event); };
+  if (page)
+    viewers.order = [=](const CommandEvent& order, DropReason reason) {
+      page->orders().answered(order, reason);
+    };
+  return viewers;
 }
 
 void log_addresses(const Arguments& arguments, const std::string& url, const PageServer* page,
-                   const Log& log) {
+                   const FoxgloveServer* foxglove, const Log& log) {
   log(LogLevel::info, "listening", {{"url", url}});
   if (page)
     log(LogLevel::info, "page",
         {{"url", "http://" + arguments.http_address + ":" + std::to_string(page->port()) + "/"}});
+  if (foxglove)
+    log(LogLevel::info, "Foxglove and Lichtblick",
+        {{"url", "ws://" + arguments.http_address + ":" + std::to_string(foxglove->port())}});
 }
 
 /// Until a signal or the end of the log, and until what was received by then is handled.
@@ -294,10 +334,12 @@ void serve(const Arguments& arguments, const std::string& toml) {
   }
   std::atomic<bool> receiving = false;
   const bool orders_signed = parse_server_configuration(toml, "configuration").authentication.is_required();
-  const auto page = page_server(arguments, orders_signed, [&](const auto& channel, const auto& bytes) {
+  const std::string token = token_of(arguments);
+  const auto foxglove = foxglove_server(arguments, token);
+  const auto page = page_server(arguments, token, orders_signed, [&](const auto& channel, const auto& bytes) {
     return receiving ? link.take(channel, bytes) : DropReason::stopped;
   });
-  if (page) options.viewers = viewers_of(*page, arguments.frozen);
+  options.viewers = viewers_of(page.get(), foxglove.get(), arguments.frozen);
   LiveServer server(options, inbox, publish);
 
   const ChannelNames channels = server.channels();
@@ -309,7 +351,7 @@ void serve(const Arguments& arguments, const std::string& toml) {
   link.receive_into(inbox, channels, server.authenticator(),
                     {tell_refused, options.mistakes, options.questions});
   receiving = true;
-  log_addresses(arguments, url, page.get(), log);
+  log_addresses(arguments, url, page.get(), foxglove.get(), log);
   run_to_the_end(server, link, inbox, signals, std::chrono::seconds(arguments.stop_timeout_s),
                  log_file.empty(), log, running);
 }

@@ -44,10 +44,12 @@ std::string log(std::int64_t utime, Level level, const std::string& text);
 struct Mark {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   std::string text;
+  bool operator==(const Mark&) const = default;
 };
 struct Line {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
+  bool operator==(const Line&) const = default;
 };
 /// What is shown of an island, in its frame.
 struct Scene {
@@ -55,6 +57,7 @@ struct Scene {
   std::vector<Mark> patches;
   std::vector<Mark> tags;
   std::vector<Line> closures;
+  bool operator==(const Scene&) const = default;
 };
 /// Shows these, each in place of what was shown in its frame before, and no longer those of `gone` frames.
 std::string scene_update(std::int64_t utime, const std::vector<Scene>& scenes,

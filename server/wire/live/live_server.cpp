@@ -99,6 +99,7 @@ DropReason LiveServer::take(const Event& event) {
                                          event, options_.before_event);
   last_event_ = Clock::now();
   latency_.add(seconds_of(last_event_ - start));
+  if (options_.viewers.event) options_.viewers.event(event);
   publish_poses(outcome);
   return outcome.drop_reason;
 }

@@ -34,6 +34,8 @@ namespace isthmus {
 /// Who is shown what the server does. Called from its thread, which waits: they must be quick. Empty: nobody.
 struct Viewers {
   std::function<void(const RobotPose&)> pose;
+  /// What the engine took.
+  std::function<void(const Event&)> event;
   /// With each status. `latency_p99_s`: of the engine's events so far.
   std::function<void(std::shared_ptr<const MapCopy>, const status_t&, double latency_p99_s)> map;
   /// What became of an operator's order; none: it is done.

@@ -78,23 +78,27 @@ TEST_F(MapMcap, HasEachScanAndPoseWithItsStamp) {
   }
 }
 
-TEST_F(MapMcap, TransformsHaveTheRobotWhereItDrove) {
+/// It drives 0.05 m a round along x, from 1.05 m on, and looks to and fro; its first heading is the map's.
+TEST_F(MapMcap, PosesAndTransformsHaveTheRobotWhereItDrove) {
   const McapFile file = with_scans();
-  const auto start = Json::parse(file.of_topic("/R1/pose").front().data).at("pose").at("position");
-  double x = 0, yaw = 0;
+  std::vector<Json> places, turns;
+  for (const auto& message : file.of_topic("/R1/pose"))
+    places.push_back(Json::parse(message.data).at("pose").at("position"));
   for (const auto& message : file.of_topic("/tf")) {
-    const Json transforms = Json::parse(message.data).at("transforms");
-    for (const Json& one : transforms) {
-      if (one.at("child_frame_id") != "R1") continue;
-      EXPECT_EQ(one.at("parent_frame_id"), "island-0");
-      x = one.at("translation").at("x").get<double>() - start.at("x").get<double>();
-      yaw =
-          2 * std::atan2(one.at("rotation").at("z").get<double>(), one.at("rotation").at("w").get<double>());
-    }
+    const Json first = Json::parse(message.data).at("transforms").at(0);
+    if (first.at("child_frame_id") != "R1") continue;
+    EXPECT_EQ(first.at("parent_frame_id"), "island-0");
+    EXPECT_EQ(first.at("translation"), places.at(turns.size()));
+    turns.push_back(first.at("rotation"));
   }
-  // It drove 0.05 m a round along x, from 1.05 m on; its first heading is the map's.
-  EXPECT_NEAR(x, 0.05 * (rounds - 1), 0.05);
-  EXPECT_NEAR(yaw, 0.3 * (std::sin(0.05 * rounds) - std::sin(0.05)), 0.02);
+  ASSERT_EQ(turns.size(), static_cast<std::size_t>(rounds));
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    const double ahead_m = places[i].at("x").get<double>() - places[0].at("x").get<double>();
+    const double yaw = 2 * std::atan2(turns[i].at("z").get<double>(), turns[i].at("w").get<double>());
+    const auto round = static_cast<double>(i + 1);
+    EXPECT_NEAR(ahead_m, 0.05 * (round - 1), 0.03) << i;
+    EXPECT_NEAR(yaw, 0.3 * (std::sin(0.05 * round) - std::sin(0.05)), 0.02) << i;
+  }
 }
 
 TEST_F(MapMcap, HasTheGridAndTheSchemas) {

@@ -119,7 +119,7 @@ class Reader {
 
   void read_schema(Fields& fields) {
     const std::uint16_t id = fields.u16();
-    check(id > 0, "schema 0");
+    check(id > 0 && !file_.schemas.contains(id), "schema 0, or one twice");
     McapFile::Schema& schema = file_.schemas[id];
     schema.name = fields.text();
     schema.encoding = fields.text();
