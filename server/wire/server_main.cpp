@@ -313,13 +313,19 @@ void run_to_the_end(LiveServer& server, LcmLink& link, Inbox& inbox, const sigse
   running.get();
 }
 
+/// Says what may go wrong with it.
+std::string checked_url(const std::string& lcm_url, const Log& log) {
+  std::string url = complete_lcm_url(lcm_url);
+  for (const std::string& warning : lcm_url_warnings(url, kernel_receive_buffer_bytes()))
+    log(LogLevel::warning, warning, {});
+  return url;
+}
+
 void serve(const Arguments& arguments, const std::string& toml) {
   const Log log = log_to_stderr(*parse_log_level(arguments.log_level));
   check_output(arguments, log);
   const sigset_t signals = block_stop_signals();
-  const std::string url = complete_lcm_url(arguments.lcm_url);
-  for (const std::string& warning : lcm_url_warnings(url, kernel_receive_buffer_bytes()))
-    log(LogLevel::warning, warning, {});
+  const std::string url = checked_url(arguments.lcm_url, log);
   LcmLink link(url, log);
   const std::string log_file = log_file_of(url);
   LiveOptions options = live_options(arguments, toml, log_file, log);

@@ -147,16 +147,20 @@ void MapPictures::draw_ends(const Target& target, std::size_t island, Labels& la
   std::map<std::string, std::size_t> index;
   for (const std::string& robot : robots_) index.emplace(robot, index.size());
   std::map<std::size_t, Eigen::Vector2d> last;  // by robot, of its last session here
-  for (const auto& [number, ends] : ends_) {
-    const std::size_t robot = index.at(map_.sessions[static_cast<std::size_t>(number)].robot);
-    if (ends.first_island == static_cast<int>(island)) {
-      draw_start(*target.canvas, target.window, ends.first, way_style(robot));
-      labels.keep_free(position(ends.first));
-    }
+  const auto robot_of = [&](std::int32_t session) {
+    return index.at(map_.sessions[static_cast<std::size_t>(session)].robot);
+  };
+  for (const auto& [session, ends] : ends_) {
+    if (ends.first_island != static_cast<int>(island)) continue;
+    draw_start(*target.canvas, target.window, ends.first, way_style(robot_of(session)));
+    labels.keep_free(position(ends.first));
+  }
+  // Above all starts: one robot may have begun where another ended, and an arrow leaves a circle to be seen.
+  for (const auto& [session, ends] : ends_) {
     if (ends.last_island != static_cast<int>(island)) continue;
+    draw_end(*target.canvas, target.window, ends.last, way_style(robot_of(session)));
     labels.keep_free(position(ends.last));
-    draw_end(*target.canvas, target.window, ends.last, way_style(robot));
-    last[robot] = position(ends.last);
+    last[robot_of(session)] = position(ends.last);
   }
   for (const auto& [robot, place] : last)
     labels.draw(*target.canvas, robots_[robot], place,

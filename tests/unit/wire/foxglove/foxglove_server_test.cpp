@@ -215,7 +215,7 @@ TEST(FoxgloveServer, ConnectionsThatSayNothingOrNonsenseEnd) {
   EXPECT_EQ(good.hear_op("status").at("level"), 1);
 }
 
-/// It reads nothing of 400 MB of scans; another viewer, and who gives the scans, notice nothing, and it is
+/// It reads nothing of scans of 50 kB; another viewer, and who gives the scans, notice nothing, and it is
 /// dropped.
 TEST(FoxgloveServer, ASlowViewerHoldsUpNobodyAndIsDropped) {
   FoxgloveOptions options;
@@ -246,7 +246,7 @@ TEST(FoxgloveServer, ASlowViewerHoldsUpNobodyAndIsDropped) {
     seat_is_free = Client(server.port()).shake().starts_with(switching);
     return seat_is_free;
   }));
-  EXPECT_GT(heard, 100);
+  EXPECT_GE(heard, 20);
 }
 
 }  // namespace
