@@ -13,9 +13,9 @@ namespace {
 /// Of the height of a line of text.
 constexpr double way_em = 0.13;
 constexpr double legend_line_em = 0.2;
-constexpr double start_radius_em = 0.5;
-constexpr double look_em = 1.1;
-constexpr double end_em = 0.95;
+constexpr double start_radius_em = 0.7;
+constexpr double look_em = 1.3;
+constexpr double end_em = 0.8;
 constexpr double patch_radius_em = 0.2;
 constexpr double tag_em = 0.5;
 constexpr double closure_em = 0.11;
