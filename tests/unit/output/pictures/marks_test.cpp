@@ -74,7 +74,7 @@ TEST(WayPen, DashesOfALongWayRunOn) {
 TEST(Marks, AnEndPointsToWhereTheRobotLooks) {
   Canvas picture = canvas();
   draw_end(picture, window(), {5, 4, std::numbers::pi / 2}, way_style(0));
-  const double tip_m = 0.8 * em / 40;
+  const double tip_m = 0.6 * em / 40;
   EXPECT_LT(at(picture, {5, 4 + tip_m}).red, 60);
   EXPECT_EQ(at(picture, {5, 4 - tip_m}), ink::paper);
 }
@@ -85,6 +85,15 @@ TEST(Marks, AStartIsARingThatShowsTheHeading) {
   EXPECT_EQ(at(picture, {5, 4}), ink::paper);
   EXPECT_EQ(at(picture, {5 - 0.9 * em / 40, 4}), way_style(2).colour);
   EXPECT_EQ(at(picture, {5 + 0.9 * em / 40, 4}), ink::paper);
+}
+
+TEST(Marks, AnEndOnAStartLeavesItToBeSeen) {
+  Canvas picture = canvas();
+  draw_start(picture, window(), {5, 4, 0}, way_style(2));
+  draw_end(picture, window(), {5, 4, 0}, way_style(0));
+  EXPECT_EQ(at(picture, {5, 4}), way_style(0).colour);
+  for (const double side : {-1.0, 1.0})
+    EXPECT_EQ(at(picture, {5, 4 + side * 0.7 * em / 40}), way_style(2).colour);
 }
 
 /// 95 % of a Gaussian of two dimensions is within 2.4477 σ.
