@@ -24,8 +24,8 @@ constexpr std::int32_t max_ids = 10'000'000;
 constexpr Member number = fixed(8);
 constexpr Member integer = fixed(4);
 constexpr Member name = text(64);
-constexpr std::array path_pose_members = {integer, fixed(6 * 8)};
-constexpr std::array frontier_members = {integer, fixed(6 * 8), fixed(2 * 8), number, number, number};
+constexpr std::array path_pose_members = {integer, fixed(7 * 8)};
+constexpr std::array frontier_members = {integer, fixed(7 * 8), fixed(2 * 8), number, number, number};
 constexpr std::array reply_members = {number,
                                       number,
                                       number,

@@ -80,10 +80,9 @@ MapCopy Engine::copy() const {
   copy.sightings = state.closures.sightings();
   copy.closures = state.closures.closures();
   copy.tags = tag_records(state.map, state.tags, state.closures.tags());
-  for (const PatchPtr& patch : copy.patches) {
-    const auto dropped = state.dropped.find(patch->robot);
-    if (dropped != state.dropped.end() && patch->id < dropped->second.end) copy.left_out.push_back(patch->id);
-  }
+  for (const PatchPtr& patch : copy.patches)
+    if (state.is_left_out(patch->id)) copy.left_out.push_back(patch->id);
+  copy.annotations = state.annotations.records(state.map, state.is_on_map());
   copy.counters = state.counters;
   copy.hypotheses = state.hypotheses.counts();
   copy.meeting = state.rendezvous.record();

@@ -167,6 +167,21 @@ Outcome EngineState::take(const CommandEvent& event) {
   return {};
 }
 
+Outcome EngineState::take(const AnnotationEvent& event) {
+  // A finished map's journal is only read: what was written on it would be gone with the server.
+  const DropReason reason = handling->maps() ? annotations.take(event, map, is_on_map()) : DropReason::frozen;
+  if (reason != DropReason::none) return {drop("", reason), {}};
+  return {};
+}
+
+Outcome EngineState::take(const InitialPoseEvent& event) {
+  Robot* robot = declared(event.robot);
+  if (!robot) return {drop(event.robot, DropReason::unknown_robot), {}};
+  const DropReason reason = handling->take_initial_pose(*robot, event);
+  if (reason != DropReason::none) return {drop(event.robot, reason), {}};
+  return {};
+}
+
 void EngineState::answer_pending(Robot& robot, Outcome& outcome, bool no_more_waiting) {
   const IntakeOptions& intake = configuration.engine.intake;
   while (!robot.pending.empty()) {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/engine/annotations/annotations.hpp"
 #include "server/engine/closures/closures.hpp"
 #include "server/engine/handling.hpp"
 #include "server/engine/hypotheses/hypotheses.hpp"
@@ -36,6 +37,7 @@ struct EngineState {
   IslandFits island_fits;
   ProximityMatching proximity_matching;
   Rendezvous rendezvous;
+  Annotations annotations;
   std::set<std::int32_t> tags;  // declared barcodes
   Counters counters;
   std::set<std::string> starts_related;
@@ -66,11 +68,20 @@ struct EngineState {
     return found == robots.end() || !found->second.declared ? nullptr : &found->second;
   }
 
+  /// Whether operators have dropped the data of its robot since it was made.
+  bool is_left_out(PatchId patch) const {
+    const auto drop = dropped.find(map.manifold().patch(patch).robot);
+    return drop != dropped.end() && patch < drop->second.end;
+  }
+  IsOnMap is_on_map() const {
+    return [this](PatchId patch) { return !is_left_out(patch); };
+  }
+
   /// For every body: whether it is of a robot that has not introduced itself.
   template <class Body>
   bool is_stranger(const Body& body) {
     constexpr bool of_robot = std::is_same_v<Body, OdometryEvent> || std::is_same_v<Body, ScanEvent> ||
-                              std::is_same_v<Body, SightingEvent>;
+                              std::is_same_v<Body, SightingEvent> || std::is_same_v<Body, InitialPoseEvent>;
     if constexpr (of_robot) return declared(body.robot) == nullptr;
     return false;
   }
@@ -83,6 +94,8 @@ struct EngineState {
   Outcome take(const SightingEvent& event);
   Outcome take(const CommandEvent& event);
   Outcome take(const TickEvent&) { return {}; }
+  Outcome take(const AnnotationEvent& event);
+  Outcome take(const InitialPoseEvent& event);
 
   /// A robot that says that it was restarted.
   void begin_anew(Robot& robot);
@@ -99,7 +112,8 @@ struct EngineState {
   /// Rows of the trajectory for scans that waited for the robot to be found again.
   void record(Robot& robot, const ManifoldPose& pose, const Pose& odom_from_robot);
 
-  /// For snapshots, which are not made of frozen maps: all but the configuration and the trajectory.
+  /// For snapshots, which are not made of frozen maps: all but the configuration, the trajectory and the
+  /// annotations, which follow where there are any.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(map, robots, sessions, closures, hypotheses, island_fits, proximity_matching, rendezvous, tags,

@@ -34,6 +34,9 @@ class Handling {
   /// An order that may change the map. Returns why it is not carried out.
   virtual DropReason obey(const CommandEvent& order) = 0;
 
+  /// Somebody says where the robot is. Returns why nobody looks there.
+  virtual DropReason take_initial_pose(Robot& robot, const InitialPoseEvent& event) = 0;
+
   /// The robot was switched off and on.
   virtual void restarted(Robot& robot) = 0;
   /// Its odometry begins anew: nothing tells any longer where it is.

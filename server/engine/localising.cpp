@@ -32,6 +32,10 @@ DropReason Localising::take_sighting(const SightingEvent&, const std::string&, b
 
 DropReason Localising::obey(const CommandEvent&) { return DropReason::frozen; }
 
+DropReason Localising::take_initial_pose(Robot& robot, const InitialPoseEvent& event) {
+  return frozen_.take_given(state_.map, robot, event, state_.configuration.engine.frozen);
+}
+
 void Localising::work(std::int64_t receive_utime) {
   frozen_.advance(state_.map, state_.configuration.engine, receive_utime);
 }

@@ -21,6 +21,7 @@ class Localising : public Handling {
   DropReason take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) override;
   void refuse_sighting(const SightingEvent&, Reason) override {}
   DropReason obey(const CommandEvent& order) override;
+  DropReason take_initial_pose(Robot& robot, const InitialPoseEvent& event) override;
   void restarted(Robot& robot) override { frozen_.restart(robot); }
   void forget_place(Robot& robot) override { frozen_.restart(robot); }
   /// What is heard need not come after the journal: a log of another day may be localised.

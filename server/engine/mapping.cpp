@@ -41,6 +41,7 @@ void Mapping::relate_measured_starts() {
 DropReason Mapping::drop_data(const std::string& name) {
   Robot* robot = state_.declared(name);
   if (!robot) return DropReason::unknown_robot;
+  state_.annotations.leave(name, state_.map, state_.is_on_map());
   state_.closures.forget_robot(name);
   state_.hypotheses.forget_robot(state_.map, name);
   const std::vector<Relation> taken = take_out(state_.map, name, state_.robots);

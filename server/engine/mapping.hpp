@@ -20,6 +20,7 @@ class Mapping : public Handling {
   DropReason take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) override;
   void refuse_sighting(const SightingEvent& event, Reason reason) override;
   DropReason obey(const CommandEvent& order) override;
+  DropReason take_initial_pose(Robot&, const InitialPoseEvent&) override { return DropReason::not_finished; }
   void restarted(Robot& robot) override;
   void forget_place(Robot& robot) override;
   void work(std::int64_t receive_utime) override;

@@ -6,6 +6,7 @@
 #include "server/output/pictures/map_pictures.hpp"
 #include "server/output/report.hpp"
 #include "server/output/stale.hpp"
+#include "server/output/tables/annotation_table.hpp"
 #include "server/output/tables/graph_g2o.hpp"
 #include "server/output/tables/islands.hpp"
 #include "server/output/tables/tables.hpp"
@@ -47,6 +48,7 @@ void write_outputs(const MapCopy& map, const RunCost& cost, const std::string& d
   write_relations(out, directory + "/relations.csv");
   write_sightings(out, directory + "/sightings.csv");
   write_tags(out, islands, directory + "/tags.csv");
+  write_annotations(out, islands, directory + "/places.geojson");
   write_g2o(out, islands, directory + "/graph.g2o");
   remove_stale(directory, islands.patches.size(), robots_of(out));
   // Last, and of the map as it is: who finds a new report finds everything it speaks of.

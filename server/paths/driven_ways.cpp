@@ -25,8 +25,15 @@ Pose project(const MapCopy& map, const ManifoldPose& pose) {
 /// A way through places: from each to the one before and after it, and to where the way came by again.
 class Crossings {
  public:
-  Crossings(std::vector<Eigen::Vector2d> points, std::vector<PatchId> patches, const NearPatches& near)
-      : points_(std::move(points)), patches_(std::move(patches)), near_(near) {
+  /// `is_barred`: whether a robot comes into a keep-out zone straight from one point to another.
+  using IsBarred = std::function<bool(const Eigen::Vector2d&, const Eigen::Vector2d&)>;
+
+  Crossings(std::vector<Eigen::Vector2d> points, std::vector<PatchId> patches, const NearPatches& near,
+            IsBarred is_barred)
+      : points_(std::move(points)),
+        patches_(std::move(patches)),
+        near_(near),
+        is_barred_(std::move(is_barred)) {
     for (std::size_t i = 0; i < points_.size(); ++i) at_[square_of(points_[i])].push_back(i);
   }
 
@@ -65,7 +72,8 @@ class Crossings {
   }
 
   bool joined(std::size_t a, std::size_t b, double max_m, double max_near_m) const {
-    return (points_[a] - points_[b]).norm() <= max_m && near_.way_m(patches_[a], patches_[b]) <= max_near_m;
+    return (points_[a] - points_[b]).norm() <= max_m && near_.way_m(patches_[a], patches_[b]) <= max_near_m &&
+           !is_barred_(points_[a], points_[b]);
   }
 
   template <class Visit>
@@ -88,6 +96,7 @@ class Crossings {
   std::vector<Eigen::Vector2d> points_;
   std::vector<PatchId> patches_;
   const NearPatches& near_;
+  IsBarred is_barred_;
   std::map<Square, std::vector<std::size_t>> at_;
 };
 
@@ -119,12 +128,12 @@ void DrivenWays::add(const TrajectoryRow& row, const MapCopy& map) {
   places.push_back(place);
 }
 
-Path DrivenWays::back(const MapCopy& map, const NearPatches& near, const std::string& robot,
-                      std::int64_t to_utime) const {
+Path DrivenWays::back(const MapCopy& map, const NearPatches& near, const Zones& zones,
+                      const std::string& robot, std::int64_t to_utime, double radius_m) const {
   const auto last = std::find_if(map.sessions.rbegin(), map.sessions.rend(), [&](const Session& session) {
     return session.robot == robot && places_.contains(session.number);
   });
-  if (last == map.sessions.rend()) return {Refusal::unknown_robot, {}, 0};
+  if (last == map.sessions.rend()) return {Refusal::unknown_robot, {}, 0, {}};
   std::vector<ManifoldPose> poses;
   std::vector<Eigen::Vector2d> points;
   std::vector<PatchId> patches;
@@ -136,10 +145,19 @@ Path DrivenWays::back(const MapCopy& map, const NearPatches& near, const std::st
     points.push_back(position(project(map, place.pose)));
     patches.push_back(place.pose.patch);
   }
-  if (!to) return {poses.empty() ? Refusal::unknown_robot : Refusal::bad_value, {}, 0};
-  const std::vector<std::size_t> way = Crossings(points, patches, near).shortest(poses.size() - 1, *to);
-  if (way.empty()) return {Refusal::unreachable, {}, 0};
-  Path path{Refusal::none, {poses[way.front()]}, 0};
+  if (!to) return {poses.empty() ? Refusal::unknown_robot : Refusal::bad_value, {}, 0, {}};
+  const IslandId island = map.graph.island(patches.back());
+  const auto search = [&](const Crossings::IsBarred& is_barred) {
+    return Crossings(points, patches, near, is_barred).shortest(poses.size() - 1, *to);
+  };
+  const std::vector<std::size_t> way =
+      search([&](const auto& a, const auto& b) { return zones.bars(island, a, b, radius_m); });
+  if (way.empty()) {
+    const bool kept_out =
+        zones.any_keep_out(island) && !search([](const auto&, const auto&) { return false; }).empty();
+    return {kept_out ? Refusal::kept_out : Refusal::unreachable, {}, 0, {}};
+  }
+  Path path{Refusal::none, {poses[way.front()]}, 0, {0}};
   for (std::size_t i = 1; i < way.size(); ++i) {
     const Eigen::Vector2d by = points[way[i]] - points[way[i - 1]];
     const ManifoldPose& there = poses[way[i]];
@@ -148,6 +166,7 @@ Path DrivenWays::back(const MapCopy& map, const NearPatches& near, const std::st
         by.norm() > 0 ? wrap_angle(std::atan2(by.y(), by.x()) - map_yaw) : there.patch_from_object.yaw;
     path.poses.push_back({there.patch, {there.patch_from_object.x, there.patch_from_object.y, yaw}});
     path.length_m += by.norm();
+    path.max_speeds_m_s.push_back(zones.max_speed_m_s(island, points[way[i - 1]], points[way[i]], radius_m));
   }
   return path;
 }

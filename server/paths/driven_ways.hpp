@@ -9,6 +9,7 @@
 #include "server/engine/record/map_copy.hpp"
 #include "server/paths/near_patches.hpp"
 #include "server/paths/path.hpp"
+#include "server/paths/zones.hpp"
 
 namespace isthmus {
 
@@ -25,9 +26,10 @@ class DrivenWays {
   void update(const MapCopy& map);
 
   /// From where a robot was last to where it was at a time of its last session, or first after it (0: where
-  /// that began), along what it has driven in that session: the shortest such way. `near`: of this map.
-  Path back(const MapCopy& map, const NearPatches& near, const std::string& robot,
-            std::int64_t to_utime) const;
+  /// that began), along what it has driven in that session: the shortest such way on which a robot of a
+  /// radius comes into no keep-out zone. `near`, `zones`: of this map.
+  Path back(const MapCopy& map, const NearPatches& near, const Zones& zones, const std::string& robot,
+            std::int64_t to_utime, double radius_m) const;
 
  private:
   struct Place {

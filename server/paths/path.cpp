@@ -14,10 +14,14 @@ std::string_view word(Refusal refusal) {
       return "unknown_robot";
     case Refusal::unknown_tag:
       return "unknown_tag";
+    case Refusal::unknown_place:
+      return "unknown_place";
     case Refusal::other_island:
       return "other_island";
     case Refusal::no_ground:
       return "no_ground";
+    case Refusal::kept_out:
+      return "kept_out";
     case Refusal::no_room:
       return "no_room";
     case Refusal::unreachable:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "server/paths/pull.hpp"
@@ -35,17 +36,28 @@ Refusal check(const Footprint& footprint) {
 void Planner::update(std::shared_ptr<const MapCopy> map) {
   map_ = std::move(map);
   grounds_.update(*map_);
-  std::erase_if(roadmaps_, [this](const auto& kept) {
-    const auto ground = grounds_.ground(std::get<0>(kept.first));
-    return &kept.second.roadmap->ground() != ground.get();
+  Zones zones(*map_);
+  std::erase_if(roadmaps_, [&](const auto& kept) {
+    const auto island = std::get<IslandId>(kept.first);
+    return &kept.second.roadmap->ground() != grounds_.ground(island).get() ||
+           !are_alike(zones.of(island), zones_.of(island));
   });
+  // Zones that have hardly moved stay as the roadmaps have them, or they would creep away.
+  for (const auto& [key, kept] : roadmaps_) zones.keep(std::get<IslandId>(key), zones_);
+  zones_ = std::move(zones);
 }
 
 std::shared_ptr<const Roadmap> Planner::roadmap(IslandId island, const Footprint& footprint) {
+  return roadmap(island, footprint, true);
+}
+
+std::shared_ptr<const Roadmap> Planner::roadmap(IslandId island, const Footprint& footprint,
+                                                bool with_zones) {
   const auto ground = grounds_.ground(island);
   if (!ground) return nullptr;
-  KeptRoadmap& kept = roadmaps_[{island, footprint.radius_m, footprint.clearance_m}];
-  if (!kept.roadmap) kept.roadmap = std::make_shared<const Roadmap>(ground, footprint);
+  KeptRoadmap& kept = roadmaps_[{island, footprint.radius_m, footprint.clearance_m, with_zones}];
+  const std::span<const Zone> zones = with_zones ? zones_.of(island) : std::span<const Zone>();
+  if (!kept.roadmap) kept.roadmap = std::make_shared<const Roadmap>(ground, footprint, zones);
   kept.asked = ++asked_;
   std::shared_ptr<const Roadmap> found = kept.roadmap;
   if (roadmaps_.size() > max_roadmaps) {
@@ -82,7 +94,7 @@ NodeId Planner::room_near(const Roadmap& roadmap, const ManifoldPose& pose, doub
 }
 
 Path Planner::path(const PathQuestion& question) {
-  const auto refuse = [](Refusal refusal) { return Path{refusal, {}, 0}; };
+  const auto refuse = [](Refusal refusal) { return Path{refusal, {}, 0, {}}; };
   const bool tolerances = within(question.start_tolerance_m, 0, 2) && within(question.goal_tolerance_m, 0, 2);
   const Refusal wrong =
       first_of({check(question.footprint), check(*map_, question.from), check(*map_, question.to),
@@ -94,19 +106,33 @@ Path Planner::path(const PathQuestion& question) {
   if (!roads) return refuse(Refusal::no_ground);
   const NodeId start = room_near(*roads, question.from, question.start_tolerance_m);
   const NodeId goal = room_near(*roads, question.to, question.goal_tolerance_m);
-  if (start < 0 || goal < 0) return refuse(Refusal::no_room);
+  if (start < 0 || goal < 0) return refuse(why_not(island, question, Refusal::no_room));
   const auto route = find_route(*roads, start, goal, max_steps);
-  if (!route) return refuse(roads->squares() > max_steps ? Refusal::too_long : Refusal::unreachable);
+  if (!route)
+    return refuse(
+        why_not(island, question, roads->squares() > max_steps ? Refusal::too_long : Refusal::unreachable));
   return answer(*roads, question, pull(*roads, *route));
+}
+
+/// Whether it is for the zones that there is no way.
+Refusal Planner::why_not(IslandId island, const PathQuestion& question, Refusal otherwise) {
+  if (!zones_.any_keep_out(island)) return otherwise;
+  const std::shared_ptr<const Roadmap> roads = roadmap(island, question.footprint, false);
+  const NodeId start = room_near(*roads, question.from, question.start_tolerance_m);
+  const NodeId goal = room_near(*roads, question.to, question.goal_tolerance_m);
+  const bool reached = start >= 0 && goal >= 0 && find_route(*roads, start, goal, max_steps);
+  return reached ? Refusal::kept_out : otherwise;
 }
 
 Path Planner::answer(const Roadmap& roadmap, const PathQuestion& question,
                      const std::vector<NodeId>& way) const {
   const Ground& ground = roadmap.ground();
-  Path path{Refusal::none, {question.from}, 0};
+  Path path{Refusal::none, {question.from}, 0, {0}};
   Eigen::Vector2d at = position(project(question.from));
+  const IslandId island = map_->graph.island(question.from.patch);
   const auto go_to = [&](const Eigen::Vector2d& point, PatchId leader, double yaw) {
     path.length_m += (point - at).norm();
+    path.max_speeds_m_s.push_back(zones_.max_speed_m_s(island, at, point, question.footprint.radius_m));
     at = point;
     path.poses.push_back(
         {leader, ominus({point.x(), point.y(), yaw}, map_->poses[static_cast<std::size_t>(leader.value)])});

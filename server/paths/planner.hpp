@@ -37,11 +37,12 @@ class Planner {
   /// Made when first asked for, and kept until the ground changes; at most eight footprints an island.
   std::shared_ptr<const Roadmap> roadmap(IslandId island, const Footprint& footprint);
   const MapCopy& map() const { return *map_; }
+  const Zones& zones() const { return zones_; }
   /// Of the map.
   const NearPatches& near() const { return *grounds_.near(); }
 
   /// Its poses are a metre apart at most. Refused: bad_value, unknown_patch, other_island, no_ground,
-  /// no_room, unreachable, too_long.
+  /// kept_out, no_room, unreachable, too_long.
   Path path(const PathQuestion& question);
 
   /// The cell nearest to a pose, no farther than a distance in metres, at which the footprint fits; -1: none.
@@ -49,16 +50,19 @@ class Planner {
   Pose project(const ManifoldPose& pose) const;
 
  private:
+  std::shared_ptr<const Roadmap> roadmap(IslandId island, const Footprint& footprint, bool with_zones);
+  Refusal why_not(IslandId island, const PathQuestion& question, Refusal otherwise);
   Path answer(const Roadmap& roadmap, const PathQuestion& question, const std::vector<NodeId>& way) const;
 
   struct KeptRoadmap {
     std::shared_ptr<const Roadmap> roadmap;
     std::int64_t asked = 0;
   };
-  using Key = std::tuple<IslandId, double, double>;  ///< island, radius, clearance
+  using Key = std::tuple<IslandId, double, double, bool>;  ///< island, radius, clearance, with zones
 
   GroundKeeper grounds_;
   std::shared_ptr<const MapCopy> map_ = std::make_shared<MapCopy>();
+  Zones zones_;
   std::map<Key, KeptRoadmap> roadmaps_;
   std::int64_t asked_ = 0;
 };

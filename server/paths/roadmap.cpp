@@ -12,6 +12,8 @@ namespace {
 constexpr std::int32_t side_cells = 4;
 /// Where a robot has driven, the unseen is nowhere nearer than that.
 constexpr double max_from_unseen_m = stood_m - ground_cell_m;
+/// A straight way through a cell passes its centre by half its diagonal at most.
+constexpr double off_centre_m = 0.5 * std::numbers::sqrt2 * ground_cell_m;
 constexpr SquareId none = -1;
 constexpr SquareId free = -2;  // of no square yet
 
@@ -22,21 +24,22 @@ bool in_one_square(const Cell& a, const Cell& b) {
 
 }  // namespace
 
-Roadmap::Roadmap(std::shared_ptr<const Ground> ground, const Footprint& footprint)
+Roadmap::Roadmap(std::shared_ptr<const Ground> ground, const Footprint& footprint,
+                 std::span<const Zone> zones)
     : ground_(std::move(ground)), footprint_(footprint) {
-  find_squares(footprint);
+  // A fit may move a zone by so much before a roadmap is made again (`are_alike`).
+  constexpr double moved_m = 0.5 * ground_cell_m;
+  find_squares(footprint, KeptOutCells(zones, footprint.radius_m + off_centre_m + moved_m));
   find_beside();
   find_open();
 }
 
-void Roadmap::find_squares(const Footprint& footprint) {
-  // A straight way through a cell passes its centre by half its diagonal at most.
-  constexpr double off_centre_m = 0.5 * std::numbers::sqrt2 * ground_cell_m;
+void Roadmap::find_squares(const Footprint& footprint, const KeptOutCells& kept_out) {
   const auto from_walls = static_cast<float>(footprint.radius_m + footprint.clearance_m + off_centre_m);
   const auto from_unseen = static_cast<float>(std::min(footprint.radius_m, max_from_unseen_m));
   for (NodeId node = 0; node < static_cast<NodeId>(ground_->size()); ++node) {
     const bool fits = !ground_->layer(node).occupied && ground_->wall_m(node) >= from_walls &&
-                      ground_->unseen_m(node) >= from_unseen;
+                      ground_->unseen_m(node) >= from_unseen && !kept_out.contains(ground_->cell(node));
     square_.push_back(fits ? free : none);
   }
   for (NodeId node = 0; node < static_cast<NodeId>(ground_->size()); ++node)

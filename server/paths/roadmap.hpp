@@ -9,6 +9,7 @@
 #include "server/paths/ground.hpp"
 #include "server/paths/point_graph.hpp"
 #include "server/paths/regions.hpp"
+#include "server/paths/zones.hpp"
 
 namespace isthmus {
 
@@ -25,7 +26,8 @@ using SquareId = std::int32_t;
 /// squares one steps between. Never changed.
 class Roadmap {
  public:
-  Roadmap(std::shared_ptr<const Ground> ground, const Footprint& footprint);
+  /// It fits nowhere nearer to keep-out zones than its radius.
+  Roadmap(std::shared_ptr<const Ground> ground, const Footprint& footprint, std::span<const Zone> zones = {});
 
   const Ground& ground() const { return *ground_; }
   const Footprint& footprint() const { return footprint_; }
@@ -49,7 +51,7 @@ class Roadmap {
   bool sees(NodeId from, NodeId to) const { return straight(from, ground_->cell(to)) == to; }
 
  private:
-  void find_squares(const Footprint& footprint);
+  void find_squares(const Footprint& footprint, const KeptOutCells& kept_out);
   void flood(NodeId start);
   void find_beside();
   void find_open();

@@ -284,8 +284,8 @@ Viewers viewers_of(PageServer* page, FoxgloveServer* foxglove, bool frozen) {
   };
   if (foxglove) viewers.event = [=](const Event& event) { foxglove->show(event); };
   if (page)
-    viewers.order = [=](const CommandEvent& order, DropReason reason) {
-      page->orders().answered(order, reason);
+    viewers.order = [=](std::int64_t order_utime, DropReason reason) {
+      page->orders().answered(order_utime, reason);
     };
   return viewers;
 }
@@ -321,6 +321,12 @@ std::string checked_url(const std::string& lcm_url, const Log& log) {
   return url;
 }
 
+RefusedOrder teller_of_refused(const Publish& publish, const Log& log) {
+  return [answers = Answers(publish, log)](const command_t& order, DropReason reason, std::int64_t utime) {
+    answers.tell(order, std::nullopt, reason, utime);
+  };
+}
+
 void serve(const Arguments& arguments, const std::string& toml) {
   const Log log = log_to_stderr(*parse_log_level(arguments.log_level));
   check_output(arguments, log);
@@ -350,12 +356,8 @@ void serve(const Arguments& arguments, const std::string& toml) {
 
   const ChannelNames channels = server.channels();
   auto running = std::async(std::launch::async, [&] { server.run(); });
-  const Answers answers(publish, log);
-  const auto tell_refused = [&](const command_t& order, DropReason reason, std::int64_t utime) {
-    answers.tell(order, std::nullopt, reason, utime);
-  };
   link.receive_into(inbox, channels, server.authenticator(),
-                    {tell_refused, options.mistakes, options.questions});
+                    {teller_of_refused(publish, log), options.mistakes, options.questions});
   receiving = true;
   log_addresses(arguments, url, page.get(), foxglove.get(), log);
   run_to_the_end(server, link, inbox, signals, std::chrono::seconds(arguments.stop_timeout_s),

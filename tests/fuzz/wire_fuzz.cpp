@@ -10,8 +10,8 @@
 /// or it is an event that can be written and read again.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const std::array channels = {
-      "R1_ROBOT",        "R1_ODOMETRY",           "R1_SCAN",     "R1_SIGHTING", "ISTHMUS_TAG",
-      "ISTHMUS_COMMAND", "ISTHMUS_CONFIGURATION", "ISTHMUS_TICK"};
+      "R1_ROBOT",        "R1_ODOMETRY",           "R1_SCAN",      "R1_SIGHTING",        "ISTHMUS_TAG",
+      "ISTHMUS_COMMAND", "ISTHMUS_CONFIGURATION", "ISTHMUS_TICK", "ISTHMUS_ANNOTATION", "R1_INITIAL_POSE"};
   if (size == 0) return 0;
   const isthmus::ChannelNames configured;
   const std::span bytes(data + 1, size - 1);

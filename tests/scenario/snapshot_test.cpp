@@ -76,6 +76,15 @@ TEST(EngineSnapshot, IsRefusedWhereItIsNotWhole) {
   for (std::size_t size = 0; size < saved.size(); size += 1 + saved.size() / 300)
     EXPECT_NE(why_refused(std::span(saved).first(size), rows_of(engine)), "") << size;
   saved.push_back(0);
+  EXPECT_EQ(why_refused(saved, rows_of(engine)), "it ends too early") << "behind the map are annotations";
+  AnnotationEvent place;
+  place.name = "Dock";
+  place.island = IslandId{0};
+  place.points = {{PatchId{}, {0, 0}}};
+  ASSERT_EQ(engine.handle({events[events.size() / 2].receive_utime, place}).drop_reason, DropReason::none);
+  saved = engine.save();
+  EXPECT_EQ(why_refused(saved, rows_of(engine)), "");
+  saved.push_back(0);
   EXPECT_EQ(why_refused(saved, rows_of(engine)), "it does not end where it should");
 }
 

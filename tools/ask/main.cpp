@@ -31,6 +31,7 @@ void add_target(CLI::App& command, request_t& request) {
   const std::array targets = {
       group->add_option("--to-patch", request.target_patch, "the origin of a patch")->each(set("patch")),
       group->add_option("--to-tag", request.target_barcode, "a fixed tag's barcode")->each(set("tag")),
+      group->add_option("--to-place", request.target_place, "a named place")->each(set("place")),
       group->add_option("--to-robot", request.target_robot, "where a robot is")->each(set("robot")),
       group->add_flag_callback(
           "--home", [&request] { request.target = "home"; }, "where the robot began on its island")};

@@ -21,8 +21,8 @@ std::string row(const path_pose_t& pose) {
 constexpr const char* pose_header = "patch,patch_x_m,patch_y_m,patch_yaw_rad,map_x_m,map_y_m,map_yaw_rad";
 
 std::string poses(const reply_t& reply) {
-  std::string text = std::string(pose_header) + "\n";
-  for (const path_pose_t& pose : reply.poses) text += row(pose) + "\n";
+  std::string text = std::string(pose_header) + ",max_speed_m_s\n";
+  for (const path_pose_t& pose : reply.poses) text += row(pose) + "," + number(pose.max_speed) + "\n";
   return text;
 }
 

@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <lcm/lcm-cpp.hpp>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 
@@ -21,7 +23,93 @@ struct Arguments {
   double wait_s = 5;
   Verb verb = Verb::send_map;
   std::string what;  ///< a closure's id, or a robot
+  /// Of what is drawn on the map, or of where a robot is; none: an order of a verb.
+  std::function<Order(const Arguments&)> drawn;
+  std::string name, at;
+  std::int32_t island = -1, patch = -1;
+  bool replace = false;
+  double max_speed_m_s = 0, sigma_m = 1, sigma_deg = 30;
 };
+
+/// Where coordinates are: in an island's plane, or in a patch's frame.
+void add_frame(CLI::App& command, Arguments& arguments) {
+  CLI::Option_group* group = command.add_option_group("frame", "one of them");
+  group->require_option(1);
+  group->add_option("--island", arguments.island, "in the plane of this island: the lowest patch id on it")
+      ->check(CLI::NonNegativeNumber);
+  group->add_option("--patch", arguments.patch, "in the frame of this patch")->check(CLI::NonNegativeNumber);
+}
+
+AnnotationEvent annotation_of(const Arguments& arguments, AnnotationKind kind,
+                              const std::vector<Eigen::Vector2d>& points) {
+  AnnotationEvent order;
+  order.kind = kind;
+  order.name = parse_annotation_name(arguments.name);
+  order.replace = arguments.replace;
+  order.island = IslandId{arguments.island};
+  for (const Eigen::Vector2d& point : points) order.points.push_back({PatchId{arguments.patch}, point});
+  return order;
+}
+
+Order place_order(const Arguments& arguments) {
+  const Pose pose = parse_pose(arguments.at);
+  AnnotationEvent order = annotation_of(arguments, AnnotationKind::place, {position(pose)});
+  order.yaw_rad = pose.yaw;
+  return order;
+}
+
+Order zone_order(const Arguments& arguments) {
+  const bool slow = arguments.max_speed_m_s > 0;
+  AnnotationEvent order = annotation_of(arguments, slow ? AnnotationKind::speed : AnnotationKind::keep_out,
+                                        parse_points(arguments.at));
+  order.max_speed_m_s = arguments.max_speed_m_s;
+  return order;
+}
+
+Order erase_order(const Arguments& arguments) { return annotation_of(arguments, AnnotationKind::erase, {}); }
+
+Order initial_pose_order(const Arguments& arguments) {
+  InitialPoseEvent order;
+  order.robot = parse_robot_name(arguments.name);
+  order.island = IslandId{arguments.island};
+  order.patch = PatchId{arguments.patch};
+  order.pose = parse_pose(arguments.at);
+  order.sigma_m = arguments.sigma_m;
+  order.sigma_rad = arguments.sigma_deg * std::numbers::pi / 180;
+  return order;
+}
+
+/// What is drawn on the map by name.
+void add_drawing(CLI::App& app, Arguments& arguments) {
+  const auto add = [&](const char* verb, const char* help, Order (*order)(const Arguments&)) {
+    CLI::App* command = app.add_subcommand(verb, help);
+    command->add_option("NAME", arguments.name)->required();
+    command->callback([&arguments, order] { arguments.drawn = order; });
+    return command;
+  };
+  const auto add_drawn = [&](CLI::App* command, const char* option, const char* help) {
+    command->add_option(option, arguments.at, help)->required();
+    command->add_flag("--replace", arguments.replace, "take the place of the one of that name");
+    add_frame(*command, arguments);
+  };
+  add_drawn(add("place", "NAME: name a place", place_order), "--at", "X,Y or X,Y,YAW: metres, degrees");
+  const char* corners = "\"X,Y X,Y X,Y …\": in turn, metres";
+  add_drawn(add("keep-out", "NAME: draw a zone that no path leads through", zone_order), "--corners",
+            corners);
+  CLI::App* speed = add("speed", "NAME: draw a zone in which robots are told to drive slowly", zone_order);
+  add_drawn(speed, "--corners", corners);
+  speed->add_option("--max", arguments.max_speed_m_s, "m/s")->required()->check(CLI::Range(0.01, 100.0));
+  add("erase", "NAME: take a place or zone away", erase_order);
+  CLI::App* pose = add("pose", "ROBOT: say where it is on a finished map", initial_pose_order);
+  pose->add_option("--at", arguments.at, "X,Y or X,Y,YAW: metres, degrees")->required();
+  pose->add_option("--sigma", arguments.sigma_m, "standard deviation of x and of y, m")
+      ->check(finite_number & CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  pose->add_option("--sigma-yaw", arguments.sigma_deg, "of the yaw, degrees; 180: not known")
+      ->check(finite_number & CLI::Range(0.1, 180.0))
+      ->capture_default_str();
+  add_frame(*pose, arguments);
+}
 
 void add_verbs(CLI::App& app, Arguments& arguments) {
   const auto add = [&](Verb verb, const char* operand, const char* help) {
@@ -37,7 +125,8 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   add(Verb::send_map, nullptr, "publish the whole map");
 }
 
-CommandEvent order_of(const Arguments& arguments) {
+Order order_of(const Arguments& arguments) {
+  if (arguments.drawn) return arguments.drawn(arguments);
   if (arguments.verb == Verb::allow) return allow_order(arguments.what);
   CommandEvent order;
   order.verb = arguments.verb;
@@ -60,8 +149,8 @@ std::string no_answer(const Arguments& arguments, bool any_server) {
 }
 
 void send(const Arguments& arguments) {
-  CommandEvent order = order_of(arguments);
-  order.utime = wall_clock_utime();
+  Order order = order_of(arguments);
+  std::visit([](auto& body) { body.utime = wall_clock_utime(); }, order);
   if (!log_file_of(arguments.lcm_url).empty()) {
     throw std::runtime_error(arguments.lcm_url + ": a log takes no commands");
   }
@@ -103,6 +192,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--key", arguments.key_file, "file with the operator's name and key, to sign with");
   add_verbs(app, arguments);
+  add_drawing(app, arguments);
   if (const auto negative = std::find_if(argv + 1, argv + argc, is_negative_number);
       negative != argv + argc) {
     std::fprintf(stderr, "isthmus-command: ids are not negative: %s\n", *negative);

@@ -1,12 +1,32 @@
 #include "tools/command/order.hpp"
 
+#include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 
+#include "server/engine/annotations/annotations.hpp"
 #include "server/engine/input/robot_name.hpp"
 #include "tools/text/numbers.hpp"
 
 namespace isthmus {
+namespace {
+
+/// Numbers with a comma between two; none where one is no finite number.
+std::vector<double> parse_numbers(const std::string& text) {
+  std::vector<double> numbers;
+  std::istringstream stream(text);
+  for (std::string one; std::getline(stream, one, ',');) {
+    const std::optional<double> number = parse_double(one);
+    if (!number || !std::isfinite(*number)) return {};
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+}  // namespace
 
 std::int64_t parse_closure_id(const std::string& text) {
   const auto id = parse_integer(text);
@@ -37,10 +57,38 @@ CommandEvent allow_order(const std::string& text) {
   return order;
 }
 
-std::string to_text(const CommandEvent& order) {
-  std::string verb(word(order.verb));
-  if (order.closure >= 0) return verb + " closure " + std::to_string(order.closure);
-  if (!order.robot.empty()) return verb + " robot " + order.robot;
+std::vector<Eigen::Vector2d> parse_points(const std::string& text) {
+  std::vector<Eigen::Vector2d> points;
+  std::istringstream stream(text);
+  for (std::string one; stream >> one;) {
+    const std::vector<double> numbers = parse_numbers(one);
+    if (numbers.size() != 2) throw std::runtime_error("not a point: '" + one + "' (x,y in metres)");
+    points.emplace_back(numbers[0], numbers[1]);
+  }
+  return points;
+}
+
+Pose parse_pose(const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(text);
+  if (numbers.size() != 2 && numbers.size() != 3)
+    throw std::runtime_error("not a pose: '" + text + "' (x,y in metres, or x,y,yaw with degrees)");
+  return {numbers[0], numbers[1], numbers.size() == 3 ? numbers[2] * std::numbers::pi / 180 : 0};
+}
+
+std::string parse_annotation_name(const std::string& text) {
+  if (!is_annotation_name(text))
+    throw std::runtime_error("not a name: '" + text + "' (1 to 48 letters, digits, ' ', '.', '_' and '-')");
+  return text;
+}
+
+std::string to_text(const Order& order) {
+  if (const auto* annotation = std::get_if<AnnotationEvent>(&order))
+    return std::string(word(annotation->kind)) + " " + annotation->name;
+  if (const auto* pose = std::get_if<InitialPoseEvent>(&order)) return "initial_pose robot " + pose->robot;
+  const auto& command = std::get<CommandEvent>(order);
+  std::string verb(word(command.verb));
+  if (command.closure >= 0) return verb + " closure " + std::to_string(command.closure);
+  if (!command.robot.empty()) return verb + " robot " + command.robot;
   return verb;
 }
 

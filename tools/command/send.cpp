@@ -36,7 +36,7 @@ std::span<const std::uint8_t> bytes_of(const lcm_recv_buf_t* buffer) {
 /// Listens for what a server says, as long as it exists.
 class Listener {
  public:
-  Listener(lcm_t* link, const CommandEvent& order) : link_(link), order_utime_(order.utime) {
+  Listener(lcm_t* link, std::int64_t order_utime) : link_(link), order_utime_(order_utime) {
     status_ = lcm_subscribe(link_, "ISTHMUS_STATUS", note_status, this);
     answer_ = lcm_subscribe(link_, "ISTHMUS_ANSWER", note_answer, this);
   }
@@ -86,12 +86,16 @@ OperatorKey read_operator_key(const std::string& file) {
   return {upper_case(name), *key, std::move(warning)};
 }
 
-OrderOutcome send_order(lcm::LCM& lcm, const CommandEvent& order, const std::optional<OperatorKey>& key,
+OrderOutcome send_order(lcm::LCM& lcm, const Order& order, const std::optional<OperatorKey>& key,
                         std::chrono::milliseconds wait) {
-  Listener listener(lcm.getUnderlyingLCM(), order);
-  Message message = encode(Event{order.utime, order});
+  const std::int64_t utime = std::visit([](const auto& body) { return body.utime; }, order);
+  Listener listener(lcm.getUnderlyingLCM(), utime);
+  Message message = std::visit([&](const auto& body) { return encode(Event{utime, body}); }, order);
+  // What no server would even read is not sent: nobody would answer.
+  if (const Decoded decoded = decode({}, message.channel, message.bytes, utime); !decoded.event)
+    throw std::runtime_error("no such order can be given: " + std::string(word(decoded.reason)));
   // The clock counts on from one order to the next, in whatever process.
-  if (key) message = seal(key->key, key->name, order.utime, message);
+  if (key) message = seal(key->key, key->name, utime, message);
   const auto size = static_cast<unsigned>(message.bytes.size());
   if (lcm.publish(message.channel, message.bytes.data(), size) != 0) {
     throw std::runtime_error("the network refused the message");

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "isthmus/answer_t.hpp"
-#include "server/engine/input/event.hpp"
 #include "server/wire/message/server_configuration.hpp"
+#include "tools/command/order.hpp"
 
 namespace lcm {
 class LCM;
@@ -31,9 +31,10 @@ struct OrderOutcome {
   bool any_server = false;         ///< some server sent something
 };
 
-/// Publishes an order on ISTHMUS_COMMAND, in an envelope where there is a key, and waits so long for the
-/// answer on ISTHMUS_ANSWER. Throws std::runtime_error where the network does not take the message.
-OrderOutcome send_order(lcm::LCM& lcm, const CommandEvent& order, const std::optional<OperatorKey>& key,
+/// Publishes an order on its channel, in an envelope where there is a key, and waits so long for the
+/// answer on ISTHMUS_ANSWER. Throws std::runtime_error where it is none that a server would read, or the
+/// network does not take the message.
+OrderOutcome send_order(lcm::LCM& lcm, const Order& order, const std::optional<OperatorKey>& key,
                         std::chrono::milliseconds wait);
 
 }  // namespace isthmus

@@ -43,6 +43,11 @@ std::optional<ScanOutcome> Frozen::take_scan(const Map& map, Robot& robot, Obser
                                              const Pose& odom_from_robot, const EngineOptions& options) {
   const std::string& name = robot.declaration.robot;
   const std::int64_t utime = observation.scan.utime;
+  if (const auto given = given_.find(name); given != given_.end()) {
+    if (auto done = try_given(map, robot, given->second, observation, odom_from_robot, options)) return done;
+    const bool is_old = utime > given->second.utime + options.frozen.given_told_us;
+    if (!given->second.trial && is_old) given_.erase(given);
+  }
   if (!robot.place || robot.place->suspect)
     put_where_thought(robot, lookouts_[name], utime, odom_from_robot, options.frozen);
   if (robot.place) {
@@ -56,6 +61,46 @@ std::optional<ScanOutcome> Frozen::take_scan(const Map& map, Robot& robot, Obser
                   [&](const UnplacedScan& unplaced) { return unplaced.utime < finder.since_utime(); });
   robot.unplaced.push_back({utime, odom_from_robot});
   if (robot.unplaced.size() > max_unplaced) robot.unplaced.erase(robot.unplaced.begin());
+  return std::nullopt;
+}
+
+DropReason Frozen::take_given(const Map& map, const Robot& robot, const InitialPoseEvent& event,
+                              const FrozenOptions& options) {
+  const GivenPoseReading reading = read_given_pose(event, map);
+  if (!reading.pose) return reading.refusal;
+  Given& given = given_[robot.declaration.robot];
+  given = {};
+  given.trial = GivenPose{*reading.pose, event.sigma_m, event.sigma_rad, std::nullopt, options.max_tries};
+  return DropReason::none;
+}
+
+std::optional<ScanOutcome> Frozen::try_given(const Map& map, Robot& robot, Given& given,
+                                             const Observation& observation, const Pose& odom_from_robot,
+                                             const EngineOptions& options) {
+  if (!given.trial) return std::nullopt;
+  GivenPose& trial = *given.trial;
+  if (trial.odom_from_robot)
+    trial.pose.patch_from_object =
+        trial.pose.patch_from_object * ominus(odom_from_robot, *trial.odom_from_robot);
+  trial.odom_from_robot = odom_from_robot;
+  const std::int64_t utime = given.utime = observation.scan.utime;
+  if (const auto found = search_about(trial, map, observation.points, options, given.why)) {
+    Robot tried = robot;
+    tried.place = guessed(*found, odom_from_robot, utime, options.frozen);
+    const Expectation expectation = expect(tried, odom_from_robot, utime, options);
+    choose_local_map(map, tried, expectation.local_from_robot, observation.points, options);
+    const Placement placement = localise(tried, expectation, tried.local_map, observation.points, options);
+    if (placement.matched) {
+      follow(map, tried, expectation, placement, odom_from_robot, utime, options);
+      tried.place->since_last_patch = {};
+      robot = std::move(tried);
+      lookouts_.erase(robot.declaration.robot);
+      given_.erase(robot.declaration.robot);
+      return ScanOutcome{answer(map, robot, true), Unmatched::no, true, false, false};
+    }
+    given.why = NotFound::given_pose_misfits;
+  }
+  if (--trial.tries_left <= 0) given.trial.reset();
   return std::nullopt;
 }
 
@@ -130,9 +175,12 @@ void Frozen::advance(const Map& map, const EngineOptions& options, std::int64_t 
 std::vector<LostRobot> Frozen::lost(const std::function<bool(const std::string& robot)>& is_placed,
                                     const EngineOptions& options) const {
   std::vector<LostRobot> lost;
+  for (const auto& [name, given] : given_)
+    if (!given.trial) lost.push_back({name, given.why, 0, 0, is_placed(name)});
   for (const auto& [name, lookout] : lookouts_) {
+    if (const auto given = given_.find(name); given != given_.end() && !given->second.trial) continue;
     const NotFound why = is_placed(name) ? NotFound::trying_a_place : lookout.finder.why(options.finder);
-    lost.push_back({name, why, lookout.finder.way_m(), options.finder.min_piece_way_m});
+    lost.push_back({name, why, lookout.finder.way_m(), options.finder.min_piece_way_m, false});
   }
   return lost;
 }

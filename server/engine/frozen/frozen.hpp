@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/engine/frozen/finder.hpp"
+#include "server/engine/frozen/given_pose.hpp"
 #include "server/engine/localise/mapper.hpp"
 #include "server/engine/map/credit.hpp"
 
@@ -26,6 +27,11 @@ class Frozen {
   /// Nothing where the robot is not on the map as far as is known.
   std::optional<ScanOutcome> take_scan(const Map& map, Robot& robot, Observation observation,
                                        const Pose& odom_from_robot, const EngineOptions& options);
+
+  /// Somebody says where the robot is. Its next scans are matched there; the first that fits puts it there.
+  /// Where none does, it stays what it was: found elsewhere, or lost.
+  DropReason take_given(const Map& map, const Robot& robot, const InitialPoseEvent& event,
+                        const FrozenOptions& options);
 
   /// The robot's odometry begins anew, where it was or elsewhere.
   void restart(Robot& robot);
@@ -49,6 +55,16 @@ class Frozen {
     bool moved_away = false;  ///< it may be elsewhere: where it is found, a new session begins
   };
 
+  /// What became of poses that were given.
+  struct Given {
+    std::optional<GivenPose> trial;
+    NotFound why = NotFound::trying_a_place;  ///< it did not fit, at its last trial
+    std::int64_t utime = 0;                   ///< of the scan of that
+  };
+
+  std::optional<ScanOutcome> try_given(const Map& map, Robot& robot, Given& given,
+                                       const Observation& observation, const Pose& odom_from_robot,
+                                       const EngineOptions& options);
   void put_where_thought(Robot& robot, Lookout& lookout, std::int64_t utime, const Pose& odom_from_robot,
                          const FrozenOptions& options);
   std::optional<ScanOutcome> follow_on(const Map& map, Robot& robot, const Observation& observation,
@@ -57,6 +73,7 @@ class Frozen {
 
   std::vector<RigidPiece> places_;
   std::map<std::string, Lookout> lookouts_;  ///< by robot
+  std::map<std::string, Given> given_;       ///< by robot
   std::string searched_last_;
   FinderCounts counts_;
   Credit credit_;

@@ -4,8 +4,11 @@
 #include <string>
 #include <tuple>
 #include <variant>
+#include <vector>
 
+#include "patches/ids.hpp"
 #include "patches/scan.hpp"
+#include "server/engine/input/annotation_kind.hpp"
 #include "server/engine/input/verb.hpp"
 
 namespace isthmus {
@@ -67,13 +70,40 @@ struct CommandEvent {
   std::string robot;
 };
 
+/// An operator names a place, draws a zone, or takes one of them away.
+struct AnnotationEvent {
+  std::int64_t utime = 0;
+  AnnotationKind kind = AnnotationKind::place;
+  std::string name;
+  bool replace = false;      ///< takes the place of the one that has this name, if any
+  double max_speed_m_s = 0;  ///< of a speed zone
+  double yaw_rad = 0;        ///< of a place, in the frame of its point
+  IslandId island;           ///< whose plane the points are in; none: each is in its patch's frame
+  struct Point {
+    PatchId patch;
+    Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< m
+  };
+  std::vector<Point> points;
+};
+
+/// Somebody says where a robot is on a finished map.
+struct InitialPoseEvent {
+  std::string robot;
+  std::int64_t utime = 0;
+  IslandId island;  ///< whose plane the pose is in; none: it is in the frame of the patch
+  PatchId patch;
+  Pose pose;
+  double sigma_m = 0;    ///< of x and of y
+  double sigma_rad = 0;  ///< of the yaw
+};
+
 /// Time passes while the robots are silent.
 struct TickEvent {};
 
 struct Event {
   std::int64_t receive_utime = 0;  ///< the journal's time: the LCM log header
   std::variant<ConfigurationEvent, RobotEvent, TagEvent, OdometryEvent, ScanEvent, SightingEvent,
-               CommandEvent, TickEvent>
+               CommandEvent, TickEvent, AnnotationEvent, InitialPoseEvent>
       body;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "patches/manifold.hpp"
 #include "relations/graph.hpp"
+#include "server/engine/annotations/annotation.hpp"
 #include "server/engine/closures/closure_record.hpp"
 #include "server/engine/hypotheses/hypothesis_counts.hpp"
 #include "server/engine/record/counters.hpp"
@@ -32,15 +34,21 @@ struct MapCopy {
   SightingLog sightings;
   std::vector<TagRecord> tags;
   std::vector<ClosureRecord> closures;
-  std::vector<PatchId> left_out;  ///< by id: patches whose robot's data operators have dropped
+  std::vector<PatchId> left_out;              ///< by id: patches whose robot's data operators have dropped
+  std::vector<AnnotationRecord> annotations;  ///< by name
   Counters counters;
   HypothesisCounts hypotheses;
   std::optional<MeetingRecord> meeting;  ///< to be driven to
   std::vector<HealthRecord> health;      ///< of declared robots, by name
 };
 
+/// Whether operators have dropped a patch's data.
+inline bool is_left_out(const MapCopy& map, PatchId patch) {
+  return std::ranges::binary_search(map.left_out, patch);
+}
+
 /// SHA-256, in hex, over patches, accepted relations and closures by id, numbers as the bits of f64; and over
-/// the ids of patches that operators have dropped, if any.
+/// the ids of patches that operators have dropped, and places and zones, if any.
 std::string map_sha256(const MapCopy& map);
 
 }  // namespace isthmus

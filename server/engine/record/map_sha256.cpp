@@ -128,6 +128,17 @@ void add_relation(Digest& digest, const Relation& relation) {
   std::visit(AddMeasurement{digest}, relation.measurement);
 }
 
+void add_annotation(Digest& digest, const AnnotationRecord& annotation) {
+  digest.add(word(annotation.kind));
+  digest.add(std::string_view(annotation.name));
+  digest.add(annotation.max_speed_m_s);
+  digest.add(static_cast<std::int64_t>(annotation.points.size()));
+  for (const ManifoldPose& point : annotation.points) {
+    digest.add(point.patch);
+    digest.add(point.patch_from_object);
+  }
+}
+
 }  // namespace
 
 std::string map_sha256(const MapCopy& map) {
@@ -152,6 +163,9 @@ std::string map_sha256(const MapCopy& map) {
     digest.add(std::string_view("left_out"));
     for (const PatchId patch : map.left_out) digest.add(patch);
   }
+  // Robots drive by places and zones: with others it is another map to them.
+  if (!map.annotations.empty()) digest.add(std::string_view("annotations"));
+  for (const AnnotationRecord& annotation : map.annotations) add_annotation(digest, annotation);
   return digest.hex();
 }
 

@@ -48,6 +48,8 @@ std::vector<std::uint8_t> Engine::save() const {
   if (is_frozen()) throw std::logic_error("a frozen engine was to be saved");
   SnapshotWriter writer;
   writer(state_->configuration.toml, static_cast<std::uint64_t>(state_->trajectory->size()), *state_);
+  // A map without any is saved as it was before there were such things.
+  if (!state_->annotations.empty()) writer(state_->annotations);
   return writer.take();
 }
 
@@ -64,6 +66,7 @@ Engine Engine::restore(std::span<const std::uint8_t> saved, std::shared_ptr<Traj
   Engine engine(std::get<Configuration>(std::move(configuration)));
   reader.context.options = engine.state_->configuration.engine;
   reader(*engine.state_);
+  if (reader.bytes_left() > 0) reader(engine.state_->annotations);
   if (reader.bytes_left() > 0) throw std::runtime_error("it does not end where it should");
   engine.state_->trajectory = std::move(trajectory);
   return engine;

@@ -25,7 +25,9 @@ std::string pgm(const OccupancyGrid& grid) {
   return bytes;
 }
 
-std::string yaml(const OccupancyGrid& grid, const std::string& image) {
+}  // namespace
+
+std::string grid_yaml(const OccupancyGrid& grid, const std::string& image) {
   // Unknown is 205 and reads back as an occupancy of 0.19608: a larger free_thresh would turn it into free.
   return "image: " + image +
          "\n"
@@ -40,6 +42,8 @@ std::string yaml(const OccupancyGrid& grid, const std::string& image) {
          "occupied_thresh: 0.65\n"
          "free_thresh: 0.196\n";
 }
+
+namespace {
 
 std::string read_file(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -92,7 +96,7 @@ OccupancyGrid read_grid(const std::string& stem) {
 void write_grid(const OccupancyGrid& grid, const std::string& stem) {
   write_file(stem + ".pgm", pgm(grid));
   write_file(stem + ".png", grey_png(grid.width, grid.height, grid.pixels));
-  write_file(stem + ".yaml", yaml(grid, std::filesystem::path(stem).filename().string() + ".pgm"));
+  write_file(stem + ".yaml", grid_yaml(grid, std::filesystem::path(stem).filename().string() + ".pgm"));
 }
 
 }  // namespace isthmus

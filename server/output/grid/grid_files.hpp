@@ -6,6 +6,9 @@
 
 namespace isthmus {
 
+/// What map_server reads beside the picture of a grid, which is in a file of this name.
+std::string grid_yaml(const OccupancyGrid& grid, const std::string& image);
+
 /// Writes `stem`.pgm, .yaml and .png, the grid in map_server's convention (mode trinary).
 void write_grid(const OccupancyGrid& grid, const std::string& stem);
 

@@ -79,7 +79,7 @@ std::string as_utf8(const std::string& text) {
 }
 
 /// From the anchor to the left end of the text's base line.
-Eigen::Vector2d to_base_line(cairo_t* cairo, const std::string& text, const Anchor& anchor) {
+Eigen::Vector2d to_base_line(cairo_t* cairo, const std::string& text, const TextAnchor& anchor) {
   cairo_text_extents_t extents;
   cairo_font_extents_t font;
   cairo_text_extents(cairo, text.c_str(), &extents);
@@ -192,7 +192,7 @@ void Canvas::image(const Image& image, const Eigen::Vector2d& left_top, double p
   cairo_surface_destroy(surface);
 }
 
-void Canvas::text(const std::string& text, const Eigen::Vector2d& at, const Anchor& anchor,
+void Canvas::text(const std::string& text, const Eigen::Vector2d& at, const TextAnchor& anchor,
                   const Font& font) {
   const std::string shown = as_utf8(text);
   set_font(state_->cairo, font);
@@ -202,7 +202,7 @@ void Canvas::text(const std::string& text, const Eigen::Vector2d& at, const Anch
   cairo_show_text(state_->cairo, shown.c_str());
 }
 
-void Canvas::text_upwards(const std::string& text, const Eigen::Vector2d& at, const Anchor& anchor,
+void Canvas::text_upwards(const std::string& text, const Eigen::Vector2d& at, const TextAnchor& anchor,
                           const Font& font) {
   cairo_save(state_->cairo);
   cairo_translate(state_->cairo, at.x(), at.y());
@@ -211,7 +211,7 @@ void Canvas::text_upwards(const std::string& text, const Eigen::Vector2d& at, co
   cairo_restore(state_->cairo);
 }
 
-void Canvas::text_on_map(const std::string& text, const Eigen::Vector2d& at, const Anchor& anchor,
+void Canvas::text_on_map(const std::string& text, const Eigen::Vector2d& at, const TextAnchor& anchor,
                          const Font& font) {
   const std::string shown = as_utf8(text);
   set_font(state_->cairo, font);

@@ -51,7 +51,7 @@ struct Font {
 
 /// The point of a text that stands where it is put: across from left to right, down from top to bottom (0,
 /// 0.5 and 1 are the usual ones).
-struct Anchor {
+struct TextAnchor {
   double across = 0;
   double down = 0;
 };
@@ -78,12 +78,12 @@ class Canvas {
   void image(const Image& image, const Eigen::Vector2d& left_top, double pixels_each);
 
   /// Bytes that are no UTF-8 are shown as '?'.
-  void text(const std::string& text, const Eigen::Vector2d& at, const Anchor& anchor, const Font& font);
+  void text(const std::string& text, const Eigen::Vector2d& at, const TextAnchor& anchor, const Font& font);
   /// Runs upwards; its anchor is that of the text as it is read.
-  void text_upwards(const std::string& text, const Eigen::Vector2d& at, const Anchor& anchor,
+  void text_upwards(const std::string& text, const Eigen::Vector2d& at, const TextAnchor& anchor,
                     const Font& font);
   /// Stands out from whatever is below it.
-  void text_on_map(const std::string& text, const Eigen::Vector2d& at, const Anchor& anchor,
+  void text_on_map(const std::string& text, const Eigen::Vector2d& at, const TextAnchor& anchor,
                    const Font& font);
   /// Width, and height of a line.
   static Eigen::Vector2d size_of(const std::string& text, const Font& font);

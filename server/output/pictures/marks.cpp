@@ -164,14 +164,14 @@ void Labels::draw(Canvas& canvas, const std::string& text, const Eigen::Vector2d
                   const Font& font) {
   const Eigen::Vector2d at = window_.pixels(map_point), size = Canvas::size_of(text, font);
   const double gap = label_gap_em * window_.em;
-  const auto box_at = [&](const Anchor& anchor, const Eigen::Vector2d& place) {
+  const auto box_at = [&](const TextAnchor& anchor, const Eigen::Vector2d& place) {
     const Eigen::Vector2d from = place - Eigen::Vector2d(anchor.across * size.x(), anchor.down * size.y());
     return PixelBox{from.x(), from.y(), from.x() + size.x(), from.y() + size.y()};
   };
   for (const double far : {1.0, 2.0, 3.5, 5.5}) {
     for (const auto& [x, y] : std::array<std::pair<int, int>, 8>{
              {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {-1, -1}, {1, 1}, {-1, 1}}}) {
-      const Anchor anchor{0.5 - 0.5 * x, 0.5 - 0.5 * y};
+      const TextAnchor anchor{0.5 - 0.5 * x, 0.5 - 0.5 * y};
       const Eigen::Vector2d place = at + far * gap * Eigen::Vector2d(x, y);
       const PixelBox box = box_at(anchor, place);
       const bool inside =

@@ -15,7 +15,8 @@ constexpr std::string_view status_channel = "ISTHMUS_STATUS";
 
 /// Inputs that only a robot that has introduced itself may send.
 bool has_owner(Input input) {
-  return input == Input::odometry || input == Input::scan || input == Input::sighting;
+  return input == Input::odometry || input == Input::scan || input == Input::sighting ||
+         input == Input::initial_pose;
 }
 
 /// Of what a log or a network may say: not what a server writes into its own journal.
@@ -72,10 +73,7 @@ DropReason Reception::let_in(std::int64_t utime, const std::string& name,
   if (is_request_channel(name)) return ask(bytes);
   const std::optional<Channel> channel = find_channel(configured_, name);
   if (!channel) return DropReason::none;
-  if (!authenticator_.is_required()) {
-    push(*channel, utime, name, bytes);
-    return DropReason::none;
-  }
+  if (!authenticator_.is_required()) return push(*channel, utime, name, bytes);
   count_refused(channel->robot, DropReason::not_signed);
   return DropReason::not_signed;
 }
@@ -87,7 +85,7 @@ DropReason Reception::let_in_envelope(std::int64_t utime, std::span<const std::u
   if (is_request_channel(message.channel)) {
     if (watch_.questions) watch_.questions->take(message.bytes, message.signature->sender);
   } else if (const std::optional<Channel> channel = find_channel(configured_, message.channel)) {
-    push(*channel, message.utime, message.channel, message.bytes, message.signature);
+    return push(*channel, message.utime, message.channel, message.bytes, message.signature);
   }
   return DropReason::none;
 }
@@ -115,13 +113,17 @@ void Reception::tell_refused(std::int64_t utime, const std::string& channel,
 
 /// Strangers are refused here, where they have cost nothing yet. What comes right behind a robot's first
 /// introduction is let in: it need not wait for the engine.
-void Reception::push(const Channel& channel, std::int64_t utime, const std::string& name,
-                     std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature) {
-  if (has_owner(channel.input) && inbox_.is_stranger(channel.robot)) return refuse_stranger(channel, bytes);
+DropReason Reception::push(const Channel& channel, std::int64_t utime, const std::string& name,
+                           std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature) {
+  if (has_owner(channel.input) && inbox_.is_stranger(channel.robot)) {
+    refuse_stranger(channel, bytes);
+    return DropReason::unknown_robot;
+  }
   const bool introduces = channel.input == Input::robot && inbox_.is_stranger(channel.robot) &&
                           decode(configured_, name, bytes, utime).event;
   if (introduces) inbox_.introduce(channel.robot);
   inbox_.push(channel.robot, channel.input == Input::scan, utime, name, bytes, signature);
+  return DropReason::none;
 }
 
 void Reception::refuse_stranger(const Channel& channel, std::span<const std::uint8_t> bytes) {

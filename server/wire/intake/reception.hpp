@@ -50,8 +50,9 @@ class Reception {
   bool wants(const std::string& channel) const;
   Opened opened(std::int64_t utime, std::span<const std::uint8_t> bytes);
   DropReason let_in(std::int64_t utime, const std::string& name, std::span<const std::uint8_t> bytes);
-  void push(const Channel& channel, std::int64_t utime, const std::string& name,
-            std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature = std::nullopt);
+  DropReason push(const Channel& channel, std::int64_t utime, const std::string& name,
+                  std::span<const std::uint8_t> bytes,
+                  const std::optional<Signature>& signature = std::nullopt);
   DropReason let_in_envelope(std::int64_t utime, std::span<const std::uint8_t> bytes);
   DropReason ask(std::span<const std::uint8_t> bytes);
   void refuse_stranger(const Channel& channel, std::span<const std::uint8_t> bytes);

@@ -115,10 +115,10 @@ bool LiveServer::journal(const Message& message) {
 /// Of an order.
 void LiveServer::tell_sender(const Message& message, const Decoded& decoded, DropReason reason) const {
   if (!decoded.ours) return;
-  const auto* order = decoded.event ? std::get_if<CommandEvent>(&decoded.event->body) : nullptr;
-  if (order && options_.viewers.order) options_.viewers.order(*order, reason);
-  if (const std::optional<command_t> said = order_in(message.channel, message.bytes))
-    answers_.tell(*said, message.signature, reason, message.utime);
+  const std::optional<command_t> said = order_in(message.channel, message.bytes);
+  if (!said) return;
+  if (options_.viewers.order) options_.viewers.order(said->utime, reason);
+  answers_.tell(*said, message.signature, reason, message.utime);
 }
 
 /// Robots that the map knows; admission bounds their number.

@@ -45,6 +45,7 @@ void LiveServer::publish_status_if_due() {
 void LiveServer::update_warnings(const MapCopy& map, status_t& status) {
   std::vector<LiveWarning> now = health_warnings_of(map);
   for (LiveWarning& lost : warnings_of_lost(map_.engine.lost_robots())) now.push_back(std::move(lost));
+  for (LiveWarning& lost : warnings_of_annotations(map.annotations)) now.push_back(std::move(lost));
   for (LiveWarning& mistake : options_.mistakes->warnings()) now.push_back(std::move(mistake));
   constexpr std::size_t patches_looked_at = 16;
   self_check_.look_at(map, patches_looked_at);

@@ -8,15 +8,17 @@
 namespace isthmus {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Input>, 4> robot_suffixes = {
+constexpr std::array<std::pair<std::string_view, Input>, 5> robot_suffixes = {
     {{"_ROBOT", Input::robot},
      {"_ODOMETRY", Input::odometry},
      {"_SCAN", Input::scan},
-     {"_SIGHTING", Input::sighting}}};
+     {"_SIGHTING", Input::sighting},
+     {"_INITIAL_POSE", Input::initial_pose}}};
 
-constexpr std::array<std::pair<std::string_view, Input>, 4> common_channels = {
+constexpr std::array<std::pair<std::string_view, Input>, 5> common_channels = {
     {{"ISTHMUS_TAG", Input::tag},
      {"ISTHMUS_COMMAND", Input::command},
+     {"ISTHMUS_ANNOTATION", Input::annotation},
      {"ISTHMUS_CONFIGURATION", Input::configuration},
      {"ISTHMUS_TICK", Input::tick}}};
 

@@ -10,12 +10,23 @@ namespace isthmus {
 
 /// What Isthmus takes from channels (lcmtypes/README.md). Configuration and tick are found in journals
 /// only, never taken from the network.
-enum class Input { robot, odometry, scan, sighting, tag, command, configuration, tick };
+enum class Input {
+  robot,
+  odometry,
+  scan,
+  sighting,
+  tag,
+  command,
+  configuration,
+  tick,
+  annotation,
+  initial_pose,
+};
 
 /// Whose message a channel carries, and which.
 struct Channel {
   Input input = Input::robot;
-  std::string robot;  ///< upper case; empty for the last four inputs
+  std::string robot;  ///< upper case; empty for inputs of no robot
   bool valid = true;  ///< false: it ends like an input, but what comes before cannot be a robot's name
 };
 

@@ -32,6 +32,11 @@ constexpr std::array tag_members = {number, integer};
 constexpr std::array command_members = {number, name, number, name};
 constexpr std::array configuration_members = {number, text(max_toml_bytes)};
 constexpr std::array tick_members = {number};
+constexpr std::array annotation_point_members = {integer, number, number};
+constexpr std::array annotation_members = {
+    number, name,    name,   boolean,
+    number, integer, number, list(annotation_point_members, max_annotation_points)};
+constexpr std::array initial_pose_members = {number, integer, integer, fixed(3 * 8), number, number};
 
 /// How one input lies on the wire, and how it is read.
 struct InputType {
@@ -55,7 +60,7 @@ constexpr InputType input_type(std::span<const Member> members) {
 }
 
 /// By Input, in its order.
-constexpr std::array<InputType, 8> input_types = {
+constexpr std::array<InputType, 10> input_types = {
     input_type<robot_t>(robot_members),
     input_type<bot_core::pose_t>(pose_members),
     input_type<bot_core::planar_lidar_t>(lidar_members),
@@ -64,11 +69,23 @@ constexpr std::array<InputType, 8> input_types = {
     input_type<command_t>(command_members),
     input_type<configuration_t>(configuration_members),
     input_type<tick_t>(tick_members),
+    input_type<annotation_t>(annotation_members),
+    input_type<initial_pose_t>(initial_pose_members),
 };
 
 template <class T>
 Message pack(Input input, const std::string& robot, std::int64_t receive_utime, const T& message) {
   return {receive_utime, default_channel(input, robot), encoded(message)};
+}
+
+/// Nothing where the bytes are not safe to decode.
+template <class T>
+std::optional<T> read_checked(std::span<const Member> members, std::span<const std::uint8_t> bytes) {
+  if (check_bytes(T::getHash(), members, bytes) != DropReason::none) return std::nullopt;
+  T message;
+  const int size = static_cast<int>(bytes.size());
+  if (message.decode(bytes.data(), 0, size) != size) return std::nullopt;
+  return message;
 }
 
 /// Writes each kind of event as the message that `decode` reads.
@@ -138,6 +155,39 @@ struct Encoder {
     return pack(Input::command, "", receive_utime, message);
   }
 
+  Message operator()(const AnnotationEvent& event) const {
+    annotation_t message{};
+    message.utime = event.utime;
+    message.kind = word(event.kind);
+    message.name = event.name;
+    message.replace = event.replace ? 1 : 0;
+    message.max_speed = event.max_speed_m_s;
+    message.island = event.island.value;
+    message.yaw = event.yaw_rad;
+    for (const AnnotationEvent::Point& point : event.points) {
+      annotation_point_t one{};
+      one.patch = point.patch.value;
+      one.x = point.position.x();
+      one.y = point.position.y();
+      message.points.push_back(one);
+    }
+    message.npoints = static_cast<std::int32_t>(message.points.size());
+    return pack(Input::annotation, "", receive_utime, message);
+  }
+
+  Message operator()(const InitialPoseEvent& event) const {
+    initial_pose_t message{};
+    message.utime = event.utime;
+    message.island = event.island.value;
+    message.patch = event.patch.value;
+    message.pose[0] = event.pose.x;
+    message.pose[1] = event.pose.y;
+    message.pose[2] = event.pose.yaw;
+    message.sigma_m = event.sigma_m;
+    message.sigma_rad = event.sigma_rad;
+    return pack(Input::initial_pose, event.robot, receive_utime, message);
+  }
+
   Message operator()(const ConfigurationEvent& event) const {
     configuration_t message{};
     message.utime = receive_utime;
@@ -174,11 +224,15 @@ Decoded decode(const ChannelNames& configured, const std::string& channel,
 }
 
 std::optional<command_t> read_order(std::span<const std::uint8_t> bytes) {
-  if (check_bytes(command_t::getHash(), command_members, bytes) != DropReason::none) return std::nullopt;
-  command_t order;
-  const int size = static_cast<int>(bytes.size());
-  if (order.decode(bytes.data(), 0, size) != size) return std::nullopt;
-  return order;
+  return read_checked<command_t>(command_members, bytes);
+}
+
+std::optional<annotation_t> read_annotation(std::span<const std::uint8_t> bytes) {
+  return read_checked<annotation_t>(annotation_members, bytes);
+}
+
+std::optional<initial_pose_t> read_initial_pose(std::span<const std::uint8_t> bytes) {
+  return read_checked<initial_pose_t>(initial_pose_members, bytes);
 }
 
 bool may_be_input(std::span<const std::uint8_t> beginning, std::int64_t bytes) {

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "isthmus/annotation_t.hpp"
 #include "isthmus/command_t.hpp"
+#include "isthmus/initial_pose_t.hpp"
 #include "server/engine/input/drop_reason.hpp"
 #include "server/engine/input/event.hpp"
 #include "server/wire/message/server_configuration.hpp"
@@ -46,6 +48,8 @@ Decoded decode(const ChannelNames& configured, const std::string& channel,
 /// What an order's message says, whether or not it is one that can be carried out; nothing where the bytes
 /// are not safe to decode.
 std::optional<command_t> read_order(std::span<const std::uint8_t> bytes);
+std::optional<annotation_t> read_annotation(std::span<const std::uint8_t> bytes);
+std::optional<initial_pose_t> read_initial_pose(std::span<const std::uint8_t> bytes);
 
 /// Whether these can be the first bytes of an input message of so many, on whatever channel: by its
 /// fingerprint and the counts that it holds.

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "server/engine/annotations/annotations.hpp"
 #include "server/engine/input/robot_name.hpp"
 
 namespace isthmus {
@@ -18,6 +19,8 @@ constexpr double largest_mount_m = 100;
 constexpr double largest_footprint_m = 100;
 constexpr double largest_range_m = 1e5;
 constexpr double largest_angle_rad = 4 * std::numbers::pi;
+constexpr double largest_speed_m_s = 100;
+constexpr double largest_sigma_m = 10;
 constexpr double smallest_step_rad = 1e-6;
 constexpr double single_beam_step_rad = 0.01;
 /// A full turn, and room for the rounding of a float step times thousands of beams.
@@ -63,6 +66,32 @@ DropReason check_operand(Verb verb, std::int64_t closure, const std::string& rob
     return names_closure || !robot.empty() ? DropReason::none : DropReason::absurd_value;
   if (verb == Verb::drop) return robot.empty() ? DropReason::bad_name : DropReason::none;
   return DropReason::none;
+}
+
+/// An id of an island or patch, or -1: none.
+bool is_id_or_none(std::int32_t id) { return id >= -1; }
+
+DropReason check_points(const annotation_t& message, AnnotationKind kind) {
+  for (const annotation_point_t& point : message.points) {
+    if (!all_finite({point.x, point.y})) return DropReason::not_finite;
+    if (!within(point.x, largest_position_m) || !within(point.y, largest_position_m) ||
+        !is_id_or_none(point.patch))
+      return DropReason::absurd_value;
+  }
+  constexpr std::size_t min_corners = 3;
+  if (is_zone(kind)) return message.points.size() < min_corners ? DropReason::bad_polygon : DropReason::none;
+  const std::size_t points = kind == AnnotationKind::place ? 1 : 0;
+  return message.points.size() == points ? DropReason::none : DropReason::absurd_value;
+}
+
+/// What is wrong with the numbers of an annotation of a kind.
+DropReason check_values(const annotation_t& message, AnnotationKind kind) {
+  if (!all_finite({message.max_speed, message.yaw})) return DropReason::not_finite;
+  const bool has_speed = kind == AnnotationKind::speed;
+  const bool plausible = is_plausible_utime(message.utime) && within(message.yaw, largest_angle_rad) &&
+                         is_id_or_none(message.island) && message.max_speed <= largest_speed_m_s &&
+                         (has_speed ? message.max_speed > 0 : message.max_speed == 0);
+  return plausible ? check_points(message, kind) : DropReason::absurd_value;
 }
 
 }  // namespace
@@ -161,6 +190,45 @@ Reading read_message(const command_t& message, const std::string&) {
   const DropReason reason = check_operand(*verb, message.closure, robot);
   if (reason != DropReason::none) return refuse(reason);
   return {CommandEvent{message.utime, *verb, message.closure, robot}};
+}
+
+Reading read_message(const annotation_t& message, const std::string&) {
+  const std::optional<AnnotationKind> kind = value_of<AnnotationKind>(message.kind);
+  if (!kind) return refuse(DropReason::unknown_command);
+  if (!is_annotation_name(message.name)) return refuse(DropReason::bad_name);
+  if (const DropReason reason = check_values(message, *kind); reason != DropReason::none)
+    return refuse(reason);
+  AnnotationEvent event;
+  event.utime = message.utime;
+  event.kind = *kind;
+  event.name = message.name;
+  event.replace = message.replace != 0;
+  event.max_speed_m_s = message.max_speed;
+  event.yaw_rad = message.yaw;
+  event.island = IslandId{message.island};
+  for (const annotation_point_t& point : message.points)
+    event.points.push_back({PatchId{point.patch}, {point.x, point.y}});
+  return {std::move(event)};
+}
+
+Reading read_message(const initial_pose_t& message, const std::string& robot) {
+  const auto& [x, y, yaw] = message.pose;
+  if (!all_finite({x, y, yaw, message.sigma_m, message.sigma_rad})) return refuse(DropReason::not_finite);
+  const bool plausible = is_plausible_utime(message.utime) && within(x, largest_position_m) &&
+                         within(y, largest_position_m) && within(yaw, largest_angle_rad) &&
+                         message.sigma_m > 0 && message.sigma_m <= largest_sigma_m && message.sigma_rad > 0 &&
+                         message.sigma_rad <= std::numbers::pi && is_id_or_none(message.island) &&
+                         is_id_or_none(message.patch);
+  if (!plausible) return refuse(DropReason::absurd_value);
+  InitialPoseEvent event;
+  event.robot = robot;
+  event.utime = message.utime;
+  event.island = IslandId{message.island};
+  event.patch = PatchId{message.patch};
+  event.pose = {x, y, yaw};
+  event.sigma_m = message.sigma_m;
+  event.sigma_rad = message.sigma_rad;
+  return {std::move(event)};
 }
 
 Reading read_message(const configuration_t& message, const std::string&) {

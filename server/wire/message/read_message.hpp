@@ -5,8 +5,10 @@
 
 #include "bot_core/planar_lidar_t.hpp"
 #include "bot_core/pose_t.hpp"
+#include "isthmus/annotation_t.hpp"
 #include "isthmus/command_t.hpp"
 #include "isthmus/configuration_t.hpp"
+#include "isthmus/initial_pose_t.hpp"
 #include "isthmus/robot_t.hpp"
 #include "isthmus/sighting_t.hpp"
 #include "isthmus/tag_t.hpp"
@@ -37,5 +39,7 @@ Reading read_message(const tag_t& message, const std::string& robot);
 Reading read_message(const command_t& message, const std::string& robot);
 Reading read_message(const configuration_t& message, const std::string& robot);
 Reading read_message(const tick_t& message, const std::string& robot);
+Reading read_message(const annotation_t& message, const std::string& robot);
+Reading read_message(const initial_pose_t& message, const std::string& robot);
 
 }  // namespace isthmus

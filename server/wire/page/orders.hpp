@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "server/engine/input/drop_reason.hpp"
@@ -21,14 +22,19 @@ namespace isthmus {
 using TakeMessage =
     std::function<DropReason(const std::string& channel, std::span<const std::uint8_t> bytes)>;
 
+/// What a page may order.
+using PageOrder = std::variant<CommandEvent, AnnotationEvent, InitialPoseEvent>;
+
 /// An order that a request asks for, or what is wrong with it.
 struct ParsedOrder {
-  std::optional<CommandEvent> order;
+  std::optional<PageOrder> order;
   std::string error;
 };
 
 /// {"verb": "withdraw", "closure": 3} or {"verb": "drop", "robot": "R2"}; withdraw, forbid, allow, drop or
-/// refine.
+/// refine. {"verb": "keep_out", "name": "stairs", "points": [[patch, x, y], ...]}; place (with "yaw"),
+/// keep_out, speed (with "max_speed") or erase. {"verb": "initial_pose", "robot": "R2", "patch": 3,
+/// "pose": [x, y, yaw], "sigma_m": 1, "sigma_rad": 0.5}. Points are in patches.
 ParsedOrder parse_order(const std::string& json);
 
 /// What became of an order.
@@ -43,19 +49,18 @@ class Orders {
   explicit Orders(TakeMessage take, std::chrono::milliseconds wait = std::chrono::seconds(5));
 
   /// Unsigned; it is given a time stamp by which its answer is known.
-  OrderAnswer send(CommandEvent order);
+  OrderAnswer send(PageOrder order);
   /// In its envelope (server/wire/trust/envelope.hpp), signed with an operator's key. What is no order is
   /// refused.
   OrderAnswer send_signed(std::span<const std::uint8_t> envelope);
 
-  /// From the live server: what became of an order, whoever sent it.
-  void answered(const CommandEvent& order, DropReason reason);
+  /// From the live server: what became of an order, whoever sent it, by its stamp.
+  void answered(std::int64_t order_utime, DropReason reason);
   /// From now on nobody waits.
   void stop();
 
  private:
-  OrderAnswer send(const CommandEvent& order, const std::string& channel,
-                   std::span<const std::uint8_t> bytes);
+  OrderAnswer send(std::int64_t order_utime, const std::string& channel, std::span<const std::uint8_t> bytes);
 
   TakeMessage take_;
   std::chrono::milliseconds wait_;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/engine/annotations/annotations.hpp"
 #include "server/paths/frontiers.hpp"
 #include "server/paths/relative_pose.hpp"
 
@@ -87,6 +88,8 @@ struct Answerer::Asked {
         return at(map, PatchId{request.target_patch}, {});
       case Target::tag:
         return tag(request.target_barcode);
+      case Target::place:
+        return place(request.target_place);
       case Target::robot:
         return robot(request.target_robot);
       case Target::home:
@@ -94,6 +97,14 @@ struct Answerer::Asked {
     }
     const auto home = first_patch(map, request.robot, map.graph.island(start.object.pose.patch));
     return home ? at(map, *home, {}) : nowhere(Refusal::unknown_robot);
+  }
+
+  Place place(const std::string& name) const {
+    const auto found = std::ranges::find_if(map.annotations, [&](const AnnotationRecord& one) {
+      return one.kind == AnnotationKind::place && !one.lost && is_same_name(one.name, name);
+    });
+    if (found == map.annotations.end()) return nowhere(Refusal::unknown_place);
+    return at(map, found->points.front().patch, found->points.front().patch_from_object);
   }
 
   Place tag(std::int32_t barcode) const {
@@ -154,7 +165,9 @@ Refusal Answerer::fill_path(const Question& question, const Asked& asked, reply_
 
 Refusal Answerer::fill_way_back(const Question& question, reply_t& reply) const {
   const request_t& request = question.request;
-  return add_poses(ways_.back(planner_.map(), planner_.near(), request.robot, request.since), reply);
+  return add_poses(ways_.back(planner_.map(), planner_.near(), planner_.zones(), request.robot, request.since,
+                              std::max(0.0, request.radius_m)),
+                   reply);
 }
 
 Refusal Answerer::fill_relative_pose(const Question& question, const Asked& asked, reply_t& reply) const {
@@ -219,7 +232,10 @@ Refusal Answerer::add_poses(const Path& path, reply_t& reply) const {
   const MapCopy& map = planner_.map();
   reply.island = map.graph.island(path.poses.front().patch).value;
   reply.length_m = path.length_m;
-  for (const ManifoldPose& pose : path.poses) reply.poses.push_back(path_pose(map, pose));
+  for (std::size_t i = 0; i < path.poses.size(); ++i) {
+    reply.poses.push_back(path_pose(map, path.poses[i]));
+    reply.poses.back().max_speed = path.max_speeds_m_s[i];
+  }
   reply.nposes = static_cast<std::int32_t>(reply.poses.size());
   return Refusal::none;
 }

@@ -17,7 +17,7 @@ constexpr Member number = fixed(8);
 constexpr Member integer = fixed(4);
 constexpr Member pose = fixed(3 * 8);
 constexpr Member name = text(64);
-constexpr std::array members = {number, number, name,    name, number,  name,   integer, pose,
+constexpr std::array members = {number, number, name,    name, number,  name,   integer, pose,  name,
                                 name,   name,   integer, pose, integer, number, number,  number};
 
 bool are_finite(const double (&values)[3]) {

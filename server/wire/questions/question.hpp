@@ -26,10 +26,10 @@ inline constexpr auto words_of<QuestionKind> = std::to_array<std::string_view>({
                                                                                 "map_version", "changes"});
 
 /// Where to, or of what the relative pose. Home is where the robot's first patch of its island begins.
-enum class Target : std::uint8_t { pose, patch, tag, robot, home };
+enum class Target : std::uint8_t { pose, patch, tag, place, robot, home };
 template <>
-inline constexpr auto words_of<Target> = std::to_array<std::string_view>({"pose", "patch", "tag", "robot",
-                                                                          "home"});
+inline constexpr auto words_of<Target> = std::to_array<std::string_view>({"pose", "patch", "tag", "place",
+                                                                          "robot", "home"});
 
 /// Why a question was not let in, or nobody looked at it; those of the map itself are `Refusal`s.
 enum class QuestionRefusal : std::uint8_t {

@@ -155,6 +155,7 @@ void QuestionDesk::answer(const Work& work) {
 void QuestionDesk::send(reply_t& reply) {
   reply.utime = wall_clock_utime();
   send_(reply_channel, encoded(reply));
+  if (viewer_) viewer_(reply);
 }
 
 void QuestionDesk::count(const std::string& outcome) {

@@ -38,6 +38,8 @@ using SendReply = std::function<void(const std::string& channel, const std::vect
 class QuestionDesk {
  public:
   explicit QuestionDesk(SendReply send, QuestionLimits limits = {});
+  /// Who is shown each reply that was sent, besides whoever asked; to be set before anybody asks.
+  void show_to(std::function<void(const reply_t&)> viewer) { viewer_ = std::move(viewer); }
   ~QuestionDesk();
 
   /// The bytes of a request_t. `signer`: who signed it, as in [auth]; empty: nobody, and the asker is who it
@@ -82,6 +84,7 @@ class QuestionDesk {
   bool may_tell_refusal();
 
   SendReply send_;
+  std::function<void(const reply_t&)> viewer_;
   QuestionLimits limits_;
   Answerer answerer_;                ///< the thread's own
   Clock::time_point next_map_time_;  ///< the thread's own: before it the map that it has will do

@@ -14,10 +14,13 @@ bool may_send(const Authentication& keys, const std::string& sender, const Chann
     case Input::tag:
       return true;
     case Input::command:
+    case Input::annotation:
       return keys.operators.contains(sender);
     case Input::configuration:
     case Input::tick:
       return false;
+    case Input::initial_pose:
+      return keys.operators.contains(sender) || (channel.valid && channel.robot == sender);
     default:
       return channel.valid && channel.robot == sender;
   }

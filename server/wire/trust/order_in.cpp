@@ -5,6 +5,18 @@
 #include "server/wire/trust/envelope.hpp"
 
 namespace isthmus {
+namespace {
+
+command_t said(std::int64_t utime, const std::string& verb, const std::string& about) {
+  command_t order{};
+  order.utime = utime;
+  order.verb = verb;
+  order.closure = -1;
+  order.robot = about;
+  return order;
+}
+
+}  // namespace
 
 std::optional<command_t> order_in(const std::string& channel, std::span<const std::uint8_t> bytes) {
   if (channel == signed_channel) {
@@ -14,8 +26,20 @@ std::optional<command_t> order_in(const std::string& channel, std::span<const st
     return order_in(envelope.channel, envelope.payload);
   }
   const std::optional<Channel> found = find_channel({}, channel);
-  if (!found || found->input != Input::command) return std::nullopt;
-  return read_order(bytes);
+  if (!found) return std::nullopt;
+  switch (found->input) {
+    case Input::command:
+      return read_order(bytes);
+    case Input::annotation:
+      if (const auto annotation = read_annotation(bytes))
+        return said(annotation->utime, annotation->kind, annotation->name);
+      return std::nullopt;
+    case Input::initial_pose:
+      if (const auto pose = read_initial_pose(bytes)) return said(pose->utime, "initial_pose", found->robot);
+      return std::nullopt;
+    default:
+      return std::nullopt;
+  }
 }
 
 }  // namespace isthmus

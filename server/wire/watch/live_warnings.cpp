@@ -53,6 +53,10 @@ std::string why(const LostRobot& lost) {
       return "one stretch of its way fits a place; another must agree";
     case NotFound::trying_a_place:
       return "its scans do not fit yet where it may be";
+    case NotFound::given_pose_misfits:
+      return "its scans do not fit where it was said to be";
+    case NotFound::given_pose_ambiguous:
+      return "where it was said to be, its scans fit two places, or too wide an area was to be searched";
   }
   return "";
 }
@@ -70,9 +74,26 @@ std::vector<LiveWarning> health_warnings_of(const MapCopy& map) {
 
 std::vector<LiveWarning> warnings_of_lost(const std::vector<LostRobot>& robots) {
   std::vector<LiveWarning> warnings;
-  for (const LostRobot& lost : robots)
-    warnings.push_back({"not_found", lost.robot, lost.robot + " is not found on the map: " + why(lost), 0});
+  for (const LostRobot& lost : robots) {
+    const bool placed = lost.placed;
+    warnings.push_back(
+        {placed ? "not_moved" : "not_found", lost.robot,
+         lost.robot + (placed ? " stays where it was found: " : " is not found on the map: ") + why(lost),
+         0});
+  }
   return warnings;
+}
+
+std::vector<LiveWarning> warnings_of_annotations(const std::vector<AnnotationRecord>& annotations) {
+  constexpr int max_named = 5;
+  std::string names;
+  int lost = 0;
+  for (const AnnotationRecord& annotation : annotations)
+    if (annotation.lost && ++lost <= max_named) names += (names.empty() ? "" : ", ") + annotation.name;
+  if (lost == 0) return {};
+  if (lost > max_named) names += " and " + std::to_string(lost - max_named) + " more";
+  return {{"annotation_lost", "",
+           "lost with the data of a robot that was dropped, and obeyed by nobody: " + names, 0}};
 }
 
 std::vector<LiveWarning> warnings_of_contradictions(const std::vector<SelfContradiction>& found) {

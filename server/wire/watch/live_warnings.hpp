@@ -26,6 +26,9 @@ std::vector<LiveWarning> health_warnings_of(const MapCopy& map);
 /// Robots that are not found on a finished map, and why.
 std::vector<LiveWarning> warnings_of_lost(const std::vector<LostRobot>& robots);
 
+/// Places and zones of which nothing is on the map any more.
+std::vector<LiveWarning> warnings_of_annotations(const std::vector<AnnotationRecord>& annotations);
+
 /// That the map contradicts itself, and where most.
 std::vector<LiveWarning> warnings_of_contradictions(const std::vector<SelfContradiction>& found);
 

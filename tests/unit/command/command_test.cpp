@@ -41,9 +41,32 @@ TEST(Order, AllowTakesAClosureOrARobotBack) {
 }
 
 TEST(Order, SaysWhatItIs) {
-  EXPECT_EQ(to_text({0, Verb::forbid, 3, ""}), "forbid closure 3");
-  EXPECT_EQ(to_text({0, Verb::drop, -1, "R1"}), "drop robot R1");
-  EXPECT_EQ(to_text({0, Verb::send_map, -1, ""}), "send_map");
+  EXPECT_EQ(to_text(CommandEvent{0, Verb::forbid, 3, ""}), "forbid closure 3");
+  EXPECT_EQ(to_text(CommandEvent{0, Verb::drop, -1, "R1"}), "drop robot R1");
+  EXPECT_EQ(to_text(CommandEvent{0, Verb::send_map, -1, ""}), "send_map");
+  AnnotationEvent zone;
+  zone.kind = AnnotationKind::keep_out;
+  zone.name = "Stairs";
+  EXPECT_EQ(to_text(zone), "keep_out Stairs");
+  InitialPoseEvent pose;
+  pose.robot = "R1";
+  EXPECT_EQ(to_text(pose), "initial_pose robot R1");
+}
+
+TEST(Order, TakesPointsPosesAndNamesStrictly) {
+  const auto points = parse_points("1,2 3,-4.5");
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_EQ(points[1], Eigen::Vector2d(3, -4.5));
+  EXPECT_TRUE(parse_points("").empty()) << "the server says what a zone needs";
+  for (const char* bad : {"1", "1,2,3", "1,2 3", "1,a", "nan,1", "1,inf", "1;2"})
+    EXPECT_NE(error_of([&] { parse_points(bad); }), "") << bad;
+  EXPECT_EQ(parse_pose("1,2"), (Pose{1, 2, 0}));
+  EXPECT_NEAR(parse_pose("1,2,90").yaw, 1.5707963, 1e-6) << "degrees";
+  for (const char* bad : {"", "1", "1,2,3,4", "1,2,nan", "x,2"})
+    EXPECT_NE(error_of([&] { parse_pose(bad); }), "") << bad;
+  EXPECT_EQ(parse_annotation_name("Dock 1"), "Dock 1");
+  for (const char* bad : {"", " ", " a", "a ", "<b>", "a/b", "a\nb", "\xc3\xa4"})
+    EXPECT_NE(error_of([&] { parse_annotation_name(bad); }), "") << bad;
 }
 
 /// Decodes what is published on ISTHMUS_COMMAND as the server does, and answers.
@@ -79,7 +102,8 @@ TEST(SendOrder, ReachesTheServerAndHearsItsAnswer) {
   lcm::LCM lcm("memq://");
   Server server{lcm, {}, ""};
   lcm_subscribe(lcm.getUnderlyingLCM(), "ISTHMUS_COMMAND", &Server::handle, &server);
-  const OrderOutcome outcome = send_order(lcm, {7, Verb::forbid, 3, ""}, std::nullopt, milliseconds(2000));
+  const OrderOutcome outcome =
+      send_order(lcm, CommandEvent{7, Verb::forbid, 3, ""}, std::nullopt, milliseconds(2000));
   ASSERT_TRUE(outcome.answer);
   EXPECT_TRUE(outcome.answer->done);
   ASSERT_EQ(server.orders.size(), 1U);
@@ -87,7 +111,8 @@ TEST(SendOrder, ReachesTheServerAndHearsItsAnswer) {
   EXPECT_EQ(server.orders[0].verb, Verb::forbid);
   EXPECT_EQ(server.orders[0].closure, 3);
   server.reason = "no_such_closure";
-  const OrderOutcome refused = send_order(lcm, {9, Verb::forbid, 4, ""}, std::nullopt, milliseconds(2000));
+  const OrderOutcome refused =
+      send_order(lcm, CommandEvent{9, Verb::forbid, 4, ""}, std::nullopt, milliseconds(2000));
   ASSERT_TRUE(refused.answer);
   EXPECT_FALSE(refused.answer->done);
   EXPECT_EQ(refused.answer->reason, "no_such_closure");
@@ -107,7 +132,7 @@ void say_status(const lcm_recv_buf_t*, const char*, void* lcm) {
 TEST(SendOrder, SaysWhetherAnyServerIsHeard) {
   lcm::LCM lcm("memq://");
   const auto heard = [&] {
-    return send_order(lcm, {7, Verb::refine, -1, ""}, std::nullopt, milliseconds(20));
+    return send_order(lcm, CommandEvent{7, Verb::refine, -1, ""}, std::nullopt, milliseconds(20));
   };
   EXPECT_FALSE(heard().any_server);
   lcm_subscription_t* first =

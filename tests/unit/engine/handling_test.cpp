@@ -8,6 +8,7 @@
 #include "server/engine/localising.hpp"
 #include "server/engine/mapping.hpp"
 #include "server/engine/outcome.hpp"
+#include "server/engine/record/trajectory_store.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
@@ -38,6 +39,23 @@ class AMappedRoom {
   DropReason see(int barcode) {
     return engine.handle({utime_, SightingEvent{"R1", utime_, barcode, 2, 0.1, 0.5, 0.02}}).drop_reason;
   }
+  DropReason draw(AnnotationKind kind, const std::string& name) {
+    AnnotationEvent event;
+    event.kind = kind;
+    event.name = name;
+    event.island = IslandId{0};
+    if (kind == AnnotationKind::place) event.points = {{PatchId{}, {1, 0}}};
+    if (is_zone(kind)) event.points = {{PatchId{}, {0, 0}}, {PatchId{}, {1, 0}}, {PatchId{}, {0, 1}}};
+    return engine.handle({utime_, event}).drop_reason;
+  }
+  DropReason say_where(const std::string& robot, const Pose& pose) {
+    InitialPoseEvent event;
+    event.robot = robot;
+    event.island = IslandId{0};
+    event.pose = pose;
+    event.sigma_m = event.sigma_rad = 0.3;
+    return engine.handle({utime_, event}).drop_reason;
+  }
   DropReason order(Verb verb) {
     return engine.handle({utime_, CommandEvent{utime_, verb, 7, "R1"}}).drop_reason;
   }
@@ -67,6 +85,58 @@ TEST(Mapping, TakesWhatChangesTheMap) {
   for (int i = 1; i <= 15; ++i) room.drive_to({0.1 * i, -1, 0});
   EXPECT_GT(room.engine.copy().patches.size(), patches);
   EXPECT_EQ(room.engine.copy().sightings.size(), 1U);
+}
+
+std::shared_ptr<TrajectoryStore> rows_of(const Engine& engine) {
+  const MapCopy map = engine.copy();
+  auto rows = std::make_shared<TrajectoryStore>();
+  for (const TrajectoryRow& row : map.trajectory->read(0, map.trajectory_rows)) rows->append(row);
+  return rows;
+}
+
+// They are of the map, and of a snapshot of it; one without any is saved as it was before there were such.
+TEST(Mapping, KeepsWhatOperatorsDraw) {
+  AMappedRoom room;
+  const std::string plain = map_sha256(room.engine.copy());
+  const std::vector<std::uint8_t> saved_plain = room.engine.save();
+  EXPECT_EQ(room.draw(AnnotationKind::keep_out, "stairs"), DropReason::none);
+  EXPECT_EQ(room.draw(AnnotationKind::place, "stairs"), DropReason::name_taken);
+  EXPECT_EQ(room.engine.copy().counters.dropped.at(DropReason::name_taken), 1);
+  const std::string drawn = map_sha256(room.engine.copy());
+  EXPECT_NE(drawn, plain);
+  const std::vector<std::uint8_t> saved = room.engine.save();
+  const Engine again = Engine::restore(saved, rows_of(room.engine));
+  EXPECT_EQ(map_sha256(again.copy()), drawn);
+  EXPECT_EQ(again.save(), saved);
+  EXPECT_EQ(room.draw(AnnotationKind::erase, "Stairs"), DropReason::none);
+  EXPECT_EQ(map_sha256(room.engine.copy()), plain);
+  EXPECT_TRUE(Engine::restore(saved_plain, rows_of(room.engine)).copy().annotations.empty());
+}
+
+// R1's patches are all there are: a zone goes with its data, and comes back with it.
+TEST(Mapping, SaysThatAZoneIsLostWithTheDataOfItsRobot) {
+  AMappedRoom room;
+  room.draw(AnnotationKind::keep_out, "stairs");
+  EXPECT_EQ(room.order(Verb::drop), DropReason::none);
+  ASSERT_EQ(room.engine.copy().annotations.size(), 1U);
+  EXPECT_TRUE(room.engine.copy().annotations.front().lost);
+  EXPECT_EQ(room.order(Verb::allow), DropReason::none);
+  EXPECT_FALSE(room.engine.copy().annotations.front().lost);
+}
+
+TEST(Mapping, PlacesNoRobotBecauseSomebodySaysSo) {
+  AMappedRoom room;
+  EXPECT_EQ(room.say_where("R1", {}), DropReason::not_finished);
+  EXPECT_EQ(room.say_where("R9", {}), DropReason::unknown_robot);
+}
+
+TEST(Localising, PlacesARobotWhereItIsSaidToBe) {
+  AMappedRoom room;
+  room.engine.freeze();
+  EXPECT_EQ(room.draw(AnnotationKind::place, "Dock"), DropReason::frozen)
+      << "it would be gone with the server: the journal is only read";
+  EXPECT_EQ(room.say_where("R1", {100, 0, 0}), DropReason::off_the_map);
+  EXPECT_EQ(room.say_where("R1", {1, 0, 0}), DropReason::none);
 }
 
 TEST(Localising, RefusesAsFrozenWhatWouldChangeTheMap) {

@@ -71,6 +71,25 @@ TEST(MapSha256, WhatARelationMeasuredAndWhereItCameFromCount) {
   }
 }
 
+TEST(MapSha256, PlacesAndZonesCount) {
+  MapCopy map = small_map();
+  AnnotationRecord zone;
+  zone.kind = AnnotationKind::keep_out;
+  zone.name = "z";
+  zone.points = {{PatchId{0}, {0, 0, 0}}, {PatchId{0}, {1, 0, 0}}, {PatchId{0}, {0, 1, 0}}};
+  map.annotations = {zone};
+  const std::string sha = map_sha256(map);
+  EXPECT_NE(sha, map_sha256(small_map()));
+  for (const auto change : {+[](AnnotationRecord& one) { one.name = "y"; },
+                            +[](AnnotationRecord& one) { one.kind = AnnotationKind::speed; },
+                            +[](AnnotationRecord& one) { one.max_speed_m_s = 1; },
+                            +[](AnnotationRecord& one) { one.points[1].patch_from_object.x += 1e-12; }}) {
+    MapCopy changed = map;
+    change(changed.annotations.front());
+    EXPECT_NE(map_sha256(changed), sha);
+  }
+}
+
 TEST(MapSha256, AcceptedClosuresCountAndRefusedOnesLeaveNoTrace) {
   const MapCopy map = small_map();
   MapCopy refused = map;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
 #include <sstream>
@@ -51,6 +52,38 @@ Pgm read_pgm(const std::string& file) {
   EXPECT_EQ(most, 255);
   pgm.pixels = bytes.substr(static_cast<std::size_t>(header.tellg()) + 1);
   return pgm;
+}
+
+TEST(WriteOutputs, PlacesAndZonesAreGeoJson) {
+  MapCopy map = room();
+  AnnotationRecord zone;
+  zone.kind = AnnotationKind::speed;
+  zone.name = "Ramp";
+  zone.max_speed_m_s = 0.5;
+  zone.island = PatchId{0};
+  zone.points = {{PatchId{0}, {0, 0, 0}}, {PatchId{0}, {0, 1, 0}}, {PatchId{1}, {0, 0, 0}}};
+  AnnotationRecord lost;
+  lost.name = "Dock";
+  lost.lost = true;
+  lost.points = {{PatchId{2}, {1, 2, 3}}};
+  map.annotations = {lost, zone};
+  const TemporaryDirectory directory;
+  write_outputs(map, {}, directory.file("out"), {0.05, {10, 0, 0}});
+  const auto json = nlohmann::json::parse(content(directory.file("out/places.geojson")));
+  const auto& features = json.at("features");
+  ASSERT_EQ(features.size(), 2U);
+  EXPECT_TRUE(features[0].at("geometry").is_null());
+  EXPECT_EQ(features[0].at("properties").at("lost"), true);
+  EXPECT_EQ(features[0].at("properties").at("island"), -1);
+  EXPECT_EQ(features[1].at("properties").at("max_speed_m_s"), 0.5);
+  EXPECT_EQ(features[1].at("properties").at("island"), 0);
+  const auto& ring = features[1].at("geometry").at("coordinates").at(0);
+  ASSERT_EQ(ring.size(), 4U) << "it ends where it begins";
+  EXPECT_EQ(ring[0], ring[3]);
+  EXPECT_EQ(ring, nlohmann::json::parse("[[12, 1], [11, 2], [11, 1], [12, 1]]"))
+      << "moved with --align, turned round";
+  write_outputs(room(), {}, directory.file("out"));
+  EXPECT_FALSE(fs::exists(directory.file("out/places.geojson"))) << "of an earlier result";
 }
 
 TEST(WriteOutputs, EveryFileIsThereAndNoOther) {

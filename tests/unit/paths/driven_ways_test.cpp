@@ -40,7 +40,7 @@ struct Drive {
   Path back(std::int64_t to_utime = 0, const std::string& robot = "R1") const {
     DrivenWays ways;
     ways.update(map);
-    return ways.back(map, NearPatches(map, 30), robot, to_utime);
+    return ways.back(map, NearPatches(map, 30), Zones(map), robot, to_utime, 0.25);
   }
 };
 
@@ -62,6 +62,29 @@ TEST(DrivenWays, ItFacesTheWayThatItGoes) {
   Drive drive;
   drive.along({{-3, -2}, {3, -2}});
   EXPECT_NEAR(std::abs(drive.back().poses[3].patch_from_object.yaw), std::numbers::pi, 1e-6);
+}
+
+// A zone that was drawn on the shorter of two ways driven: back by the other.
+TEST(DrivenWays, KeepOutOfZones) {
+  Drive drive;
+  drive.along({{-3, -2}, {3, -2}, {3, 2}, {-3, 2}, {-3, -2}, {0, -2}});
+  AnnotationRecord zone;
+  zone.kind = AnnotationKind::keep_out;
+  zone.island = PatchId{0};
+  zone.points = {{PatchId{0}, {-2, -3, 0}},
+                 {PatchId{0}, {-1, -3, 0}},
+                 {PatchId{0}, {-1, -1, 0}},
+                 {PatchId{0}, {-2, -1, 0}}};
+  drive.map.annotations = {zone};
+  const Path path = drive.back();
+  ASSERT_EQ(path.refusal, Refusal::none);
+  EXPECT_NEAR(path.length_m, 17, 0.6);
+  zone.points = {{PatchId{0}, {-4, -3, 0}},
+                 {PatchId{0}, {-2, -3, 0}},
+                 {PatchId{0}, {-2, -1, 0}},
+                 {PatchId{0}, {-4, -1, 0}}};
+  drive.map.annotations = {zone};
+  EXPECT_EQ(drive.back().refusal, Refusal::kept_out) << "where it began is in it";
 }
 
 TEST(DrivenWays, RoundsThatWereDrivenAreNotDrivenAgain) {

@@ -43,6 +43,10 @@ struct FrozenOptions {
   int max_tries = 8;
   double guess_variance_m2 = 0.09;
   double guess_variance_rad2 = 0.01;
+  double given_sigmas = 2;
+  double min_given_score = 0.55;
+  long given_evaluations = 100'000;
+  std::int64_t given_told_us = 30'000'000;
   double work_share = 0.3;
   std::int64_t max_credit_us = 20'000;
 
@@ -55,6 +59,13 @@ struct FrozenOptions {
     option(max_tries, "max_tries", "count", "of scans matched in vain where the robot was thought to be");
     option(guess_variance_m2, "guess_variance_m2", "m²", "of each axis where a robot is thought to be");
     option(guess_variance_rad2, "guess_variance_rad2", "rad²", "of its yaw there");
+    option(given_sigmas, "given_sigmas", "sigmas", "half the window about a pose that somebody gives");
+    option(min_given_score, "min_given_score", share_unit,
+           "of that search: less than of a search all over the map, as somebody says that it is there");
+    option(given_evaluations, "given_evaluations", "count",
+           "correlative.max_evaluations of that search, which is done once an order");
+    option(given_told_us, "given_told_us", "µs",
+           "of event time that it is told that a given pose does not fit");
     option(work_share, "work_share", share_unit, "of event time for the search: nothing else is to be done");
     option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
   }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -75,10 +76,40 @@ CommandEvent command_event() {
           *arbitrary<std::int64_t>(), robot_name()};
 }
 
+AnnotationEvent annotation_event() {
+  AnnotationEvent event;
+  event.utime = utime();
+  event.kind = *rc::gen::element(AnnotationKind::place, AnnotationKind::keep_out, AnnotationKind::speed,
+                                 AnnotationKind::erase);
+  event.name = *rc::gen::element<std::string>("Dock 1", "a", "B-2_c.d", std::string(48, 'x'));
+  event.replace = *arbitrary<bool>();
+  if (event.kind == AnnotationKind::speed) event.max_speed_m_s = uniform(0.01, 100);
+  event.yaw_rad = uniform(-12, 12);
+  event.island = IslandId{*inRange<std::int32_t>(-1, 1000)};
+  int points = is_zone(event.kind) ? *inRange(3, 65) : 0;
+  if (event.kind == AnnotationKind::place) points = 1;
+  for (int i = 0; i < points; ++i)
+    event.points.push_back(
+        {PatchId{*inRange<std::int32_t>(-1, 1000)}, {uniform(-1e6, 1e6), uniform(-1e6, 1e6)}});
+  return event;
+}
+
+InitialPoseEvent initial_pose_event() {
+  InitialPoseEvent event;
+  event.robot = robot_name();
+  event.utime = utime();
+  event.island = IslandId{*inRange<std::int32_t>(-1, 1000)};
+  event.patch = PatchId{*inRange<std::int32_t>(-1, 1000)};
+  event.pose = {uniform(-1e6, 1e6), uniform(-1e6, 1e6), uniform(-12, 12)};
+  event.sigma_m = uniform(1e-3, 10);
+  event.sigma_rad = uniform(1e-3, 3.14);
+  return event;
+}
+
 Event random_event() {
   Event event;
   event.receive_utime = utime();
-  switch (*inRange(0, 8)) {
+  switch (*inRange(0, 10)) {
     case 0:
       event.body = robot_event();
       break;
@@ -100,6 +131,12 @@ Event random_event() {
       break;
     case 6:
       event.body = ConfigurationEvent{*rc::gen::container<std::string>(inRange<char>(1, 127))};
+      break;
+    case 7:
+      event.body = annotation_event();
+      break;
+    case 8:
+      event.body = initial_pose_event();
       break;
     default:
       event.body = TickEvent{};
@@ -146,6 +183,19 @@ struct SameBody {
     const auto& b = std::get<CommandEvent>(other.body);
     return a.utime == b.utime && a.verb == b.verb && a.closure == b.closure && a.robot == b.robot;
   }
+  bool operator()(const AnnotationEvent& a) const {
+    const auto& b = std::get<AnnotationEvent>(other.body);
+    return a.utime == b.utime && a.kind == b.kind && a.name == b.name && a.replace == b.replace &&
+           a.max_speed_m_s == b.max_speed_m_s && a.yaw_rad == b.yaw_rad && a.island == b.island &&
+           std::ranges::equal(a.points, b.points, [](const auto& one, const auto& other_point) {
+             return one.patch == other_point.patch && one.position == other_point.position;
+           });
+  }
+  bool operator()(const InitialPoseEvent& a) const {
+    const auto& b = std::get<InitialPoseEvent>(other.body);
+    return a.robot == b.robot && a.utime == b.utime && a.island == b.island && a.patch == b.patch &&
+           a.pose == b.pose && a.sigma_m == b.sigma_m && a.sigma_rad == b.sigma_rad;
+  }
   bool operator()(const ConfigurationEvent& a) const {
     return a.toml == std::get<ConfigurationEvent>(other.body).toml;
   }
@@ -188,9 +238,9 @@ TEST(MessageProperty, DamagedBytesAreRefusedOrReadAsAValidEvent) {
 
 TEST(MessageProperty, RandomBytesAreRefused) {
   EXPECT_TRUE(rc::check([](const std::vector<std::uint8_t>& bytes) {
-    const auto channel =
-        *rc::gen::element<std::string>("R1_ROBOT", "R1_SCAN", "R1_ODOMETRY", "R1_SIGHTING", "ISTHMUS_TAG",
-                                       "ISTHMUS_COMMAND", "ISTHMUS_CONFIGURATION");
+    const auto channel = *rc::gen::element<std::string>(
+        "R1_ROBOT", "R1_SCAN", "R1_ODOMETRY", "R1_SIGHTING", "ISTHMUS_TAG", "ISTHMUS_COMMAND",
+        "ISTHMUS_CONFIGURATION", "ISTHMUS_ANNOTATION", "R1_INITIAL_POSE");
     RC_ASSERT(!decode(ChannelNames{}, channel, bytes, 0).event);
   }));
 }

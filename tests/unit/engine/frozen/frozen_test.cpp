@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/engine/frozen/given_pose.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {
@@ -104,6 +105,87 @@ TEST(Frozen, TriesFirstWhereARobotWas) {
   EXPECT_TRUE(outcome->pose.matched);
   EXPECT_TRUE(outcome->new_session);
   EXPECT_NEAR(outcome->pose.map_from_robot.x, 5.1, 0.05);
+}
+
+// Nobody knows where it is, and it stands still: somebody says where, about.
+struct Given : OnTheMap {
+  Given() : OnTheMap(Pose{}) { robot.place.reset(); }
+  DropReason give(const Pose& pose, double sigma_m = 0.5, double sigma_rad = 0.5) {
+    InitialPoseEvent event;
+    event.island = PatchId{0};
+    event.pose = pose;
+    event.sigma_m = sigma_m;
+    event.sigma_rad = sigma_rad;
+    return frozen.take_given(map, robot, event, options.frozen);
+  }
+  std::vector<LostRobot> lost() {
+    return frozen.lost([&](const std::string&) { return robot.place.has_value(); }, options);
+  }
+};
+
+TEST(Frozen, PutsARobotWhereItIsSaidToBeIfItsScanFitsThere) {
+  Given on;
+  const Pose truth{5, 0.3, 0.2};
+  EXPECT_FALSE(on.scan(truth, {}));
+  EXPECT_EQ(on.give({5.6, -0.2, 0.5}), DropReason::none);
+  const auto outcome = on.scan(truth, {});
+  ASSERT_TRUE(outcome);
+  EXPECT_TRUE(outcome->pose.matched);
+  EXPECT_TRUE(outcome->new_session);
+  EXPECT_NEAR(outcome->pose.map_from_robot.x, 5, 0.05);
+  EXPECT_NEAR(outcome->pose.map_from_robot.yaw, 0.2, 0.02);
+  EXPECT_TRUE(on.lost().empty());
+}
+
+TEST(Frozen, LeavesARobotWhereItIsSaidToBeInVainAndSaysWhy) {
+  Given on;
+  EXPECT_EQ(on.give({11, 0, 0}, 0.3, 0.2), DropReason::none);
+  for (int i = 0; i < 8; ++i) EXPECT_FALSE(on.scan({5, 0.3, 1.5}, {})) << i;
+  ASSERT_EQ(on.lost().size(), 1U);
+  EXPECT_EQ(on.lost().front().why, NotFound::given_pose_misfits);
+  EXPECT_FALSE(on.lost().front().placed);
+}
+
+// One that is found does not go where its scan does not fit, whoever says so.
+TEST(Frozen, KeepsARobotThatIsFoundWhereAGivenPoseDoesNotFit) {
+  Given on;
+  on.give({5, 0.3, 0});
+  ASSERT_TRUE(on.scan({5, 0.3, 0}, {}));
+  on.give({11, 0, 1.5}, 0.3, 0.2);
+  for (int i = 0; i < 8; ++i) {
+    const auto outcome = on.scan({5, 0.3, 0}, {});
+    ASSERT_TRUE(outcome) << i;
+    EXPECT_NEAR(outcome->pose.map_from_robot.x, 5, 0.05);
+    EXPECT_FALSE(outcome->new_session);
+  }
+  ASSERT_EQ(on.lost().size(), 1U);
+  EXPECT_TRUE(on.lost().front().placed);
+  on.utime += 60'000'000;
+  on.scan({5, 0.3, 0}, {});
+  EXPECT_TRUE(on.lost().empty()) << "it is told for half a minute";
+}
+
+TEST(Frozen, CarriesAGivenPoseAlongWhereTheRobotDrives) {
+  Given on;
+  on.give({5, 0.3, 0}, 0.1, 0.1);
+  EXPECT_FALSE(on.scan({12, 0.3, 1.5}, {0, 0, 0})) << "somebody stands before its laser";
+  const auto outcome = on.scan({5.4, 0.3, 0}, {0.4, 0, 0});
+  ASSERT_TRUE(outcome);
+  EXPECT_NEAR(outcome->pose.map_from_robot.x, 5.4, 0.05);
+}
+
+TEST(GivenPose, MustBeOnTheMap) {
+  Given on;
+  EXPECT_EQ(on.give({5, 60, 0}), DropReason::off_the_map);
+  InitialPoseEvent event;
+  event.patch = PatchId{99};
+  EXPECT_EQ(read_given_pose(event, on.map).refusal, DropReason::unknown_patch);
+  event.patch = PatchId{4};
+  event.pose = {1, 0.5, 0};
+  const GivenPoseReading reading = read_given_pose(event, on.map);
+  ASSERT_TRUE(reading.pose);
+  EXPECT_EQ(reading.pose->patch, PatchId{5}) << "the nearest patch, 1 m from there";
+  EXPECT_NEAR(reading.pose->patch_from_object.y, 0.5, 1e-9);
 }
 
 }  // namespace

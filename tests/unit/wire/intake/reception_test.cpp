@@ -60,6 +60,27 @@ TEST(Reception, RefusesStrangersAndLetsInWhatFollowsAnIntroductionAtOnce) {
   EXPECT_EQ(mistakes->warnings()[0].robot, "X");
 }
 
+// Whoever says where a robot is waits for the answer, also where nobody knows the robot.
+TEST(Reception, TellsThatAnInitialPoseIsOfNoRobot) {
+  Inbox inbox({}, InboxOrder::arrival);
+  inbox.refuse_strangers();
+  std::vector<std::pair<std::string, DropReason>> told;
+  Reception reception(inbox, ChannelNames{}, Authenticator(),
+                      {[&](const command_t& order, DropReason reason, std::int64_t) {
+                         told.emplace_back(order.robot, reason);
+                       },
+                       nullptr});
+  InitialPoseEvent pose;
+  pose.robot = "R9";
+  pose.utime = 7;
+  pose.patch = PatchId{0};
+  pose.sigma_m = pose.sigma_rad = 1;
+  const Message message = encode({7, pose});
+  EXPECT_EQ(reception.take(1, message.channel, message.bytes), DropReason::unknown_robot);
+  EXPECT_EQ(told, (std::vector<std::pair<std::string, DropReason>>{{"R9", DropReason::unknown_robot}}));
+  EXPECT_EQ(inbox.size(), 0U);
+}
+
 TEST(Reception, HearsOtherServersAndNotThisOne) {
   Inbox inbox({}, InboxOrder::arrival);
   const auto mistakes = std::make_shared<Mistakes>();

@@ -134,8 +134,8 @@ TEST(LiveServer, ShowsViewersPosesTheMapAndWhatBecameOfOrders) {
     newest = map;
     EXPECT_EQ(status.patches, static_cast<int>(map->patches.size()));
   };
-  options.viewers.order = [&](const CommandEvent& order, DropReason reason) {
-    orders.emplace_back(order.utime, reason);
+  options.viewers.order = [&](std::int64_t order_utime, DropReason reason) {
+    orders.emplace_back(order_utime, reason);
   };
   Published published;
   Inbox inbox;
@@ -144,14 +144,29 @@ TEST(LiveServer, ShowsViewersPosesTheMapAndWhatBecameOfOrders) {
   drive(inbox, "R1", 50, milliseconds(2));
   push(inbox, "", encode({1, CommandEvent{5, Verb::withdraw, 3, ""}}));
   push(inbox, "", encode({1, CommandEvent{6, Verb::refine, -1, ""}}));
+  AnnotationEvent place;
+  place.utime = 7;
+  place.name = "Dock";
+  place.island = IslandId{0};
+  place.points = {{PatchId{}, {1, 0}}};
+  push(inbox, "", encode({1, place}));
+  push(inbox, "", encode({1, place}));
+  EXPECT_TRUE(happens([&] { return published.of<answer_t>("ISTHMUS_ANSWER").size() == 4; }));
   EXPECT_TRUE(happens([&] { return published.of<status_t>("ISTHMUS_STATUS").size() > 2; }));
   inbox.close();
   engine_thread.join();
+  const auto answers = published.of<answer_t>("ISTHMUS_ANSWER");
+  EXPECT_EQ(answers.back().verb, "place");
+  EXPECT_EQ(answers.back().robot, "Dock");
+  EXPECT_EQ(answers.back().reason, "name_taken");
+  EXPECT_EQ(server.engine().copy().annotations.size(), 1U);
   EXPECT_EQ(poses.size(), 50U);
   ASSERT_TRUE(newest);
   EXPECT_FALSE(newest->patches.empty());
   EXPECT_EQ(orders, (std::vector<std::pair<std::int64_t, DropReason>>{{5, DropReason::no_such_closure},
-                                                                      {6, DropReason::none}}));
+                                                                      {6, DropReason::none},
+                                                                      {7, DropReason::none},
+                                                                      {7, DropReason::name_taken}}));
 }
 
 TEST(LiveServer, TellsWhatLooksWrongWhileItDoes) {

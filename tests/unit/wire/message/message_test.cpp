@@ -246,6 +246,78 @@ TEST(Decode, RefusesCommandsThatNameNothing) {
   EXPECT_EQ(reason(Verb::refine, -1, ""), DropReason::none);
 }
 
+AnnotationEvent plain_zone() {
+  AnnotationEvent zone;
+  zone.utime = 5;
+  zone.kind = AnnotationKind::speed;
+  zone.name = "Ramp 2";
+  zone.replace = true;
+  zone.max_speed_m_s = 0.5;
+  zone.points = {{PatchId{3}, {0, 1}}, {PatchId{4}, {2, 1.5}}, {PatchId{3}, {-1, 7}}};
+  return zone;
+}
+
+TEST(Decode, ReadsWhatOperatorsDraw) {
+  const Decoded decoded = round_trip({9, plain_zone()});
+  ASSERT_TRUE(decoded.event) << word(decoded.reason);
+  const auto& zone = std::get<AnnotationEvent>(decoded.event->body);
+  EXPECT_EQ(zone.kind, AnnotationKind::speed);
+  EXPECT_EQ(zone.name, "Ramp 2");
+  EXPECT_TRUE(zone.replace);
+  EXPECT_EQ(zone.max_speed_m_s, 0.5);
+  EXPECT_FALSE(zone.island.valid());
+  ASSERT_EQ(zone.points.size(), 3U);
+  EXPECT_EQ(zone.points[1].patch, PatchId{4});
+  EXPECT_EQ(zone.points[1].position, Eigen::Vector2d(2, 1.5));
+}
+
+TEST(Decode, RefusesDrawingsThatCannotBe) {
+  const auto refusal = [](const auto& change) {
+    AnnotationEvent zone = plain_zone();
+    change(zone);
+    return round_trip({9, zone}).reason;
+  };
+  EXPECT_EQ(refusal([](auto& zone) { zone.points[0].position.x() = nan; }), DropReason::not_finite);
+  EXPECT_EQ(refusal([](auto& zone) { zone.max_speed_m_s = nan; }), DropReason::not_finite);
+  EXPECT_EQ(refusal([](auto& zone) { zone.points[0].position.x() = 2e6; }), DropReason::absurd_value);
+  EXPECT_EQ(refusal([](auto& zone) { zone.points[0].patch = PatchId{-2}; }), DropReason::absurd_value);
+  EXPECT_EQ(refusal([](auto& zone) { zone.max_speed_m_s = 0; }), DropReason::absurd_value);
+  EXPECT_EQ(refusal([](auto& zone) { zone.kind = AnnotationKind::keep_out; }), DropReason::absurd_value)
+      << "with a speed";
+  EXPECT_EQ(refusal([](auto& zone) { zone.points.pop_back(); }), DropReason::bad_polygon);
+  EXPECT_EQ(refusal([](auto& zone) { zone.points.resize(65); }), DropReason::bad_length);
+  EXPECT_EQ(refusal([](auto& zone) { zone.name = "a/b"; }), DropReason::bad_name);
+  EXPECT_EQ(refusal([](auto& zone) { zone.kind = AnnotationKind::place; }), DropReason::absurd_value)
+      << "of three points";
+  annotation_t unknown{};
+  unknown.kind = "wall";
+  unknown.name = "a";
+  EXPECT_EQ(decode_on("ISTHMUS_ANNOTATION", bytes_of(unknown)).reason, DropReason::unknown_command);
+}
+
+TEST(Decode, ReadsWhereARobotIsSaidToBe) {
+  InitialPoseEvent pose;
+  pose.robot = "R1";
+  pose.utime = 5;
+  pose.patch = PatchId{3};
+  pose.pose = {1, 2, 0.5};
+  pose.sigma_m = 1;
+  pose.sigma_rad = 0.3;
+  const Decoded decoded = round_trip({9, pose});
+  ASSERT_TRUE(decoded.event);
+  const auto& read = std::get<InitialPoseEvent>(decoded.event->body);
+  EXPECT_EQ(read.robot, "R1");
+  EXPECT_EQ(read.patch, PatchId{3});
+  EXPECT_EQ(read.pose, pose.pose);
+  EXPECT_EQ(read.sigma_m, 1);
+  for (const double sigma : {0.0, -1.0, 11.0}) {
+    pose.sigma_m = sigma;
+    EXPECT_EQ(round_trip({9, pose}).reason, DropReason::absurd_value) << sigma;
+  }
+  pose.sigma_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(round_trip({9, pose}).reason, DropReason::not_finite);
+}
+
 TEST(Decode, RefusesReceiveTimesThatCannotBe) {
   const Message message = encode({1, plain_robot()});
   EXPECT_EQ(decode(ChannelNames{}, message.channel, message.bytes, -1).reason, DropReason::absurd_value);

@@ -197,7 +197,7 @@ TEST(PageServer, AnOrderIsAnsweredWithWhatBecameOfIt) {
   PageServer* self = nullptr;
   const auto take = [&](const std::string& channel, std::span<const std::uint8_t> bytes) {
     const CommandEvent order = std::get<CommandEvent>(decode({}, channel, bytes, 0).event->body);
-    self->orders().answered(order, order.closure == 3 ? DropReason::none : DropReason::not_accepted);
+    self->orders().answered(order.utime, order.closure == 3 ? DropReason::none : DropReason::not_accepted);
     return DropReason::none;
   };
   PageServer page({}, take);

@@ -30,6 +30,7 @@ class AnswererTest : public ::testing::Test {
   void update(std::int64_t utime) {
     MapCopy copy = testing::copy_of(map_);
     copy.sessions = copy_.sessions;
+    copy.annotations = copy_.annotations;
     answerer_.update(std::make_shared<const MapCopy>(std::move(copy)), utime);
   }
   reply_t ask(const request_t& request) {
@@ -68,6 +69,37 @@ TEST_F(AnswererTest, APathToATeammateLeadsFromTheOneToTheOther) {
   EXPECT_EQ(reply.island, 0);
   EXPECT_EQ(reply.target_utime, 7);
   EXPECT_EQ(reply.map_version, 1000);
+}
+
+TEST_F(AnswererTest, APathToANamedPlaceKeepsOutOfZonesAndTellsTheSpeed) {
+  AnnotationRecord dock;
+  dock.name = "Dock 1";
+  dock.island = PatchId{0};
+  dock.points = {{PatchId{1}, {0.2, 0, 0}}};
+  AnnotationRecord slow;
+  slow.kind = AnnotationKind::speed;
+  slow.max_speed_m_s = 0.4;
+  slow.name = "slow";
+  slow.island = PatchId{0};
+  slow.points = {
+      {PatchId{1}, {-1, -3, 0}}, {PatchId{1}, {3, -3, 0}}, {PatchId{1}, {3, 3, 0}}, {PatchId{1}, {-1, 3, 0}}};
+  copy_.annotations = {dock, slow};
+  update(2000);
+  request_t request = question_of("path", "R1");
+  request.target = "place";
+  request.target_place = "dock 1";
+  const reply_t reply = ask(request);
+  ASSERT_TRUE(reply.done) << reply.reason;
+  EXPECT_NEAR(reply.length_m, 2.2, 0.2);
+  EXPECT_EQ(reply.poses.back().max_speed, 0.4);
+  EXPECT_EQ(reply.poses.front().max_speed, 0);
+  copy_.annotations[1].kind = AnnotationKind::keep_out;
+  update(3000);
+  EXPECT_EQ(why_not(request), "kept_out");
+  request.target_place = "nowhere";
+  EXPECT_EQ(why_not(request), "unknown_place");
+  request.target_place = "slow";
+  EXPECT_EQ(why_not(request), "unknown_place") << "a zone is none";
 }
 
 TEST_F(AnswererTest, HomeIsWhereTheRobotsFirstPatchOfItsIslandBegins) {

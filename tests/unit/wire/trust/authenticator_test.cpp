@@ -152,6 +152,26 @@ TEST(Authenticator, KnowsWhoMaySayWhat) {
   EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 1, tag)), DropReason::none);
 }
 
+TEST(Authenticator, OnlyOperatorsDrawAndARobotMaySayWhereItIsItself) {
+  Authenticator authenticator(keys());
+  AnnotationEvent erase;
+  erase.kind = AnnotationKind::erase;
+  erase.name = "z";
+  const Message drawn = encode({1, erase});
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 1, drawn)), DropReason::foreign_channel);
+  EXPECT_EQ(refusal(authenticator, seal(operator_key, "alice", 1, drawn)), DropReason::none);
+  EXPECT_EQ(refusal(authenticator, seal(operator_key, "alice", 1, drawn)), DropReason::replayed);
+  InitialPoseEvent pose;
+  pose.sigma_m = pose.sigma_rad = 1;
+  pose.robot = "R1";
+  const Message own = encode({1, pose});
+  pose.robot = "R2";
+  const Message of_another = encode({1, pose});
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 1, own)), DropReason::none);
+  EXPECT_EQ(refusal(authenticator, seal(robot_key, "R1", 1, of_another)), DropReason::foreign_channel);
+  EXPECT_EQ(refusal(authenticator, seal(operator_key, "alice", 1, of_another)), DropReason::none);
+}
+
 TEST(Authenticator, SaysThatThereAreNoKeys) {
   Authenticator none;
   EXPECT_EQ(refusal(none, seal(robot_key, "R1", 1, odometry())), DropReason::no_keys);
