@@ -327,6 +327,20 @@ RefusedOrder teller_of_refused(const Publish& publish, const Log& log) {
   };
 }
 
+/// Shows replies on the page, and none once it goes out of scope: the page may go before the desk does.
+class RepliesOnPage {
+ public:
+  RepliesOnPage(std::shared_ptr<QuestionDesk> desk, PageServer& page) : desk_(std::move(desk)) {
+    desk_->show_to([&page](const reply_t& reply) { page.model().show(reply); });
+  }
+  ~RepliesOnPage() { desk_->stop(); }
+  RepliesOnPage(const RepliesOnPage&) = delete;
+  RepliesOnPage& operator=(const RepliesOnPage&) = delete;
+
+ private:
+  std::shared_ptr<QuestionDesk> desk_;
+};
+
 void serve(const Arguments& arguments, const std::string& toml) {
   const Log log = log_to_stderr(*parse_log_level(arguments.log_level));
   check_output(arguments, log);
@@ -352,6 +366,8 @@ void serve(const Arguments& arguments, const std::string& toml) {
     return receiving ? link.take(channel, bytes) : DropReason::stopped;
   });
   options.viewers = viewers_of(page.get(), foxglove.get(), arguments.frozen);
+  std::optional<RepliesOnPage> replies;
+  if (page && options.questions) replies.emplace(options.questions, *page);
   LiveServer server(options, inbox, publish);
 
   const ChannelNames channels = server.channels();

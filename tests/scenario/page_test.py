@@ -8,6 +8,7 @@ missing (tools/install-dependencies.sh --browser).
 """
 
 import argparse
+import math
 import os
 import secrets
 import shutil
@@ -18,9 +19,12 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.request
 
 try:
     from selenium import webdriver
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.by import By
 except ImportError:
@@ -148,12 +152,12 @@ class Page(unittest.TestCase):
         self.browser.get(f"http://127.0.0.1:{self.server.port}/")
         self.wait_for("the page is live", lambda: self.text("link") == "live")
 
-    def play(self):
-        """The team's drive, faster than it was; waits for its end."""
+    def play(self, faster=PLAYED_FASTER):
+        """The team's drive, faster than it was."""
         log = os.path.join(self.work, "run.lcm")
-        subprocess.run([program("isthmus-simulate"), "--scenario", "meeting", "--seed", "1", "-o", log], check=True,
+        subprocess.run([program("isthmus-simulate"), "--scenario", "meeting", "--seed", "1", "--force", "-o", log], check=True,
                        stdout=subprocess.DEVNULL)
-        player = subprocess.Popen(["lcm-logplayer", f"--lcm-url={self.server.url}", "--speed", str(PLAYED_FASTER), log],
+        player = subprocess.Popen(["lcm-logplayer", f"--lcm-url={self.server.url}", "--speed", str(faster), log],
                                   stdout=subprocess.DEVNULL)
         self.addCleanup(player.wait)
         self.addCleanup(player.kill)
@@ -166,10 +170,11 @@ class Page(unittest.TestCase):
         self.wait_for("what would change is shown", lambda: self.text("dialog-text"))
 
     def check_console(self, away=()):
-        """Nothing but that the server was away, in the spans of time when it was (milliseconds)."""
+        """Nothing but orders that were refused, and that the server was away when it was (milliseconds)."""
         for entry in self.browser.get_log("browser"):
             was_away = any(begin <= entry["timestamp"] <= end for begin, end in away)
-            if not (was_away and entry["source"] == "network"):
+            was_refused = "/command" in entry["message"] and "409" in entry["message"]
+            if not (entry["source"] == "network" and (was_away or was_refused)):
                 self.fail(f"in the console: {entry}")
 
     def test_islands_merge_and_part_on_the_screen_and_the_page_outlives_a_restart(self):
@@ -184,7 +189,13 @@ class Page(unittest.TestCase):
         player.wait()
         self.check_no_flicker()
         self.follow_a_robot()
+        self.name_a_place()
+        self.draw_a_zone()
+        self.ask_for_a_path()
+        self.look_at_the_past()
+        self.download()
         self.withdraw_the_merge()
+        self.erase_the_zone()
         self.restart()
 
     def check_no_flicker(self):
@@ -198,6 +209,18 @@ class Page(unittest.TestCase):
             painted = max(painted, after)
         self.assertGreater(painted, 100)
 
+    def refusal_of_signed(self, order, operator, key):
+        """Why the server refuses an order that is signed in the browser: it could read it, then."""
+        return self.browser.execute_async_script(f"""
+            const [tell] = arguments;
+            (async () => {{
+                const {{keyOf, signedOrder}} = await import("/sign.js");
+                window.utime = Math.max(window.utime + 1 || 0, Date.now() * 1000);
+                const body = signedOrder({order}, "{operator}", keyOf("{key}"), window.utime, isthmus.about.types);
+                const answer = await fetch("command", {{method: "POST", body, headers: {{"Content-Type": "application/octet-stream"}}}});
+                tell((await answer.json()).error);
+            }})().catch((error) => tell(String(error)));""")
+
     def follow_a_robot(self):
         """By its name in the list, and where it is on the map; then all is shown again."""
         from_centre = "isthmus.map.latLngToContainerPoint(isthmus.placeOf(isthmus.robots[0])).distanceTo(" \
@@ -210,6 +233,119 @@ class Page(unittest.TestCase):
         self.wait_for("it is followed no longer", lambda: self.js("isthmus.followed") is None)
         self.click("fit")
         self.assertGreater(self.js(from_centre), 20)
+
+    def drag(self, *points):
+        """Presses at the first of some points of the map (pixels from its middle), lets go at the last."""
+        begin = [round(value) for value in points[0]]
+        chain = ActionChains(self.browser).move_to_element_with_offset(self.browser.find_element(By.ID, "map"), *begin)
+        chain.click_and_hold()
+        for (x0, y0), (x1, y1) in zip(points, points[1:]):
+            chain.move_by_offset(round(x1 - x0), round(y1 - y0))
+        chain.release().perform()
+
+    def click_map(self, *points):
+        for point in points:
+            ActionChains(self.browser).move_to_element_with_offset(
+                self.browser.find_element(By.ID, "map"), *point).pause(0.05).click().perform()
+
+    def answer_drawn(self, expected, **fields):
+        """Fills in what the dialog asks for, and sends it."""
+        self.wait_for("it is asked what is drawn", lambda: self.js("document.getElementById('dialog').open"))
+        for name, value in fields.items():
+            field = self.browser.find_element(By.ID, f"field-{name}")
+            field.clear()
+            field.send_keys(value)
+        self.click("dialog-yes")
+        self.wait_for("the server has answered", lambda: self.text("dialog-answer"))
+        self.assertEqual(self.text("dialog-answer"), expected)
+        self.click("dialog-no")
+
+    def on_screen(self, point):
+        """A point of the first place or zone of a name, in pixels from the map's middle."""
+        return self.js(f"""(() => {{
+            const {{island, points}} = isthmus.annotations.find(({{name}}) => name === "{point}");
+            const [ox, oy] = isthmus.scene.offsets.get(island);
+            const at = isthmus.map.latLngToContainerPoint([points[0][1] + oy, points[0][0] + ox]);
+            return [at.x - isthmus.map.getSize().x / 2, at.y - isthmus.map.getSize().y / 2];
+        }})()""")
+
+    def name_a_place(self):
+        """Pressed where it is, dragged the way it faces: it stands there as long as the map does."""
+        self.click("draw-place")
+        self.drag((60, 20), (90, 20), (60, -40))
+        self.answer_drawn("Done.", name="Dock 1")
+        self.wait_for("it is listed", lambda: "Dock 1" in self.text("annotations"))
+        x, y = self.on_screen("Dock 1")
+        self.assertLess(abs(x - 60) + abs(y - 20), 2)
+        self.assertAlmostEqual(self.js("isthmus.annotations[0].points[0][2]"), 1.571, delta=0.06)
+        self.click("draw-place")
+        self.drag((100, 20), (130, 20))
+        self.answer_drawn("Refused: another place or zone has this name.", name="dock 1")
+
+    def draw_a_zone(self):
+        """Corner by corner; one of them dragged elsewhere afterwards."""
+        self.click("draw-keep_out")
+        self.click_map((-120, -40), (-20, -40), (-20, 60), (-120, 60))
+        self.picture("drawing")
+        self.click_map((-120, -40))
+        self.wait_for("it is asked what is drawn", lambda: "4 corners" in self.text("dialog-text"))
+        self.picture("zone_asked")
+        self.answer_drawn("Done.", name="Stairs")
+        self.wait_for("it is listed", lambda: "Stairs" in self.text("annotations"))
+        self.browser.find_element(By.XPATH, "//ul[@id='annotations']/li[contains(., 'Stairs')]//button[text()='Edit']").click()
+        self.drag((-120, -40), (-150, -60), (-160, -80))
+        self.click("hint-end")
+        self.answer_drawn("Done.")
+        self.wait_for("its corner is elsewhere", lambda: abs(self.on_screen("Stairs")[0] + 160) < 2)
+        self.picture("zones")
+        self.click("draw-speed")
+        self.click_map((-100, -100), (100, 100), (100, -100), (-100, 100))
+        self.browser.find_element(By.TAG_NAME, "body").send_keys(Keys.ENTER)
+        self.wait_for("it is said that its sides cross", lambda: "Its sides cross" in self.text("dialog-text"))
+        self.answer_drawn("Refused: its sides cross or touch, or it has no area.", name="Bow")
+
+    def ask_for_a_path(self):
+        """A robot asks for a way to the place: it is shown."""
+        asked = subprocess.run([program("isthmus-ask"), "--lcm-url", self.server.url, "--wait", "20", "path", "R1", "--to-place",
+                                "Dock 1", "--radius", "0.2", "--clearance", "0"], capture_output=True, text=True, check=False)
+        if asked.returncode != 0:
+            self.assertIn("refused: ", asked.stderr)
+            return
+        self.wait_for("it is on the page", lambda: self.js("isthmus.asked.length") == 1)
+        self.assertGreater(self.js("isthmus.asked[0].points.length"), 1)
+        self.picture("path")
+
+    def look_at_the_past(self):
+        """The slider leaves out what was mapped later."""
+        self.wait_for("there is a past", lambda: self.js("isthmus.history.end") > 100)
+        self.browser.execute_script("""
+            const slider = document.getElementById("time-slider");
+            slider.value = slider.max / 3;
+            slider.dispatchEvent(new Event("input"));""")
+        self.wait_for("the patches are there", lambda: self.js("isthmus.patches.of(isthmus.scene.islands[0].id) !== undefined"))
+        self.wait_for("robots are where they were", lambda: self.js("isthmus.history.robots().length") == 2)
+        self.picture("past")
+        self.assertIn(" of ", self.text("time-text"))
+        self.click("time-now")
+        self.assertTrue(self.text("time-text").startswith("now"))
+
+    def download(self):
+        for name, begin in (("island-0.png", b"\x89PNG"), ("island-0.yaml", b"image: island-0.png"), ("island-0-plan.svg", b"<"),
+                            ("island-0-plan.geojson", b"{"), ("report.json", b"{"), ("places.geojson", b"{")):
+            with urllib.request.urlopen(f"http://127.0.0.1:{self.server.port}/download/{name}", timeout=LIMIT_S) as answer:
+                self.assertTrue(answer.read().startswith(begin), name)
+                self.assertIn(name, answer.headers["Content-Disposition"])
+        self.assertIn("floor plan", self.text("downloads"))
+
+    def erase_the_zone(self):
+        """Drawn on the merged map, it lies on one of the two islands."""
+        self.assertIn("Stairs", self.text("annotations"))
+        self.browser.find_element(By.XPATH, "//ul[@id='annotations']/li[contains(., 'Stairs')]//button[text()='Erase']").click()
+        self.wait_for("it is said what comes of it", lambda: self.text("dialog-text"))
+        self.click("dialog-yes")
+        self.wait_for("the server has answered", lambda: self.text("dialog-answer"))
+        self.click("dialog-no")
+        self.wait_for("it is gone", lambda: "Stairs" not in self.text("annotations"))
 
     def withdraw_the_merge(self):
         self.merge("Withdraw")
@@ -232,9 +368,35 @@ class Page(unittest.TestCase):
         self.wait_for("the page is live again", lambda: self.text("link") == "live")
         self.wait_for("both islands are there", lambda: self.islands() == 2)
         self.wait_for("the withdrawal has stayed", lambda: "withdrawn" in self.text("closures"))
+        self.wait_for("the place has stayed", lambda: "Dock 1" in self.text("annotations"))
         self.assertTrue(self.js("window.isTheSamePage"))
         self.picture("restarted")
         self.check_console([(begin, 1000 * time.time())])
+
+    def test_a_robot_is_put_where_it_is_on_a_finished_map(self):
+        self.server.start()
+        self.play().wait()
+        self.server.stop()
+        self.server.start("--frozen")
+        self.open_page()
+        self.play(faster=1)
+        self.wait_for("R1 drives on the map", lambda: "scans/s" in self.text("robots") and self.js("isthmus.robots.length") == 2)
+        self.place("R1", self.js("""(() => {
+            const at = isthmus.map.latLngToContainerPoint(isthmus.placeOf(isthmus.robots.find(({name}) => name === "R1")));
+            return [at.x - isthmus.map.getSize().x / 2, at.y - isthmus.map.getSize().y / 2, isthmus.robots.find(({name}) => name === "R1").at[3]];
+        })()"""), "2")
+        self.place("R1", [150, 200, 1], "0.5")  # in another room
+        self.wait_for("it is said why it is not moved", lambda: "R1 stays where it was found: " in self.text("warnings"))
+        self.picture("not_moved")
+        self.check_console()
+
+    def place(self, robot, where, sigma_m):
+        """Says that a robot is at x, y (pixels from the map's middle) and faces a direction."""
+        x, y, yaw = where
+        self.browser.find_element(By.XPATH, f"//tbody[@id='robots']/tr[contains(., '{robot}')]//button[text()='Place']").click()
+        self.drag((x, y), (x + 40 * math.cos(yaw), y - 40 * math.sin(yaw)))
+        self.picture("placing")
+        self.answer_drawn("Done.", sigma=sigma_m)
 
     def test_orders_are_signed_in_the_browser_where_keys_are_configured(self):
         key = secrets.token_hex(32)
@@ -254,6 +416,11 @@ class Page(unittest.TestCase):
             self.picture("signed")
             self.assertEqual(self.text("dialog-answer"), answer)
             self.click("dialog-no")
+        zone = '{verb: "speed", name: "Ramp", max_speed: 0.4, points: [[0, 0, 0], [0, 2, 0], [0, 1, 1]]}'
+        pose = '{verb: "initial_pose", robot: "R1", patch: 0, pose: [1, 2, 0.5], sigma_m: 1, sigma_rad: 0.5}'
+        for order, reason in ((zone, "unknown_patch"), ('{verb: "erase", name: "Ramp"}', "no_such_name"), (pose, "unknown_robot")):
+            self.assertEqual(self.refusal_of_signed(order, "ALICE", key), reason)
+            self.assertEqual(self.refusal_of_signed(order, "ALICE", secrets.token_hex(32)), "forged")
 
 
 if __name__ == "__main__":

@@ -16,6 +16,13 @@ std::int64_t number_of_run() {
 
 /// Poses that wait to be shown; beyond, the map is recovered and nobody could follow.
 constexpr std::size_t max_poses = 100'000;
+/// Answers that wait for the next status to be shown.
+constexpr std::size_t max_replies = 64;
+
+std::int64_t wall_clock_utime() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
 
 }  // namespace
 
@@ -38,6 +45,11 @@ void PageModel::show(RobotPose pose) {
     poses_.push_back(std::move(pose));
   }
   given_.notify_one();
+}
+
+void PageModel::show(reply_t reply) {
+  const std::lock_guard lock(mutex_);
+  if (replies_.size() < max_replies) replies_.push_back(std::move(reply));
 }
 
 void PageModel::show(LiveView view) {
@@ -76,13 +88,18 @@ void PageModel::take(LiveView view) {
   const std::shared_ptr<const ShownMap> before = shown();
   const auto fresh = std::make_shared<const ShownMap>(shown_map(std::move(view), before.get(), ++version_));
   tiles_.update(fresh->map());
+  std::vector<reply_t> replies;
   {
     const std::lock_guard lock(mutex_);
     shown_ = fresh;
+    replies = std::exchange(replies_, {});
   }
+  for (const reply_t& reply : replies) asked_.add(reply);
+  bulletin_.post("asked", asked_.text(*fresh, wall_clock_utime()));
   bulletin_.post("islands", islands_text(*fresh, tiles_.islands()));
   bulletin_.post("trails", trails_text(trails_, *fresh));
   bulletin_.post("tags", tags_text(*fresh));
+  bulletin_.post("annotations", annotations_text(*fresh));
   bulletin_.post("closures", closures_text(*fresh));
   bulletin_.post("sightings", sightings_text(trails_, *fresh));
   bulletin_.post("status", status_text(*fresh));

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/wire/page/asked.hpp"
 #include "server/wire/page/bulletin.hpp"
 #include "server/wire/page/shown_map.hpp"
 #include "server/wire/page/tile_store.hpp"
@@ -26,9 +27,10 @@ class PageModel {
 
   void show(RobotPose pose);  ///< any thread
   void show(LiveView view);   ///< any thread; only the newest counts
+  void show(reply_t reply);   ///< any thread: what somebody has asked for
 
-  /// Events of the topics robots (at most once an interval), trails, islands, tags, closures, sightings,
-  /// status and meeting.
+  /// Events of the topics robots (at most once an interval), trails, islands, tags, annotations, asked,
+  /// closures, sightings, status and meeting.
   Bulletin& bulletin() { return bulletin_; }
   TileStore& tiles() { return tiles_; }
   /// The newest map; none before the first.
@@ -45,10 +47,12 @@ class PageModel {
   Bulletin bulletin_;
   TileStore tiles_;
   Trails trails_;         ///< of the thread
+  Asked asked_;           ///< of the thread
   std::int64_t version_;  ///< of the thread
   mutable std::mutex mutex_;
   std::condition_variable_any given_;
   std::vector<RobotPose> poses_;
+  std::vector<reply_t> replies_;
   std::optional<LiveView> view_;
   std::shared_ptr<const ShownMap> shown_;
   std::jthread thread_;  ///< last: it uses all above

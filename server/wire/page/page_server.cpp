@@ -10,10 +10,13 @@
 #include <stdexcept>
 #include <thread>
 
+#include "isthmus/annotation_t.hpp"
 #include "isthmus/command_t.hpp"
+#include "isthmus/initial_pose_t.hpp"
 #include "isthmus/signed_t.hpp"
 #include "server/wire/page/asset.hpp"
 #include "server/wire/page/connection_pool.hpp"
+#include "server/wire/page/download.hpp"
 #include "server/wire/page/preview.hpp"
 
 namespace isthmus {
@@ -162,6 +165,8 @@ class PageServer::Site {
   /// What a viewer needs to read all else.
   std::string about() const {
     const Json types = {{"command", hexadecimal(command_t::getHash())},
+                        {"annotation", hexadecimal(annotation_t::getHash())},
+                        {"initial_pose", hexadecimal(initial_pose_t::getHash())},
                         {"signed", hexadecimal(signed_t::getHash())}};
     return Json{{"run", model_.run()},      {"signed", options_.orders_signed},
                 {"types", types},           {"cell_m", finest_cell_m},
@@ -242,6 +247,7 @@ class PageServer::Site {
     if (path.starts_with("/tiles/")) return tiles(request, numbers_behind(path, "/tiles"), response);
     if (path.starts_with("/tile/")) return tile(request, numbers_behind(path, "/tile"), response);
     if (path.starts_with("/patches/")) return patches(request, numbers_behind(path, "/patches"), response);
+    if (path.starts_with("/download/")) return download(path, response);
     send_asset(path, response);
   }
 
@@ -324,6 +330,21 @@ class PageServer::Site {
     return text;
   }
 
+  /// One at a time: what is made for them is large.
+  void download(const std::string& path, Response& response) {
+    const auto shown = model_.shown();
+    const std::unique_lock lock(downloading_, std::try_to_lock);
+    if (!lock) {
+      response.set_header("Retry-After", "2");
+      return refuse(response, 503, "another download is being made");
+    }
+    std::optional<Download> made;
+    if (shown) made = make_download(shown->map(), path.substr(std::string_view("/download/").size()));
+    if (!made) return refuse(response, 404, "no such download");
+    answer(response, std::make_shared<const std::string>(std::move(made->bytes)), made->type);
+    response.set_header("Content-Disposition", "attachment; filename=\"" + made->name + "\"");
+  }
+
   void preview(const Request& request, Response& response) {
     const auto shown = model_.shown();
     std::int32_t closure = -1;
@@ -362,6 +383,7 @@ class PageServer::Site {
   PageModel model_;
   Orders orders_;
   std::atomic<std::size_t> taken_seats_ = 0;
+  std::mutex downloading_;
   std::mutex packing_;
   std::map<IslandId, std::pair<std::int64_t, Text>> packed_;
   std::shared_ptr<ConnectionPool> pool_;

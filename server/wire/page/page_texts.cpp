@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "server/output/tables/islands.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -137,7 +139,13 @@ std::string trails_text(const Trails& trails, const ShownMap& shown) {
 
 std::string islands_text(const ShownMap& shown, const std::map<IslandId, TileStore::Extent>& tiles) {
   std::map<IslandId, int> patches;
-  for (const IslandId island : shown.island_of) patches[island] += 1;
+  std::map<IslandId, std::int32_t> newest;
+  for (std::size_t i = 0; i < shown.island_of.size(); ++i) {
+    patches[shown.island_of[i]] += 1;
+    std::int32_t& end = newest[shown.island_of[i]];
+    end = std::max(end, tenths_after_first(shown, i));
+  }
+  const RankedIslands ranked = rank_islands(shown.map());
   Json islands = Json::array();
   for (const auto& [island, extent] : tiles) {
     const auto version = shown.version.find(island);
@@ -146,6 +154,8 @@ std::string islands_text(const ShownMap& shown, const std::map<IslandId, TileSto
                        {"tiles", extent.version},
                        {"map", version->second},
                        {"patches", patches[island]},
+                       {"rank", ranked.rank(island)},
+                       {"end", newest[island]},
                        {"box", box_json(extent.box)}});
   }
   return line(islands);
@@ -159,6 +169,26 @@ std::string tags_text(const ShownMap& shown) {
         {{"barcode", tag.barcode}, {"at", pose_json(tag.island, {tag.position.x(), tag.position.y(), 0})}});
   }
   return line(tags);
+}
+
+std::string annotations_text(const ShownMap& shown) {
+  Json annotations = Json::array();
+  for (const AnnotationRecord& annotation : shown.map().annotations) {
+    Json points = Json::array();
+    for (const ManifoldPose& point : annotation.points) {
+      if (annotation.lost || !shown.has(point.patch)) continue;
+      const Pose at = shown.project(point);
+      points.push_back(Json::array({rounded(at.x), rounded(at.y), rounded(at.yaw)}));
+    }
+    annotations.push_back({{"kind", std::string(word(annotation.kind))},
+                           {"name", annotation.name},
+                           {"max_speed", annotation.max_speed_m_s},
+                           {"island", annotation.island.value},
+                           {"moved", annotation.moved},
+                           {"lost", annotation.lost},
+                           {"points", std::move(points)}});
+  }
+  return line(annotations);
 }
 
 std::string closures_text(const ShownMap& shown) {

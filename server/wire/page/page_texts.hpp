@@ -20,6 +20,8 @@ std::string trails_text(const Trails& trails, const ShownMap& shown);
 std::string islands_text(const ShownMap& shown, const std::map<IslandId, TileStore::Extent>& tiles);
 /// Tags that are placed.
 std::string tags_text(const ShownMap& shown);
+/// Places and zones by name; the last of a place's numbers is its yaw.
+std::string annotations_text(const ShownMap& shown);
 /// Closures and merges, newest first, a thousand at most.
 std::string closures_text(const ShownMap& shown);
 /// The last sightings with their verdicts, newest first.

@@ -1,8 +1,10 @@
 #include "server/wire/page/shown_map.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace isthmus {
@@ -71,7 +73,9 @@ std::vector<const Relation*> relations_of(const ShownMap& shown, IslandId island
   return relations;
 }
 
-void add_patches(Bytes& bytes, const MapCopy& map, const std::vector<PatchId>& patches, const Names& names) {
+void add_patches(Bytes& bytes, const ShownMap& shown, const std::vector<PatchId>& patches,
+                 const Names& names) {
+  const MapCopy& map = shown.map();
   const auto each = [&](const auto& value) {
     for (const PatchId id : patches) bytes.add(value(static_cast<std::size_t>(id.value)));
   };
@@ -80,12 +84,28 @@ void add_patches(Bytes& bytes, const MapCopy& map, const std::vector<PatchId>& p
   each([&](std::size_t i) { return static_cast<float>(map.poses[i].x); });
   each([&](std::size_t i) { return static_cast<float>(map.poses[i].y); });
   each([&](std::size_t i) { return static_cast<float>(map.poses[i].yaw); });
+  each([&](std::size_t i) { return tenths_after_first(shown, i); });
+}
+
+std::int64_t first_patch_utime(const MapCopy& map) {
+  std::int64_t first = std::numeric_limits<std::int64_t>::max();
+  for (const PatchPtr& patch : map.patches)
+    if (patch->tag < 0) first = std::min(first, patch->utime);
+  return first == std::numeric_limits<std::int64_t>::max() ? 0 : first;
 }
 
 }  // namespace
 
+std::int32_t tenths_after_first(const ShownMap& shown, std::size_t patch) {
+  constexpr std::int64_t tenth_us = 100'000;
+  const std::int64_t tenths = (shown.map().patches[patch]->utime - shown.first_utime) / tenth_us;
+  return static_cast<std::int32_t>(
+      std::clamp<std::int64_t>(tenths, 0, std::numeric_limits<std::int32_t>::max()));
+}
+
 ShownMap shown_map(LiveView view, const ShownMap* before, std::int64_t version) {
-  ShownMap shown{std::move(view), {}, {}, {}};
+  ShownMap shown{std::move(view), {}, {}, {}, 0};
+  shown.first_utime = first_patch_utime(shown.map());
   shown.island_of.resize(shown.map().patches.size());
   for (const std::vector<PatchId>& island : shown.map().graph.islands()) {
     for (const PatchId id : island) shown.island_of[static_cast<std::size_t>(id.value)] = island.front();
@@ -111,10 +131,11 @@ std::string patch_arrays(const ShownMap& shown, IslandId island) {
   bytes.add(static_cast<std::uint32_t>(relations.size()));
   bytes.add(static_cast<std::uint32_t>(names.text.size()));
   bytes.add(names.text);
-  add_patches(bytes, map, patches, names);
+  add_patches(bytes, shown, patches, names);
   for (const Relation* relation : relations) bytes.add(place.at(relation->a));
   for (const Relation* relation : relations) bytes.add(place.at(relation->b));
   for (const Relation* relation : relations) bytes.add(static_cast<std::int32_t>(relation->origin.kind));
+  for (const Relation* relation : relations) bytes.add(relation->origin.closure.value);
   return bytes.take();
 }
 

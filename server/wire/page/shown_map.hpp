@@ -25,6 +25,7 @@ struct ShownMap {
   std::vector<IslandId> island_of;           ///< by patch id
   std::map<IslandId, std::int64_t> version;  ///< of each island's patches and relations
   std::map<IslandId, std::uint64_t> look;    ///< tells whether they are others
+  std::int64_t first_utime = 0;              ///< stamp of the oldest patch that is no tag; 0: there is none
 
   const MapCopy& map() const { return *view.map; }
   bool has(PatchId patch) const {
@@ -41,6 +42,9 @@ struct ShownMap {
 /// others get `version`.
 ShownMap shown_map(LiveView view, const ShownMap* before, std::int64_t version);
 
+/// When a patch was made: tenths of a second after the first patch of the map; of tags 0.
+std::int32_t tenths_after_first(const ShownMap& shown, std::size_t patch);
+
 /// The patches of an island and its relations, for drawing: little-endian arrays, one behind the other.
 ///
 ///     uint32  patches, relations, bytes of the names
@@ -48,8 +52,10 @@ ShownMap shown_map(LiveView view, const ShownMap* before, std::int64_t version);
 ///     int32   id of each patch
 ///     int32   its robot, by line; -1: a fixed tag
 ///     float32 x, y of each patch in the island's frame, metres; then its yaw, radians: three arrays
+///     int32   when each was made, tenths of a second after the first patch of the map
 ///     int32   places in the list of patches of each relation's ends: all a, then all b
 ///     int32   its origin: 0 odometry, 1 match, 2 sighting, 3 propagation, 4 hypothesis, 5 start
+///     int32   the closure it came with; -1: none
 ///
 /// Empty for an island that is not there.
 std::string patch_arrays(const ShownMap& shown, IslandId island);

@@ -1,5 +1,6 @@
 // Orders: what will change is shown, somebody says yes, and the server's answer is told.
 
+import { isSimple, pointsInPatches } from "./drawing.js";
 import { keyOf, signedOrder } from "./sign.js";
 
 const WORDS = {
@@ -14,6 +15,16 @@ const WORDS = {
   unknown_robot: "there is no such robot",
   frozen: "the map is frozen",
   journal_full: "the disk is full",
+  bad_polygon: "its sides cross or touch, or it has no area",
+  bad_name: "a name has 1 to 48 letters, digits, spaces, '.', '_' and '-', and begins and ends with a letter or digit",
+  name_taken: "another place or zone has this name",
+  no_such_name: "there is none of this name (any more)",
+  off_the_map: "it is too far from everything that is mapped",
+  other_island: "its corners are on several islands",
+  unknown_patch: "the map has changed meanwhile: draw it again",
+  too_many_annotations: "there are as many places and zones as there may be",
+  not_finished: "robots are placed on finished maps only (--frozen)",
+  absurd_value: "a number is none that can be",
 };
 
 const element = (id) => document.getElementById(id);
@@ -44,7 +55,24 @@ async function preview(query) {
   return answer.ok ? answer.json() : null;
 }
 
+const metres2 = (ring) => Math.abs(ring.reduce((sum, [x, y], i) => {
+  const [nextX, nextY] = ring[(i + 1) % ring.length];
+  return sum + x * nextY - y * nextX;
+}, 0)) / 2;
+
+/** What is drawn, as sentences. */
+function drawnLines(drawn) {
+  if (drawn.kind === "pose") return ["Its next scans are looked for within two standard deviations of there.",
+    "It is put there if one of them fits; if not, it stays where it is, and a warning says why."];
+  if (drawn.kind === "place") return ["Robots can ask for a path to it by its name."];
+  const area = `${metres2(drawn.points).toFixed(1)} m² with ${counted(drawn.points.length, "corner")}.`;
+  const lines = [area, drawn.kind === "keep_out" ? "No path will lead through it." : "Paths through it tell this speed."];
+  if (!isSimple(drawn.points)) lines.unshift("Its sides cross: the server will refuse it.");
+  return lines;
+}
+
 async function linesOf(order) {
+  if (order.verb === "erase") return ["Paths heed it no longer."];
   if (order.verb === "withdraw") {
     const changes = await preview({ closure: order.closure });
     return changes ? withdrawalLines(changes) : [];
@@ -60,7 +88,7 @@ async function linesOf(order) {
 }
 
 const titleOf = (order) => {
-  const what = order.robot ?? (order.closure === undefined ? "the map" : `closure ${order.closure}`);
+  const what = order.name ?? order.robot ?? (order.closure === undefined ? "the map" : `closure ${order.closure}`);
   return `${order.verb[0].toUpperCase()}${order.verb.slice(1)} ${what}?`;
 };
 
@@ -80,10 +108,10 @@ function bodyOf(order, about) {
   return { body: signedOrder(order, operator, key, nextUtime(), about.types), type: "application/octet-stream" };
 }
 
-/** Sends an order; resolves to what became of it: {done, words}. */
+/** Sends what `order()` makes; resolves to what became of it: {done, words}. */
 async function send(order, about) {
   try {
-    const { body, type } = bodyOf(order, about);
+    const { body, type } = bodyOf(await order(), about);
     const answer = await fetch("command", { method: "POST", body, headers: { "Content-Type": type } });
     const content = await answer.json();
     return answer.ok ? { done: true, words: "Done." } : { done: false, words: `Refused: ${WORDS[content.error] ?? content.error}.` };
@@ -92,20 +120,65 @@ async function send(order, about) {
   }
 }
 
+const TITLES = { place: "Name a place", keep_out: "Keep-out zone", speed: "Speed zone" };
+
+/** The order that a drawing and what is filled in beside it make. */
+async function orderOf(drawn) {
+  const points = await pointsInPatches(drawn);
+  if (drawn.kind === "pose") {
+    const [[patch, x, y, yaw]] = points;
+    return { verb: "initial_pose", robot: drawn.robot, patch, pose: [x, y, yaw], sigma_m: Number(element("field-sigma").value),
+      sigma_rad: Number(element("field-sigma-yaw").value) * Math.PI / 180 };
+  }
+  const order = { verb: drawn.kind, name: element("field-name").value.trim(), replace: drawn.replace === true, points: points.map((point) => point.slice(0, 3)) };
+  if (drawn.kind === "speed") order.max_speed = Number(element("field-speed").value);
+  if (drawn.kind === "place") order.yaw = points[0][3];
+  return order;
+}
+
+/** Asks for what is to be filled in of a drawing; sends it. `gone()`: it was sent and taken, or given up. */
+export function askDrawn(drawn, about, gone) {
+  const isPose = drawn.kind === "pose";
+  open(isPose ? `Is ${drawn.robot} here?` : TITLES[drawn.kind], about, () => orderOf(drawn), gone);
+  for (const [name, isShown] of [["name", !isPose], ["speed", drawn.kind === "speed"], ["sigma", isPose], ["sigma-yaw", isPose]])
+    element(`field-${name}`).parentElement.hidden = !isShown;
+  element("dialog-fields").hidden = false;
+  element("field-name").value = drawn.name ?? "";
+  element("field-name").readOnly = drawn.replace === true;
+  element("field-speed").value = drawn.max_speed ?? 0.5;
+  showLines(drawnLines(drawn));
+}
+
 /** Asks whether an order is meant, with what it will change; sends it if so. */
 export async function ask(order, about) {
+  open(titleOf(order), about, () => order, () => {});
+  showLines(await linesOf(order));
+}
+
+function showLines(lines) {
+  const list = document.createElement("ul");
+  for (const line of lines) list.appendChild(document.createElement("li")).textContent = line;
+  element("dialog-text").replaceChildren(list);
+}
+
+function open(title, about, order, gone) {
   const dialog = element("dialog");
-  element("dialog-title").textContent = titleOf(order);
+  element("dialog-title").textContent = title;
+  element("dialog-fields").hidden = true;
+  element("dialog-text").replaceChildren();
   element("dialog-answer").textContent = "";
   element("dialog-key").hidden = !about.signed;
   element("dialog-no").textContent = "Cancel";
   const yes = element("dialog-yes");
   yes.hidden = false;
   yes.disabled = false;
-  const list = document.createElement("ul");
-  element("dialog-text").replaceChildren(list);
+  dialog.onclose = gone;
+  dialog.onkeydown = (event) => {
+    if (event.key !== "Enter" || event.target.tagName !== "INPUT") return;
+    event.preventDefault(); // the form's own button is the one that closes it
+    if (!yes.hidden) yes.click();
+  };
   dialog.showModal();
-  for (const line of await linesOf(order)) list.appendChild(document.createElement("li")).textContent = line;
   yes.onclick = async () => {
     yes.disabled = true;
     const { done, words } = await send(order, about);

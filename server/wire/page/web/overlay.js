@@ -1,12 +1,18 @@
-// All that is drawn above the tiles, on two canvases: patches, relations and trails, drawn again when the view or they
-// change, once a second at most; and what moves, drawn again several times a second.
+// All that is drawn above the tiles: patches, relations, trails, places and zones, drawn again when they or the view
+// change, over several frames; and what moves, drawn again several times a second.
 
-import { DASHES, INK, OF_ORIGINS, OF_VERDICTS, ofRobot } from "./colours.js";
+import { PatientCanvas, QuickCanvas } from "./canvases.js";
+import { DASHES, INK, OF_ORIGINS, OF_VERDICTS, OF_ZONES, ofRobot } from "./colours.js";
+
+const FONT = "600 12px system-ui, 'DejaVu Sans', sans-serif";
+const HATCH_PIXELS = 9;
 
 /** Patches are drawn with their headings where this many pixels are a metre, or more. */
 const HEADING_SCALE = 6;
 /** Steps of trails are left out where they are fewer pixels apart. */
 const LEAST_STEP = 3;
+/** Patches and relations that are drawn at a time. */
+const PIECE = 256;
 
 export const Overlay = L.Layer.extend({
   initialize(world) {
@@ -14,117 +20,187 @@ export const Overlay = L.Layer.extend({
   },
 
   onAdd(map) {
-    const pane = map.getPane("overlayPane");
-    this.still = pane.appendChild(document.createElement("canvas"));
-    this.moving = pane.appendChild(document.createElement("canvas"));
-    for (const canvas of [this.still, this.moving]) canvas.style.pointerEvents = "none";
-    map.on("move zoom viewreset resize", () => this.redraw(true));
+    this.still = new PatientCanvas(map, (view) => this.drawStill(view));
+    this.moving = new QuickCanvas(map);
+    map.on("move zoom viewreset resize", () => {
+      this.still.moved();
+      this.moving.moved();
+      this.redraw();
+    });
+    map.on("zoom", () => { this.rests = true; }); // its frame has tiles to make
     this.redraw(true);
   },
 
   /** At the next frame; the still part too where it has changed. */
   redraw(alsoStill = false) {
-    this.stillIsOld ||= alsoStill;
+    this.still.isOld ||= alsoStill;
+    this.movingIsOld = true;
+    this.askFrame();
+  },
+
+  askFrame() {
     if (this.asked) return;
     this.asked = true;
     requestAnimationFrame(() => {
       this.asked = false;
+      if (this.rests) {
+        this.rests = false;
+        return void this.askFrame();
+      }
       const begun = performance.now();
-      if (this.stillIsOld) this.drawStill();
-      this.stillIsOld = false;
-      this.drawMoving();
+      if (!this.still.isWhole) this.still.work(this.world.scene.offsets);
+      if (this.movingIsOld) this.drawMoving();
+      this.movingIsOld = false;
       this.frame_ms = performance.now() - begun;
+      if (!this.still.isWhole) this.askFrame();
     });
   },
 
-  /** A canvas as large as the view, cleared, and how islands are placed on it. */
-  begin(canvas) {
-    const map = this._map;
-    const size = map.getSize();
-    const ratio = window.devicePixelRatio || 1;
-    L.DomUtil.setPosition(canvas, map.containerPointToLayerPoint([0, 0]));
-    if (canvas.width !== Math.round(size.x * ratio) || canvas.height !== Math.round(size.y * ratio)) {
-      canvas.width = Math.round(size.x * ratio);
-      canvas.height = Math.round(size.y * ratio);
-      canvas.style.width = `${size.x}px`;
-      canvas.style.height = `${size.y}px`;
-    }
-    const context = canvas.getContext("2d");
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, size.x, size.y);
-    const origin = map.latLngToContainerPoint([0, 0]);
-    const scale = map.latLngToContainerPoint([0, 1]).x - origin.x;
-    const place = (island) => {
-      const offset = this.world.scene.offsets.get(island);
-      if (!offset) return null;
-      const [x0, y0] = [origin.x + scale * offset[0], origin.y - scale * offset[1]];
-      return (x, y) => [x0 + scale * x, y0 - scale * y];
-    };
-    return { context, scale, place, width: size.x, height: size.y };
-  },
-
-  drawStill() {
-    const view = this.begin(this.still);
+  * drawStill(view) {
     const { show } = this.world;
-    for (const island of show.patches || show.relations ? this.world.scene.islands : []) {
+    const isPast = this.world.history.until !== null;
+    for (const island of isPast || show.patches || show.relations ? this.world.scene.islands : []) {
       const data = this.world.patches.of(island.id);
       const at = view.place(island.id);
       if (!data || !at) continue;
-      if (show.relations) this.drawRelations(view, data, at);
-      if (show.patches) this.drawPatches(view, data, at);
+      if (show.relations) yield* this.drawRelations(view, data, at);
+      if (isPast || show.patches) yield* this.drawPatches(view, data, at);
     }
-    if (show.trails) this.drawTrails(view);
+    if (show.trails && !isPast) yield* this.drawTrails(view);
+    if (show.annotations) yield* this.drawAnnotations(view);
+    if (show.asked && !isPast) yield* this.drawAsked(view);
   },
 
-  drawRelations({ context, width, height }, data, at) {
-    context.lineWidth = 1;
-    context.globalAlpha = 0.6;
-    OF_ORIGINS.forEach((colour, origin) => {
-      context.strokeStyle = colour;
-      context.beginPath();
-      for (let i = 0; i < data.a.length; ++i) {
-        if (data.origin[i] !== origin) continue;
-        const [x0, y0] = at(data.x[data.a[i]], data.y[data.a[i]]);
-        const [x1, y1] = at(data.x[data.b[i]], data.y[data.b[i]]);
-        if (Math.max(x0, x1) < 0 || Math.max(y0, y1) < 0 || Math.min(x0, x1) > width || Math.min(y0, y1) > height) continue;
-        context.moveTo(x0, y0);
-        context.lineTo(x1, y1);
+  /** Zones as areas, hatched where nobody may go; places as pins. */
+  * drawAnnotations({ context, place }) {
+    context.font = FONT;
+    for (const { kind, name, island, points, max_speed, lost } of this.world.annotations) {
+      yield;
+      const at = place(island);
+      if (!at || lost || points.length === 0) continue;
+      const corners = points.map(([x, y]) => at(x, y));
+      if (kind === "place") {
+        drawPin(context, corners[0], points[0][2], name);
+        continue;
       }
-      context.stroke();
-    });
-    context.globalAlpha = 1;
+      fillZone(context, corners, kind);
+      const [x, y] = middle(corners);
+      const text = kind === "speed" ? `${name}: ${max_speed} m/s` : name;
+      label(context, text, x - context.measureText(text).width / 2, y + 4, OF_ZONES[kind]);
+    }
   },
 
-  drawPatches({ context, scale, width, height }, data, at) {
-    const colours = data.robots.map((name) => ofRobot(name, this.world.names));
+  /** Ways that robots asked for lately, and frontiers with what would be seen there. */
+  * drawAsked({ context, place }) {
+    context.font = FONT;
+    for (const { asker, kind, island, points } of this.world.asked) {
+      yield;
+      const at = place(island);
+      if (!at) continue;
+      context.strokeStyle = context.fillStyle = ofRobot(asker.toUpperCase(), this.world.names);
+      context.lineWidth = 2.5;
+      if (kind === "frontiers") {
+        for (const [x, y, gain] of points) {
+          const [px, py] = at(x, y);
+          context.beginPath();
+          context.arc(px, py, 3 + Math.min(8, Math.sqrt(gain)), 0, 7);
+          context.stroke();
+        }
+        continue;
+      }
+      context.setLineDash([9, 5]);
+      context.beginPath();
+      for (const [x, y] of points) context.lineTo(...at(x, y));
+      context.stroke();
+      context.setLineDash([]);
+      const last = points[points.length - 1];
+      if (last) label(context, `${asker}: ${kind.replaceAll("_", " ")}`, at(...last)[0] + 8, at(...last)[1] + 4, INK);
+    }
+  },
+
+  * drawRelations({ context, width, height }, data, at) {
+    for (const [origin, relations] of data.ofOrigin) {
+      for (let begin = 0; begin < relations.length; begin += PIECE) {
+        context.lineWidth = 1;
+        context.globalAlpha = 0.6;
+        context.strokeStyle = OF_ORIGINS[origin];
+        context.beginPath();
+        for (const i of relations.subarray(begin, begin + PIECE)) {
+          if (!this.wasThere(data, i)) continue;
+          const [x0, y0] = at(data.x[data.a[i]], data.y[data.a[i]]);
+          const [x1, y1] = at(data.x[data.b[i]], data.y[data.b[i]]);
+          if (Math.max(x0, x1) < 0 || Math.max(y0, y1) < 0 || Math.min(x0, x1) > width || Math.min(y0, y1) > height) continue;
+          context.moveTo(x0, y0);
+          context.lineTo(x1, y1);
+        }
+        context.stroke();
+        context.globalAlpha = 1;
+        yield;
+      }
+    }
+  },
+
+  /** Whether a relation was on the map at the time that is looked at. */
+  wasThere(data, relation) {
+    const { history } = this.world;
+    if (history.until === null) return true;
+    return history.shows(data.time[data.a[relation]]) && history.shows(data.time[data.b[relation]]);
+  },
+
+  * drawPatches({ context, scale, width, height }, data, at) {
     const size = scale < HEADING_SCALE ? 2 : 4;
     const tick = scale < HEADING_SCALE ? 0 : 9;
-    colours.forEach((colour, robot) => {
-      context.fillStyle = context.strokeStyle = colour;
-      context.lineWidth = 1;
-      context.beginPath();
-      for (let i = 0; i < data.x.length; ++i) {
-        if (data.robot[i] !== robot) continue;
-        const [x, y] = at(data.x[i], data.y[i]);
-        if (x < 0 || y < 0 || x > width || y > height) continue;
-        context.fillRect(x - size / 2, y - size / 2, size, size);
-        if (tick === 0) continue;
-        context.moveTo(x, y);
-        context.lineTo(x + tick * Math.cos(data.yaw[i]), y - tick * Math.sin(data.yaw[i]));
+    for (const [robot, patches] of data.ofRobot) {
+      for (let begin = 0; begin < patches.length; begin += PIECE) {
+        context.fillStyle = context.strokeStyle = ofRobot(data.robots[robot], this.world.names);
+        context.lineWidth = 1;
+        context.beginPath();
+        for (const i of patches.subarray(begin, begin + PIECE)) {
+          if (!this.world.history.shows(data.time[i])) continue;
+          const [x, y] = at(data.x[i], data.y[i]);
+          if (x < 0 || y < 0 || x > width || y > height) continue;
+          context.fillRect(x - size / 2, y - size / 2, size, size);
+          if (tick === 0) continue;
+          context.moveTo(x, y);
+          context.lineTo(x + tick * Math.cos(data.yaw[i]), y - tick * Math.sin(data.yaw[i]));
+        }
+        if (tick > 0) context.stroke();
+        yield;
       }
-      if (tick > 0) context.stroke();
-    });
+    }
   },
 
   drawMoving() {
-    const view = this.begin(this.moving);
+    const view = this.moving.begin(this.world.scene.offsets);
     const { show } = this.world;
-    view.context.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
+    const isPast = this.world.history.until !== null;
+    view.context.font = FONT;
     this.drawNames(view);
     if (show.tags) this.drawTags(view);
-    if (show.sightings) this.drawSightings(view);
-    this.drawMeeting(view);
-    this.drawRobots(view);
+    if (show.sightings && !isPast) this.drawSightings(view);
+    if (!isPast) this.drawMeeting(view);
+    this.drawRobots(view, isPast ? this.world.history.robots() : this.world.robots);
+    this.drawDrawing(view, this.world.drawing?.now ?? this.world.drawn);
+  },
+
+  /** What is being drawn, or asked about. */
+  drawDrawing({ context, place }, drawn) {
+    const at = drawn && drawn.points.length > 0 && place(drawn.island);
+    if (!at) return;
+    const corners = drawn.points.map(([x, y]) => at(x, y));
+    if (!drawn.corners) return void drawPin(context, corners[0], drawn.points[0][2], drawn.robot ?? drawn.name ?? "");
+    if (corners.length > 2) fillZone(context, corners, drawn.kind);
+    context.strokeStyle = OF_ZONES[drawn.kind];
+    context.lineWidth = 2;
+    context.beginPath();
+    for (const corner of corners) context.lineTo(...corner);
+    if (drawn.pointer && !drawn.replace) context.lineTo(...at(...drawn.pointer));
+    context.stroke();
+    context.fillStyle = "#fff";
+    for (const [x, y] of corners) {
+      context.fillRect(x - 4, y - 4, 8, 8);
+      context.strokeRect(x - 4, y - 4, 8, 8);
+    }
   },
 
   /** Islands' names, where there are several. */
@@ -136,10 +212,10 @@ export const Overlay = L.Layer.extend({
     }
   },
 
-  drawTrails({ context, place }) {
-    context.lineWidth = 2;
-    context.globalAlpha = 0.75;
+  * drawTrails({ context, place }) {
     for (const [name, steps] of Object.entries(this.world.trails)) {
+      context.lineWidth = 2;
+      context.globalAlpha = 0.75;
       context.strokeStyle = ofRobot(name, this.world.names);
       context.beginPath();
       let [at, before, px, py] = [null, null, 0, 0];
@@ -156,8 +232,9 @@ export const Overlay = L.Layer.extend({
         else context.lineTo(px, py);
       });
       context.stroke();
+      context.globalAlpha = 1;
+      yield;
     }
-    context.globalAlpha = 1;
   },
 
   drawTags({ context, place }) {
@@ -214,8 +291,8 @@ export const Overlay = L.Layer.extend({
     }
   },
 
-  drawRobots({ context, place }) {
-    for (const { name, at: [island, x, y, yaw] } of this.world.robots) {
+  drawRobots({ context, place }, robots) {
+    for (const { name, at: [island, x, y, yaw] } of robots) {
       const at = place(island);
       if (!at) continue;
       const [px, py] = at(x, y);
@@ -238,6 +315,59 @@ export const Overlay = L.Layer.extend({
     }
   },
 });
+
+const middle = (points) => [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
+
+function fillZone(context, corners, kind) {
+  context.save();
+  context.beginPath();
+  for (const corner of corners) context.lineTo(...corner);
+  context.closePath();
+  context.fillStyle = `${OF_ZONES[kind]}2e`;
+  context.fill();
+  context.strokeStyle = OF_ZONES[kind];
+  context.lineWidth = 2;
+  context.setLineDash(kind === "speed" ? [6, 4] : []);
+  context.stroke();
+  context.setLineDash([]);
+  if (kind === "keep_out") {
+    context.clip();
+    context.lineWidth = 1;
+    context.globalAlpha = 0.6;
+    context.beginPath();
+    const [xs, ys] = [0, 1].map((axis) => corners.map((corner) => Math.max(-50, Math.min(6000, corner[axis]))));
+    const [top, bottom] = [Math.min(...ys), Math.max(...ys)];
+    for (let x = Math.min(...xs) - (bottom - top); x < Math.max(...xs); x += HATCH_PIXELS) {
+      context.moveTo(x, bottom);
+      context.lineTo(x + bottom - top, top);
+    }
+    context.stroke();
+  }
+  context.restore();
+}
+
+function drawPin(context, [x, y], yaw, name) {
+  context.fillStyle = INK;
+  context.strokeStyle = "#fff";
+  context.lineWidth = 1.5;
+  context.beginPath();
+  context.moveTo(x, y);
+  context.bezierCurveTo(x - 11, y - 12, x - 7, y - 22, x, y - 22);
+  context.bezierCurveTo(x + 7, y - 22, x + 11, y - 12, x, y);
+  context.fill();
+  context.stroke();
+  context.fillStyle = "#fff";
+  context.beginPath();
+  context.arc(x, y - 14, 3, 0, 7);
+  context.fill();
+  context.strokeStyle = INK;
+  context.lineWidth = 2;
+  context.beginPath();
+  context.moveTo(x, y);
+  context.lineTo(x + 20 * Math.cos(yaw), y - 20 * Math.sin(yaw));
+  context.stroke();
+  label(context, name, x + 11, y - 13, INK);
+}
 
 /** Words that can be read on any ground. */
 function label(context, text, x, y, colour, underlined = false) {

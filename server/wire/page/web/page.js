@@ -2,14 +2,16 @@
 
 import { Images } from "./images.js";
 import { extent, placeIslands } from "./layout.js";
-import { ask } from "./orders.js";
+import { Drawing } from "./drawing.js";
+import { History } from "./history.js";
+import { ask, askDrawn } from "./orders.js";
 import { Overlay } from "./overlay.js";
-import { showClosures, showFigures, showLink, showRates, showRobots, showSightings, showWarnings } from "./panels.js";
+import { showAnnotations, showClosures, showDownloads, showFigures, showLink, showRates, showRobots, showSightings, showWarnings } from "./panels.js";
 import { Patches } from "./patches.js";
 import { listen } from "./stream.js";
 import { IslandTiles } from "./tiles.js";
 
-const TOPICS = ["about", "islands", "robots", "trails", "tags", "closures", "sightings", "status", "meeting"];
+const TOPICS = ["about", "islands", "robots", "trails", "tags", "annotations", "asked", "closures", "sightings", "status", "meeting"];
 /** How long what is on the screen may stay while the next is loaded. */
 const PREPARE_MS = 3000;
 /** A click so near a robot is meant for it. */
@@ -30,7 +32,13 @@ class Page {
       tileSize: about.tile_cells, minNativeZoom: about.coarsest_zoom, maxNativeZoom: 0, minZoom: about.coarsest_zoom,
       maxZoom: 4, noWrap: true, keepBuffer: 1,
     }).addTo(this.map);
+    this.history = new History(this, () => {
+      this.updatePatches();
+      this.overlay.redraw(true);
+    });
     this.overlay = new Overlay(this).addTo(this.map);
+    this.drawn = null; // what is being asked about
+    this.drawing = new Drawing(this, (drawn) => this.askDrawn(drawn));
     this.listenToUser();
   }
 
@@ -40,6 +48,8 @@ class Page {
     this.robots = [];
     this.trails = {};
     this.tags = [];
+    this.annotations = [];
+    this.asked = [];
     this.sightings = [];
     this.closures = [];
     this.meeting = null;
@@ -70,7 +80,8 @@ class Page {
       this.follow(null);
     };
     this.map.on("dragstart", byHand);
-    this.map.on("click", (event) => this.followAt(event.containerPoint));
+    this.map.on("click", (event) => { if (!this.drawing.now) this.followAt(event.containerPoint); });
+    for (const kind of ["place", "keep_out", "speed"]) element(`draw-${kind}`).onclick = () => this.drawing.begin(kind);
     for (const event of ["wheel", "dblclick"]) this.map.getContainer().addEventListener(event, () => { this.fits = false; });
     this.map.zoomControl.getContainer().addEventListener("click", () => { this.fits = false; });
     element("fit").onclick = () => {
@@ -79,7 +90,7 @@ class Page {
       this.fit();
     };
     element("refine").onclick = () => this.order({ verb: "refine" });
-    for (const name of ["patches", "relations", "trails", "sightings", "tags"]) {
+    for (const name of ["patches", "relations", "trails", "sightings", "tags", "annotations", "asked"]) {
       const box = element(`show-${name}`);
       const take = () => {
         this.show[name] = box.checked;
@@ -93,6 +104,33 @@ class Page {
 
   order(order) {
     ask(order, this.about);
+  }
+
+  askDrawn(drawn) {
+    this.drawn = drawn;
+    this.overlay.redraw();
+    askDrawn(drawn, this.about, () => {
+      this.drawn = null;
+      this.overlay.redraw();
+    });
+  }
+
+  /** What can be done with a place or zone of the list. */
+  annotationActs() {
+    return {
+      show: ({ island, points }) => {
+        const offset = this.scene.offsets.get(island);
+        if (!offset || points.length === 0) return;
+        this.fits = false;
+        const bounds = points.map(([x, y]) => [y + offset[1], x + offset[0]]);
+        this.map.fitBounds(bounds, { animate: false, padding: [120, 120], maxZoom: 1 });
+      },
+      edit: ({ kind, name, island, points, max_speed }) => {
+        const corners = kind === "place" ? [] : points.map(([x, y]) => [x, y]);
+        this.drawing.begin(kind, { name, replace: true, max_speed, ...(corners.length > 0 ? { island, points: corners } : {}) });
+      },
+      erase: ({ name }) => this.order({ verb: "erase", name }),
+    };
   }
 
   follow(name) {
@@ -133,11 +171,12 @@ class Page {
     if (!this.status) return;
     showFigures(this.status, this.scene.islands);
     showWarnings(this.status);
+    showDownloads(this.scene.islands);
     showRobots(this, (name) => this.follow(name), (order) => this.order(order));
   }
 
   updatePatches() {
-    if (this.show.patches || this.show.relations) this.patches.update(this.scene.islands);
+    if (this.show.patches || this.show.relations || this.history.until !== null) this.patches.update(this.scene.islands);
   }
 
   /** Shows other islands, once what is needed of them is there; of those that come meanwhile only the newest. */
@@ -166,6 +205,7 @@ class Page {
     this.scene = this.tiles.scene = scene;
     this.tiles.repaint();
     if (this.fits && String(shownBefore) !== String(extent(islands, scene.offsets))) this.fit();
+    this.history.update();
     this.updatePatches();
     this.overlay.redraw(true);
     this.showLists();
@@ -202,6 +242,15 @@ const handlers = {
     page.overlay.redraw(true);
   },
   tags: (tags) => { page.tags = tags; },
+  annotations(annotations) {
+    page.annotations = annotations;
+    showAnnotations(annotations, page.annotationActs());
+    page.overlay.redraw(true);
+  },
+  asked(asked) {
+    page.asked = asked;
+    page.overlay.redraw(true);
+  },
   meeting: (meeting) => { page.meeting = meeting; },
   closures(closures) {
     page.closures = closures;

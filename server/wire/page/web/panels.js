@@ -40,6 +40,7 @@ export function showLink(isUp, why) {
 export function showFigures(status, islands) {
   element("no-status").hidden = true;
   element("frozen").hidden = !status.frozen;
+  element("draw").hidden = status.frozen;
   const figures = [["islands", islands.length], ["patches", status.patches], ["relations", status.relations],
     ["matched", status.scans > 0 ? `${Math.round((100 * status.scans_matched) / status.scans)} %` : "–"],
     ["queued", status.queued], ["p99 latency", `${status.latency_p99_ms.toFixed(1)} ms`]];
@@ -64,7 +65,9 @@ export function showRobots(world, follow, order) {
     name.onclick = () => follow(robot.name);
     const act = made("button", { type: "button" });
     act.onclick = () => order({ verb: act.dataset.verb, robot: robot.name });
-    return made("tr", {}, made("td", {}, name), made("td"), made("td", {}, act));
+    const here = made("button", { type: "button", textContent: "Place", title: "say where it is" });
+    here.onclick = () => world.drawing.begin("pose", { robot: robot.name });
+    return made("tr", {}, made("td", {}, name), made("td"), made("td", {}, act, here));
   };
   bring(element("robots"), robots, (robot) => robot.name, make, (row, robot) => {
     const [name, figures, act] = row.children;
@@ -76,7 +79,45 @@ export function showRobots(world, follow, order) {
     const verb = left_out.includes(robot.name) ? "allow" : "drop";
     act.firstChild.dataset.verb = verb;
     tell(act.firstChild, verb === "drop" ? "Drop" : "Allow");
+    act.firstChild.hidden = world.status.frozen;
+    act.lastChild.hidden = !world.status.frozen;
   });
+}
+
+const KINDS = { place: "place", keep_out: "keep-out zone", speed: "speed zone" };
+
+function annotationText(annotation) {
+  const words = [KINDS[annotation.kind]];
+  if (annotation.kind === "speed") words.push(`${annotation.max_speed} m/s`);
+  if (annotation.lost) words.push("lost with a robot's data, obeyed by nobody");
+  else if (annotation.moved > 0) words.push(`${annotation.moved} of its points have lost their patch`);
+  return words.join("; ");
+}
+
+/** `acts`: {show, edit, erase}, each called with the place or zone. */
+export function showAnnotations(annotations, acts) {
+  const make = () => {
+    const buttons = Object.keys(acts).map((act) => made("button", { type: "button", textContent: act[0].toUpperCase() + act.slice(1) }));
+    return made("li", {}, made("div", { className: "head" }, made("span", { className: "what" }), made("span", { className: "acts" }, ...buttons)),
+      made("div", { className: "more" }));
+  };
+  bring(element("annotations"), annotations, (one) => one.name, make, (row, one) => {
+    const [head, more] = row.children;
+    tell(head.firstChild, one.name);
+    head.firstChild.className = `what ${one.kind}${one.lost ? " lost" : ""}`;
+    tell(more, annotationText(one));
+    Object.values(acts).forEach((act, i) => { head.lastChild.children[i].onclick = () => act(one); });
+    head.lastChild.children[0].hidden = head.lastChild.children[1].hidden = one.lost;
+  });
+}
+
+export function showDownloads(islands) {
+  const ranked = islands.filter(({ rank }) => rank >= 0).sort((a, b) => a.rank - b.rank).slice(0, 20);
+  const link = (rank, suffix, text) => made("a", { href: `download/island-${rank}${suffix}`, textContent: text });
+  bring(element("downloads"), ranked, ({ rank }) => rank, ({ rank }) => made("li", {}, made("span"),
+    " ", link(rank, ".png", "grid"), " ", link(rank, ".yaml", "YAML"), " · floor plan ", link(rank, "-plan.svg", "SVG"), " ",
+    link(rank, "-plan.dxf", "DXF"), " ", link(rank, "-plan.geojson", "GeoJSON")),
+  (row, { id }) => tell(row.firstChild, `island ${id}: `));
 }
 
 const ACTS = { accepted: ["withdraw"], waiting: ["forbid"], refused: ["forbid", "allow"], withdrawn: ["allow"] };

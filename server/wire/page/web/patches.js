@@ -1,5 +1,15 @@
 // Patches and relations of an island, from the server's arrays.
 
+/** Where in an array each value is. */
+function placesOf(values) {
+  const places = new Map();
+  values.forEach((value, i) => {
+    if (!places.has(value)) places.set(value, []);
+    places.get(value).push(i);
+  });
+  return new Map([...places].sort(([a], [b]) => a - b).map(([value, list]) => [value, Int32Array.from(list)]));
+}
+
 /** Reads the body of /patches/ISLAND (the room's README tells the form). */
 export function readPatches(buffer) {
   const [patches, relations, nameBytes] = new Uint32Array(buffer, 0, 3);
@@ -10,17 +20,20 @@ export function readPatches(buffer) {
     at += 4 * count;
     return values;
   };
-  return {
+  const arrays = {
     robots: text.trimEnd().split("\n"),
     id: take(Int32Array, patches),
     robot: take(Int32Array, patches),
     x: take(Float32Array, patches),
     y: take(Float32Array, patches),
     yaw: take(Float32Array, patches),
+    time: take(Int32Array, patches), // tenths of a second after the map's first patch
     a: take(Int32Array, relations),
     b: take(Int32Array, relations),
     origin: take(Int32Array, relations),
+    closure: take(Int32Array, relations),
   };
+  return { ...arrays, ofRobot: placesOf(arrays.robot), ofOrigin: placesOf(arrays.origin) };
 }
 
 /** Keeps the patches of the islands, once somebody wants to see them. */

@@ -81,14 +81,37 @@ export function keyOf(digits) {
   return new Uint8Array(digits.match(/../g).map((pair) => parseInt(pair, 16)));
 }
 
+function double(value) {
+  const view = new DataView(new ArrayBuffer(8));
+  view.setFloat64(0, value);
+  return new Uint8Array(view.buffer);
+}
+
+const KINDS_OF_ANNOTATIONS = ["place", "keep_out", "speed", "erase"];
+
+/** The channel of an order, and its message: an annotation_t, an initial_pose_t or a command_t. */
+function messageOf(order, utime, types) {
+  if (KINDS_OF_ANNOTATIONS.includes(order.verb)) {
+    const points = order.points ?? [];
+    return ["ISTHMUS_ANNOTATION", joined(int64("0x" + types.annotation), int64(utime), text(order.verb), text(order.name),
+      [order.replace ? 1 : 0], double(order.max_speed ?? 0), int32(-1), double(order.yaw ?? 0), int32(points.length),
+      ...points.map(([patch, x, y]) => joined(int32(patch), double(x), double(y))))];
+  }
+  if (order.verb === "initial_pose") {
+    return [`${order.robot}_INITIAL_POSE`, joined(int64("0x" + types.initial_pose), int64(utime), int32(-1), int32(order.patch),
+      ...order.pose.map(double), double(order.sigma_m), double(order.sigma_rad))];
+  }
+  return ["ISTHMUS_COMMAND", joined(int64("0x" + types.command), int64(utime), text(order.verb), int64(order.closure ?? -1),
+    text(order.robot ?? ""))];
+}
+
 /**
- * The bytes of a signed order. `types`: the fingerprints of command_t and signed_t, as hexadecimal text. `utime`:
+ * The bytes of a signed order. `types`: the fingerprints of LCM's types, as hexadecimal text. `utime`:
  * microseconds, more than that of the operator's last order.
  */
 export function signedOrder(order, operator, key, utime, types) {
-  const command = joined(int64("0x" + types.command), int64(utime), text(order.verb), int64(order.closure ?? -1),
-    text(order.robot ?? ""));
-  const envelope = joined(int64("0x" + types.signed), text("ISTHMUS_COMMAND"), text(operator), int64(utime),
-    int32(command.length), command);
+  const [channel, bytes] = messageOf(order, utime, types);
+  const envelope = joined(int64("0x" + types.signed), text(channel), text(operator), int64(utime),
+    int32(bytes.length), bytes);
   return joined(envelope, hmac(key, envelope));
 }

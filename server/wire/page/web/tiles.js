@@ -2,6 +2,8 @@
 // painted again in place when one of them has changed.
 
 const SIZE = 256;
+/** New tiles that are painted in one frame: a screen's worth at once would take longer than a frame may. */
+const AT_ONCE = 4;
 
 /** The path of an island's tile, as the server has it. */
 export const tilePath = (island, zoom, x, y) => `tile/${island}/${zoom}/${x}/${y}`;
@@ -31,6 +33,7 @@ export const IslandTiles = L.GridLayer.extend({
     L.GridLayer.prototype.initialize.call(this, options);
     this.images = images;
     this.scene = scene;
+    this.fresh = []; // tiles that have not been painted yet, and whom to tell when they are
     this.on("tileunload", (event) => { event.tile.coords = null; });
   },
 
@@ -39,20 +42,34 @@ export const IslandTiles = L.GridLayer.extend({
     const tile = document.createElement("canvas");
     tile.width = tile.height = SIZE;
     tile.coords = coords;
-    Promise.all(this.paint(tile)).then(() => done(null, tile));
+    this.fresh.push([tile, done]);
+    if (this.fresh.length === 1) this.paintFresh();
     return tile;
+  },
+
+  paintFresh() {
+    requestAnimationFrame(() => {
+      for (const [tile, done] of this.fresh.splice(0, AT_ONCE))
+        if (tile.coords) Promise.all(this.paint(tile)).then(() => done(null, tile));
+      if (this.fresh.length > 0) this.paintFresh();
+    });
   },
 
   /** Paints what there is; returns promises of what is still to come, which is painted when it does. */
   paint(tile) {
-    const context = tile.getContext("2d");
-    context.clearRect(0, 0, SIZE, SIZE);
+    const parts = [];
     const loads = [];
     for (const { path, version, dx, dy } of tilesUnder(tile.coords, this.scene)) {
       const image = this.images.newest(path);
-      if (image) context.drawImage(image, dx, dy);
+      if (image) parts.push({ image, dx, dy });
       loads.push(this.images.load(path, version));
     }
+    const isSame = (part, i) => ["image", "dx", "dy"].every((key) => part[key] === tile.parts[i][key]);
+    if (tile.parts?.length === parts.length && parts.every(isSame)) return loads;
+    tile.parts = parts;
+    const context = tile.getContext("2d");
+    context.clearRect(0, 0, SIZE, SIZE);
+    for (const { image, dx, dy } of parts) context.drawImage(image, dx, dy);
     return loads;
   },
 
