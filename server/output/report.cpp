@@ -26,7 +26,9 @@ Json account_of(const TrialAccount& account) {
           {"way_m", account.way_m},
           {"width_m", account.width_m},
           {"revisit_log_odds", account.revisit_log_odds},
-          {"shared_log_odds", account.shared_log_odds}};
+          {"shared_log_odds", account.shared_log_odds},
+          {"fit_log_odds", account.fit_log_odds},
+          {"log_odds", account.log_odds()}};
 }
 
 Json closures(const MapCopy& map) {

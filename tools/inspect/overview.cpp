@@ -109,9 +109,8 @@ std::string evidence(const Json& closure) {
   const Json found = closure.value("evidence", Json::object());
   if (found.value("compared", 0) == 0) return "";
   std::string text = found.at("matched").dump() + " of " + found.at("compared").dump() + " match";
-  const double log_odds =
-      found.at("revisit_log_odds").get<double>() + found.at("shared_log_odds").get<double>();
-  if (found.at("way_m").get<double>() > 0) text += ", log-odds " + decimal(log_odds, 1);
+  if (found.at("way_m").get<double>() > 0 && found.contains("log_odds"))
+    text += ", log-odds " + decimal(found.at("log_odds").get<double>(), 1);
   return text;
 }
 

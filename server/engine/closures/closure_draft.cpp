@@ -78,7 +78,7 @@ ClosureDraft draft_of_finds(const Map& map, ClosureId id, const ScanProposal& fi
   proposal.from_scans = true;
   proposal.cautious = finds.cautious;
   proposal.one_of_several = finds.one_of_several;
-  proposal.revisit_log_odds = finds.revisit_log_odds;
+  if (!proposal.merge) proposal.revisit = {finds.first, finds.second, finds.first_from_second, finds.way_m};
   proposal.beyond_covariance = drift_variance(finds.way_m, options.place_candidates);
   ClosureDraft made = draft(std::move(proposal), joining, now_utime);
   made.record.reason = Reason::on_trial;

@@ -21,7 +21,6 @@ struct ScanProposal {
   bool cautious = false;
   /// But for finds at one of several places that look alike (places/place_search.hpp) there were too few.
   bool one_of_several = false;
-  double revisit_log_odds = 0;  ///< of a loop, see places/place_candidates.hpp
   std::vector<std::string> robots;
 };
 

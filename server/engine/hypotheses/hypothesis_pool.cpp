@@ -44,14 +44,11 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
     std::swap(proposal.first, proposal.second);
     proposal.first_from_second = inverse(first.anchor_from_query);
   }
-  if (map.graph().island(first.query) == map.graph().island(first.anchor))
-    proposal.revisit_log_odds =
-        revisit_log_odds(ominus(first.anchor_from_query, map.relative_pose(first.anchor, first.query)),
-                         first.way_m, first.sigma_m, options.place_candidates);
+  // By the map as it is now: the two may have been on two islands, or elsewhere, when they were found.
+  proposal.way_m = std::max(0.0, way_over_map_m(map, first.anchor, first.query));
   proposal.finds = static_cast<int>(finds.size());
   std::set<std::string> robots;
   for (const Find* find : finds) {
-    proposal.way_m = std::max(proposal.way_m, find->way_m);
     proposal.cautious = proposal.cautious || find->sigma_m > options.hypotheses.known_sigma_m;
     std::ranges::copy(find->relations, std::back_inserter(proposal.relations));
     robots.insert(map.manifold().patch(find->query).robot);

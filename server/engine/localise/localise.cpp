@@ -121,7 +121,7 @@ class BestFit {
   void weigh() {
     std::optional<Match> held =
         held_by_odometry(local_map_, points_, expectation_, best_, match_options_, options_);
-    if (held && fits(*held)) best_ = *std::move(held);
+    if (held) best_ = *std::move(held);
   }
 
   const Localisation& place_;

@@ -22,46 +22,96 @@ Match held_at(const Pose& expected, const Eigen::Vector2d& away, const Expectati
   return held;
 }
 
-// Whether points first to end - 1 of a scan, neighbours on one thing, are something that may move along with
-// the robot: no larger than that, and in front of what is seen beside them.
-bool may_move(std::span<const ScanPoint> points, std::size_t first, std::size_t end,
-              const LocaliseOptions& options) {
-  const auto is_behind = [&](std::size_t beside, std::size_t edge) {
-    return points[beside].position.norm() > points[edge].position.norm() + options.thing_gap_m;
-  };
-  return (points[end - 1].position - points[first].position).norm() < options.moving_thing_m &&
-         (first == 0 || is_behind(first - 1, first)) && (end == points.size() || is_behind(end, end - 1));
+/// Neighbouring points of a scan on one surface.
+struct Thing {
+  std::span<const ScanPoint> points;
+  bool may_move = false;  ///< along with the robot: small, and in front of what is seen beside it
+};
+
+// Whether two neighbours are on one surface: farther apart, it would lie too flat to the beams (Borges and
+// Aldon, 2004, "Line extraction in 2D range images for mobile robotics", eq. 5).
+bool on_one_surface(const ScanPoint& one, const ScanPoint& next, const LocaliseOptions& options) {
+  const double nearer_m = std::min(one.position.norm(), next.position.norm());
+  const double cosine = one.position.stableNormalized().dot(next.position.stableNormalized());
+  const double turn = std::min(std::acos(std::clamp(cosine, -1.0, 1.0)), 0.5 * options.flattest_rad);
+  return (next.position - one.position).norm() <
+         nearer_m * std::sin(turn) / std::sin(options.flattest_rad - turn) + options.thing_gap_m;
 }
 
-std::vector<ScanPoint> points_of_what_stands(std::span<const ScanPoint> points,
-                                             const LocaliseOptions& options) {
-  std::vector<ScanPoint> standing;
+// Where fewer points than so many are of what stands, nothing is known to move against it.
+std::vector<Thing> things_in(std::span<const ScanPoint> points, int min_standing,
+                             const LocaliseOptions& options) {
+  std::vector<Thing> things;
+  std::size_t standing = 0;
+  const auto is_in_front = [&](std::size_t edge, std::size_t beside) {
+    return points[beside].position.norm() > points[edge].position.norm();
+  };
   std::size_t first = 0;
   for (std::size_t end = 1; end <= points.size(); ++end) {
-    if (end < points.size() && (points[end].position - points[end - 1].position).norm() < options.thing_gap_m)
-      continue;
-    if (!may_move(points, first, end, options)) {
-      const std::span<const ScanPoint> thing = points.subspan(first, end - first);
-      standing.insert(standing.end(), thing.begin(), thing.end());
-    }
+    if (end < points.size() && on_one_surface(points[end - 1], points[end], options)) continue;
+    const bool small = (points[end - 1].position - points[first].position).norm() < options.moving_thing_m;
+    const bool in_front =
+        (first == 0 || is_in_front(first, first - 1)) && (end == points.size() || is_in_front(end - 1, end));
+    const bool before_something = first > 0 || end < points.size();
+    things.push_back({points.subspan(first, end - first), small && in_front && before_something});
+    if (!things.back().may_move) standing += end - first;
     first = end;
   }
+  if (static_cast<int>(standing) < min_standing)
+    for (Thing& thing : things) thing.may_move = false;
+  return things;
+}
+
+std::vector<ScanPoint> points_of_what_stands(std::span<const Thing> things) {
+  std::vector<ScanPoint> standing;
+  for (const Thing& thing : things)
+    if (!thing.may_move) standing.insert(standing.end(), thing.points.begin(), thing.points.end());
   return standing;
 }
 
-// Log-odds against a pose by which a scan fits worse there than where it was matched; nothing where too few
-// of the points are seen from there.
-std::optional<double> log_odds_against(const Pose& held, const Pose& matched, const LocalMap& local_map,
-                                       std::span<const ScanPoint> points, const EngineOptions& options) {
-  MatchOptions as_it_is = options.match;
-  as_it_is.max_iterations = 0;
-  const auto score_at = [&](const Pose& pose) {
-    return match_scan(local_map, points, {pose, Eigen::Matrix3d::Zero()}, as_it_is).quality.score;
-  };
-  const double best = score_at(matched);
-  if (best <= 0) return std::nullopt;
-  return options.weak_direction.sharpness * std::max(0.0, 1 - score_at(held) / best);
-}
+/// How much worse a scan fits at one pose than at another.
+class FitsWorse {
+ public:
+  /// Keeps references.
+  FitsWorse(const Pose& there, const Pose& than, const LocalMap& local_map, const EngineOptions& options)
+      : there_(there), than_(than), local_map_(local_map), options_(options) {
+    as_it_is_.max_iterations = 0;
+  }
+
+  /// Log-odds against the pose by what all points say together; 0: of too few.
+  double log_odds(std::span<const ScanPoint> points) const {
+    const double best = sum_at(than_, points);
+    return best > 0 ? options_.weak_direction.sharpness * (1 - sum_at(there_, points) / best) : 0;
+  }
+  /// By what those of the things say that may move along, which is no wonder: the beams on one say together
+  /// what it says once.
+  double log_odds_of_what_may_move(std::span<const Thing> things, std::span<const ScanPoint> points) const {
+    const double best = sum_at(than_, points);
+    double sum = 0;
+    if (best <= 0) return sum;
+    for (const Thing& thing : things) {
+      if (!thing.may_move) continue;
+      const double worse_by = (sum_at(than_, thing.points) - sum_at(there_, thing.points)) / best;
+      sum += std::min(options_.weak_direction.sharpness * worse_by, options_.localise.moves_along_log_odds);
+    }
+    return sum;
+  }
+  double score_there(std::span<const ScanPoint> points) const {
+    return match_scan(local_map_, points, {there_, Eigen::Matrix3d::Zero()}, as_it_is_).quality.score;
+  }
+
+ private:
+  double sum_at(const Pose& pose, std::span<const ScanPoint> points) const {
+    const Match match = match_scan(local_map_, points, {pose, Eigen::Matrix3d::Zero()}, as_it_is_);
+    return match.quality.score * static_cast<double>(points.size());
+  }
+
+  const Pose& there_;
+  const Pose& than_;
+  const LocalMap& local_map_;
+  const EngineOptions& options_;
+  MatchOptions as_it_is_ = options_.match;
+};
 
 }  // namespace
 
@@ -85,16 +135,19 @@ std::optional<Match> held_by_odometry(const LocalMap& local_map, std::span<const
   Match held = held_at(expected, away, expectation, local_map, points, match_options,
                        options.weak_direction.held_information);
   if (!held.ok) return std::nullopt;
-  const auto against = [&](std::span<const ScanPoint> seen) {
-    return log_odds_against(held.local_from_robot, match.local_from_robot, local_map, seen, options);
-  };
-  const double by_all = against(points).value_or(0);
-  const double by_what_stands = against(points_of_what_stands(points, its)).value_or(by_all);
+  const std::vector<Thing> things = things_in(points, match_options.min_pairs, its);
+  const std::vector<ScanPoint> standing = points_of_what_stands(things);
+  const FitsWorse held_fits_worse(held.local_from_robot, match.local_from_robot, local_map, options);
+  const double by_all = held_fits_worse.log_odds(points);
+  const double by_what_stands = held_fits_worse.log_odds(standing);
   // Small surprises are weighed by the match itself, unless nothing but what may move speaks for it.
   if (surprising < its.doubted_surprise.value() && by_all - by_what_stands < its.slip_log_odds)
     return std::nullopt;
   const double gained = 0.5 * (surprising - surprise(held.local_from_robot, expectation, its));
-  if (by_what_stands > std::min(gained, its.slip_log_odds)) return std::nullopt;
+  const double by_things = by_what_stands + held_fits_worse.log_odds_of_what_may_move(things, points);
+  if (by_things > std::min(gained, its.slip_log_odds)) return std::nullopt;
+  // What moved along is no part of what is matched, however many beams it takes.
+  held.quality.score = std::max(held.quality.score, held_fits_worse.score_there(standing));
   return held;
 }
 

@@ -1,5 +1,6 @@
 #include "server/engine/places/place_candidates.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -172,27 +173,8 @@ std::optional<PlaceCandidate> candidate_at(const Map& map, PatchId query, const 
 
 }  // namespace
 
-Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options) {
-  const double position = options.systematic_m + options.systematic_share * way_m;
-  const double yaw = options.systematic_rad + options.systematic_rad_per_m * way_m;
-  return {position * position, position * position, yaw * yaw};
-}
-
-Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& options) {
-  const double position = (options.min_drift_m + options.drift_per_way * way_m) / options.window_sigmas;
-  const double yaw = (options.min_drift_rad + options.drift_rad_per_m * way_m) / options.window_sigmas;
-  return {position * position, position * position, yaw * yaw};
-}
-
-double revisit_log_odds(const Pose& off, double way_m, double sigma_m, const PlaceCandidateOptions& options) {
-  const double variance = 0.5 * sigma_m * sigma_m;
-  const double yaw_variance = systematic_variance(way_m, options).z();
-  const double squared = (off.x * off.x + off.y * off.y) / variance + off.yaw * off.yaw / yaw_variance;
-  const double density = std::exp(-0.5 * squared) /
-                         (2 * std::numbers::pi * variance * std::sqrt(2 * std::numbers::pi * yaw_variance));
-  const Eigen::Vector3d half = options.window_sigmas * drift_variance(way_m, options).cwiseSqrt();
-  const double volume = 4 * half.x() * half.y() * 2 * std::min(std::numbers::pi, half.z());
-  return std::log((1 - options.slip_probability) * density * volume + options.slip_probability);
+double way_over_map_m(const Map& map, PatchId from, PatchId to) {
+  return ways_m(map, from)[static_cast<std::size_t>(to.value)];
 }
 
 std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,

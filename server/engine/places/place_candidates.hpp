@@ -7,6 +7,7 @@
 
 #include "scanmatch/correlative.hpp"
 #include "server/engine/input/engine_options.hpp"
+#include "server/engine/map/drift.hpp"
 #include "server/engine/map/map.hpp"
 
 namespace isthmus {
@@ -22,19 +23,8 @@ struct PlaceCandidate {
   auto members() { return std::tie(anchor, window, way_m, sigma_m); }
 };
 
-/// What maps err beyond their covariance, by the way between two patches: no sensor errs at random only, and
-/// what errs the same way all along adds up. Variances of x, y (m²) and yaw (rad²).
-Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options);
-
-/// What a map may be off by however sure it is of itself, for a slip leaves a relation as narrow as any
-/// other: variances that make the bounds of drift `window_sigmas` standard deviations.
-Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& options);
-
-/// Log-odds that a robot came back to where it was found, rather than that another place looks like it: had
-/// it come back, the map is off by what maps err by, and once in a while, where wheels slipped, by anything;
-/// a place that only looks alike may be anywhere in the window that was searched. `off`: where it was found,
-/// as seen from where the map has it.
-double revisit_log_odds(const Pose& off, double way_m, double sigma_m, const PlaceCandidateOptions& options);
+/// Metres from one patch to another of its island, over the fewest relations; negative where it is not on it.
+double way_over_map_m(const Map& map, PatchId from, PatchId to);
 
 /// Where a patch lies if a find that waits is true: what was found a few metres ago says where to look now.
 struct PlaceHint {

@@ -6,6 +6,7 @@
 
 #include "relations/confidence.hpp"
 #include "server/engine/map/contradiction.hpp"
+#include "server/engine/map/drift.hpp"
 #include "server/engine/propagation/shared_part.hpp"
 
 namespace isthmus {
@@ -26,11 +27,10 @@ Trial::Trial(const Map& map, Proposal proposal, const EngineOptions& options, st
       patches_at_start_(map.manifold().size()),
       first_relation_(next_relation(map.graph())),
       propagation_(map.graph(), {OriginKind::propagation, proposal_.id}) {
-  const Relation& first = proposal_.relations.front();
   if (proposal_.merge) {
     map_.move_island(proposal_.younger, proposal_.older_from_younger);
   } else {
-    gate_before_ = map_.relative_pose(first.a, first.b);
+    gate_before_ = map_.relative_pose(ends().first, ends().second);
   }
   for (const Relation& relation : proposal_.relations) map_.relate(relation);
   begin_fit(now_utime, gate_before_.has_value());
@@ -46,11 +46,31 @@ void Trial::begin_fit(std::int64_t now_utime, bool with_gate) {
     for (const auto& [id, relation] : before.relations())
       if (static_cast<std::size_t>(id.value) >= first_relation_) added.push_back(id);
     before.remove(added);
-    const Relation& first = proposal_.relations.front();
-    question = FitJob::ConfidenceQuestion{std::move(before), first.a, first.b};
+    question = FitJob::ConfidenceQuestion{std::move(before), ends().first, ends().second};
   }
   job_ = std::make_unique<FitJob>(map_, map_.graph().island(proposal_.relations.front().a), now_utime,
                                   std::move(question), options_.map_fit);
+}
+
+std::pair<PatchId, PatchId> Trial::ends() const {
+  if (proposal_.revisit) return {proposal_.revisit->anchor, proposal_.revisit->query};
+  return {proposal_.relations.front().a, proposal_.relations.front().b};
+}
+
+bool Trial::jumps_too_far(const Eigen::Matrix3d& before) const {
+  const Pose after = map_.relative_pose(ends().first, ends().second);
+  const Eigen::Vector3d jump = wrapped_difference(after, *gate_before_);
+  Eigen::Matrix3d covariance = before;
+  covariance.diagonal() += proposal_.beyond_covariance;
+  return jump.dot(covariance.inverse() * jump) > options_.trial.max_jump.value();
+}
+
+// By what the map knows now, and not when it was found: then the two may have been on two islands still.
+double Trial::revisit_log_odds(const std::optional<Eigen::Matrix3d>& before) const {
+  const PlaceCandidateOptions& its = options_.place_candidates;
+  if (!before) return std::log(its.slip_probability);
+  const auto& [anchor, query, found, way_m] = *proposal_.revisit;
+  return isthmus::revisit_log_odds(found, *gate_before_, *before, way_m, its);
 }
 
 void Trial::end_fit() {
@@ -63,19 +83,14 @@ void Trial::end_fit() {
   }
   map_.adopt(result.patches, result.poses);
   if (stage_ != Stage::start) return;
-  const Relation& first = proposal_.relations.front();
   const bool strong = proposal_.supporters >= options_.trial.strong_support && !proposal_.from_scans;
-  if (gate_before_ && result.covariance && !strong && !proposal_.measured) {
-    const Pose after = map_.relative_pose(first.a, first.b);
-    const Eigen::Vector3d jump = wrapped_difference(after, *gate_before_);
-    Eigen::Matrix3d covariance = *result.covariance;
-    covariance.diagonal() += proposal_.beyond_covariance;
-    if (jump.dot(covariance.inverse() * jump) > options_.trial.max_jump.value()) {
-      refusal_ = Reason::implausible_jump;
-      stage_ = Stage::done;
-      return;
-    }
+  if (gate_before_ && result.covariance && !strong && !proposal_.measured &&
+      jumps_too_far(*result.covariance)) {
+    refusal_ = Reason::implausible_jump;
+    stage_ = Stage::done;
+    return;
   }
+  if (proposal_.revisit) account_.revisit_log_odds = revisit_log_odds(result.covariance);
   for (const Relation& relation : proposal_.relations) {
     propagation_.enqueue(relation.a, options_.propagation);
     propagation_.enqueue(relation.b, options_.propagation);
@@ -201,7 +216,6 @@ void Trial::judge() {
   account_.supporters = proposal_.supporters;
   account_.matched = static_cast<int>(propagation_.matched().size());
   account_.compared = account_.matched + static_cast<int>(propagation_.unmatched().size());
-  account_.revisit_log_odds = proposal_.revisit_log_odds;
   if (proposal_.measured) return;
   account_.cost = proposal_.from_scans ? find_cost() : sighting_cost();
   account_.contradiction = mean_contradiction();
@@ -243,7 +257,7 @@ void Trial::judge_scans() {
   const TrialOptions& its = options_.trial;
   if (account_.cost > its.max_find_cost) {
     refusal_ = Reason::finds_disagree;
-  } else if (puts_walls_in_free_space(account_.contradiction)) {
+  } else if (proposal_.merge && puts_walls_in_free_space(account_.contradiction)) {
     refusal_ = Reason::walls_in_free_space;
   } else if (scans_disagree()) {
     refusal_ = Reason::scans_disagree;
@@ -263,8 +277,15 @@ void Trial::judge_scans() {
 
 void Trial::judge_loop() {
   const TrialOptions& its = options_.trial;
-  if (account_.revisit_log_odds + account_.shared_log_odds < its.min_loop_log_odds)
+  const double by_finds = its.log_odds_per_find_cost * std::max(0.0, account_.cost - its.even_find_cost);
+  const double by_scans =
+      its.log_odds_per_contradiction * std::max(0.0, account_.contradiction - account_.own_contradiction);
+  account_.fit_log_odds = -by_finds - by_scans;
+  if (account_.log_odds() < -its.min_loop_log_odds) {
+    refusal_ = by_finds > by_scans ? Reason::finds_disagree : Reason::walls_in_free_space;
+  } else if (account_.log_odds() < its.min_loop_log_odds) {
     leave_undecided(account_.width_m < its.min_width_m ? Reason::one_corridor : Reason::too_little_support);
+  }
 }
 
 void Trial::judge_merge(const SharedPart& shared) {

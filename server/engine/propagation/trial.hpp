@@ -19,6 +19,17 @@ inline Eigen::Vector3d slip_variances(const TrialOptions& options) {
   return {options.slip_variance_m2, options.slip_variance_m2, options.slip_variance_rad2};
 }
 
+/// Where scans found a loop to close: how a patch lies to one that they take for near it, and the way over
+/// the map between the two (m).
+struct Revisit {
+  PatchId anchor;
+  PatchId query;
+  Pose anchor_from_query;
+  double way_m = 0;
+
+  auto members() { return std::tie(anchor, query, anchor_from_query, way_m); }
+};
+
 /// A closure that several sightings, or finds of scans, propose: how the patches of one map lie to those of
 /// another.
 struct Proposal {
@@ -33,14 +44,14 @@ struct Proposal {
   bool from_scans = false;  ///< relations are of scans that agree, nobody has seen anybody
   /// What the map may err by beyond its covariance, where the loop closes: variances of x, y, yaw.
   Eigen::Vector3d beyond_covariance = slip_variances({});
-  bool cautious = false;        ///< the map hardly knows how its ends lie: fitted as more matches
-  bool one_of_several = false;  ///< places that look alike: that as much looks alike says nothing more
-  double revisit_log_odds = 0;  ///< that scans found a place again, by where the map had it
-  bool measured = false;        ///< placed by the operators themselves: no test can refuse it
+  bool cautious = false;           ///< the map hardly knows how its ends lie: fitted as more matches
+  bool one_of_several = false;     ///< places that look alike: that as much looks alike says nothing more
+  std::optional<Revisit> revisit;  ///< of a loop from scans
+  bool measured = false;           ///< placed by the operators themselves: no test can refuse it
 
   auto members() {
     return std::tie(id, merge, older, younger, older_from_younger, relations, supporters, two_way, from_scans,
-                    beyond_covariance, cautious, one_of_several, revisit_log_odds, measured);
+                    beyond_covariance, cautious, one_of_several, revisit, measured);
   }
 };
 
@@ -85,7 +96,11 @@ class Trial {
  private:
   enum class Stage { start, propagate, last_propagate, judge, done };
 
+  /// Of the first relation, or where scans found a loop to close: by these the map before is held against it.
+  std::pair<PatchId, PatchId> ends() const;
   void begin_fit(std::int64_t now_utime, bool with_gate);
+  bool jumps_too_far(const Eigen::Matrix3d& before) const;
+  double revisit_log_odds(const std::optional<Eigen::Matrix3d>& before) const;
   void end_fit();
   void propagate(std::int64_t now_utime);
   /// Whether the map is fitted anew while more and more of it matches.
@@ -114,7 +129,7 @@ class Trial {
   Map map_;
   std::size_t patches_at_start_ = 0;
   std::size_t first_relation_ = 0;
-  std::optional<Pose> gate_before_;  ///< of b in a of the first relation, as the map had it
+  std::optional<Pose> gate_before_;  ///< of a loop: of its second end in its first, as the map had it
   Propagation propagation_;
   std::unique_ptr<FitJob> job_;
   Stage stage_ = Stage::start;

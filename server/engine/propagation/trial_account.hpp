@@ -16,11 +16,15 @@ struct TrialAccount {
   double way_m = 0;              ///< of what matches; this and the rest only where scans alone propose it
   double width_m = 0;            ///< of it, across its length
   double revisit_log_odds = 0;   ///< that it is true rather than a look-alike: by where the map had its ends,
-  double shared_log_odds = 0;    ///< and by how much matches
+  double shared_log_odds = 0;    ///< by how much matches,
+  double fit_log_odds = 0;       ///< and by how badly finds and scans fit, a loop only: none speaks for it
+
+  /// By all of them.
+  double log_odds() const { return revisit_log_odds + shared_log_odds + fit_log_odds; }
 
   auto members() {
     return std::tie(supporters, compared, matched, cost, contradiction, own_contradiction, way_m, width_m,
-                    revisit_log_odds, shared_log_odds);
+                    revisit_log_odds, shared_log_odds, fit_log_odds);
   }
 };
 

@@ -75,7 +75,8 @@ std::string read_token(const std::string& file) {
 bool is_loopback(const std::string& address) {
   // A name may begin with 127 too, and lead anywhere.
   const bool is_number = address.find_first_not_of("0123456789.") == std::string::npos;
-  return (is_number && address.starts_with("127.")) || address == "::1" || address == "[::1]" || address == "localhost";
+  return (is_number && address.starts_with("127.")) || address == "::1" || address == "[::1]" ||
+         address == "localhost";
 }
 
 }  // namespace isthmus

@@ -101,7 +101,7 @@ constexpr const char* report = R"({
   "closures": [{"id": 4, "kind": "merge", "state": "accepted", "utime": 2000000, "robots": ["R1", "R2"],
                 "reason": "", "patches_touched": 6, "work_steps": 3, "event_time_s": 0.5,
                 "evidence": {"compared": 8, "matched": 6, "way_m": 21, "revisit_log_odds": -2.5,
-                             "shared_log_odds": 12.25}},
+                             "shared_log_odds": 12.5, "fit_log_odds": -0.25, "log_odds": 9.75}},
                {"id": 5, "kind": "merge", "state": "withdrawn", "utime": 3000000, "robots": ["R1", "R3"],
                 "reason": "by an operator", "patches_touched": 2, "work_steps": 1, "event_time_s": 0}],
   "log_duration_s": 60, "wall_s": 1, "cpu_s": 0.9, "realtime_factor": 60,

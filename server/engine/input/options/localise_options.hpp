@@ -29,8 +29,10 @@ struct LocaliseOptions {
   ChiSquaredBound doubted_surprise{0.999, 3};
   ChiSquaredBound weighed_surprise{0.5, 3};
   double slip_log_odds = 10;
-  double thing_gap_m = 0.4;
+  double thing_gap_m = 0.1;
+  double flattest_rad = 0.17;
   double moving_thing_m = 1.2;
+  double moves_along_log_odds = 4;
   double loose_share = 0.04;
   double loose_gain = 0.02;
   double other_start_gain = 0.05;
@@ -80,9 +82,14 @@ struct LocaliseOptions {
     option(slip_log_odds, "slip_log_odds", "log-odds",
            "that wheels do not slip between two scans: so much worse must a scan fit where odometry puts the "
            "robot that a match far from there is believed, however far");
-    option(thing_gap_m, "thing_gap_m", "m", "between neighbouring points of a scan on different things");
+    option(flattest_rad, "flattest_rad", "rad",
+           "of a surface to the beams: neighbouring points that only a flatter one joins are on different "
+           "things");
+    option(thing_gap_m, "thing_gap_m", "m", "and that noise may add to the gap between two points of one");
     option(moving_thing_m, "moving_thing_m", "m",
            "wider than this, a thing does not move along with the robot as people and robots do");
+    option(moves_along_log_odds, "moves_along_log_odds", "log-odds",
+           "that a smaller one does not either: two may, and then so much only is said by each of them");
     option(loose_share, "loose_share", "factor", "on the information of the prediction from there");
     option(loose_gain, "loose_gain", share_unit,
            "that the score must be better by from the same beginning, held loosely");

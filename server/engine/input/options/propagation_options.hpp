@@ -66,7 +66,10 @@ struct TrialOptions {
   double min_way_m = 15;
   double log_odds_per_way_m = 0.4;
   double log_odds_per_width_m = 1;
-  double min_loop_log_odds = 7;
+  double even_find_cost = 0.7;
+  double log_odds_per_find_cost = 5;
+  double log_odds_per_contradiction = 33;
+  double min_loop_log_odds = 4;
   double min_width_m = 2;
   double min_own_m = 5;
   double min_whole_log_odds = 25;
@@ -114,9 +117,18 @@ struct TrialOptions {
            "that a loop or merge is true, of way that matches: buildings repeat themselves");
     option(log_odds_per_width_m, "log_odds_per_width_m", "log-odds/m",
            "the same of what matches across its length: corridors repeat themselves most");
-    option(min_loop_log_odds, "min_loop_log_odds", "log-odds",
-           "of those, and of where the map had its ends, for which it is accepted: 10, less 3 for the 95 in "
-           "100 of such loops that are true (281 of 296 in simulated and recorded buildings)");
+    option(even_find_cost, "even_find_cost", "χ² of 3",
+           "mean over the finds' relations that does not speak against a loop: the median of true ones");
+    option(log_odds_per_find_cost, "log_odds_per_find_cost", "log-odds",
+           "against a loop whose finds pull at one another by one more than that");
+    option(log_odds_per_contradiction, "log_odds_per_contradiction", "log-odds",
+           "against a loop that puts all hits deep in free space, beyond what either side does itself: true "
+           "ones put three in a hundred there, or fewer");
+    option(
+        min_loop_log_odds, "min_loop_log_odds", "log-odds",
+        "of those, and of where the map had its ends, for which it is accepted: one such loop in a thousand "
+        "is false, 7, less 3 as 95 in 100 of all are true (281 of 296 in simulated and recorded "
+        "buildings); below the same of the other sign it is refused");
     option(min_width_m, "min_width_m", "m",
            "of what is shared across its length: less is called one corridor");
     option(min_own_m, "min_own_m", "m", "of way of either map beyond what they share");

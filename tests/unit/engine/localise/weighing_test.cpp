@@ -97,10 +97,45 @@ TEST(HeldByOdometry, IsNotTrustedInTheDirectionInWhichItIsHeld) {
 // Also where odometry is known so badly that its step is no surprise.
 TEST(HeldByOdometry, WhereOnlyWhatMayMoveSpeaksForTheMatch) {
   const Step step =
-      step_of(corridor_with_somebody_at(1.5), corridor_with_somebody_at(1.7), {0.2, 0, 0}, {0.2, 0, 0}, 0.09);
+      step_of(corridor_with_somebody_at(1.5), corridor_with_somebody_at(1.7), {0.2, 0, 0}, {0.2, 0, 0}, 0.05);
   ASSERT_LT(surprise(step.matched().local_from_robot, step.expectation, {}),
             LocaliseOptions{}.doubted_surprise.value());
   EXPECT_TRUE(step.held());
+}
+
+// Somebody who walks an arm's length ahead takes most of the beams.
+TEST(HeldByOdometry, WhereSomebodyRightAheadTakesMostOfTheBeams) {
+  const Step step =
+      step_of(corridor_with_somebody_at(0.2), corridor_with_somebody_at(0.4), {0.2, 0, 0}, {0.2, 0, 0});
+  const auto theirs = std::ranges::count_if(step.now, [](const ScanPoint& p) {
+    return p.position.x() > 0 && p.position.x() < 0.7 && std::abs(p.position.y()) < 0.3;
+  });
+  ASSERT_GT(2 * theirs, std::ssize(step.now));
+  const std::optional<Match> held = step.held();
+  ASSERT_TRUE(held);
+  EXPECT_NEAR(held->local_from_robot.x, 0.2, 0.01);
+  EXPECT_GT(held->quality.score, 0.9) << "what stands fits";
+}
+
+// A gap narrower than a person beside a wall that runs on behind: the beams' angle tells the two apart.
+TEST(HeldByOdometry, WhereSomebodyWalksAlongCloseToTheWall) {
+  const auto with_somebody_at = [](double x) {
+    Walls walls = corridor();
+    add_box(walls, x, 0.15, x + 0.3, 0.8);
+    return walls;
+  };
+  const Step step = step_of(with_somebody_at(1.0), with_somebody_at(1.2), {0.2, 0, 0}, {0.2, 0, 0});
+  EXPECT_TRUE(step.held());
+}
+
+// One thing that small may move along; that five do, at one pace, would be a wonder.
+TEST(HeldByOdometry, NotWhereMoreThingsWouldHaveToMoveAlongThanLikely) {
+  Walls walls = corridor();
+  for (const double bearing : {-0.98, -0.49, 0.0, 0.49, 0.98}) {
+    const Eigen::Vector2d at = 0.75 * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
+    add_box(walls, at.x() - 0.1, at.y() - 0.1, at.x() + 0.1, at.y() + 0.1);
+  }
+  EXPECT_FALSE(step_of(walls, walls, {}, {0.2, 0, 0}).held());
 }
 
 // Wheels that turn at a wall: no wall moves along.
@@ -122,6 +157,15 @@ TEST(HeldByOdometry, NotByWhatMayMoveWhereThatIsAllThereIs) {
        {std::pair{2.0, 0.3}, {2.5, -1.5}, {1.2, 1.8}, {3.0, 2.5}, {0.4, -2.2}, {1.5, -3.0}})
     add_box(pillars, x, y, x + 0.5, y + 0.5);
   EXPECT_FALSE(step_of(pillars, pillars, {}, {0.25, 0.1, 0}).held());
+}
+
+// Right before a shelf, which is nearly all there is to see: nothing stands against which it would move.
+TEST(HeldByOdometry, NotWhereOneThingFillsTheView) {
+  Walls shelf;
+  shelf.push_back({{0.3, -0.4}, {0.35, 0}});
+  shelf.push_back({{0.35, 0}, {0.3, 0.5}});
+  shelf.push_back({{2, -3.3}, {2, -3.2}});
+  EXPECT_FALSE(step_of(shelf, shelf, {}, {0, 0.1, 0.2}).held());
 }
 
 TEST(Surprise, IsAsManySigmasAsOdometryAndMatchingErrBy) {

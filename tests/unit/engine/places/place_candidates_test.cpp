@@ -33,31 +33,6 @@ Map round_a_block(double sigma_m = 0.05, double sigma_rad = 0.016) {
 
 constexpr PatchId newest{39};
 
-// Of a way of 200 m.
-double odds(const Pose& off) {
-  const Eigen::Vector3d variance = systematic_variance(200, {});
-  return revisit_log_odds(off, 200, std::sqrt(variance.x() + variance.y()), {});
-}
-
-TEST(RevisitLogOdds, AreHighWhereTheMapHadThePlace) {
-  // Gaussian at its peak times the window: sigmas 2.6 m and 0.11 rad, half widths 61 m and 1.4 rad.
-  EXPECT_NEAR(odds({}),
-              std::log(0.95 * 4 * 61 * 61 * 2 * 1.4 /
-                           (2 * std::numbers::pi * 2.6 * 2.6 * std::sqrt(2 * std::numbers::pi) * 0.11) +
-                       0.05),
-              1e-6);
-  EXPECT_GT(odds({}), odds({3, 0, 0}));
-  EXPECT_GT(odds({3, 0, 0}), odds({0, 6, 0}));
-  EXPECT_GT(odds({3, 0, 0}), odds({3, 0, 0.2}));
-  EXPECT_NEAR(odds({3, 0, 0.1}), odds({0, -3, -0.1}), 1e-9);
-}
-
-// Wheels slip once in twenty ways, and then the map may be off by anything.
-TEST(RevisitLogOdds, AreThoseOfASlipHoweverFarOffTheMapWas) {
-  EXPECT_NEAR(odds({40, 20, 1}), std::log(0.05), 1e-6);
-  EXPECT_NEAR(odds({0, 0, 3}), std::log(0.05), 1e-6);
-}
-
 TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
   const Map map = round_a_block();
   const std::vector<PlaceCandidate> places = places_on_own_island(map, newest, {}, {});
@@ -191,21 +166,6 @@ TEST(PlacesOnOtherIslands, LeaveOutIslandsOfLessThanSixPatches) {
   EXPECT_TRUE(places_on_other_islands(map, own, {}, {}).empty());
   add_row(map, 6);
   EXPECT_FALSE(places_on_other_islands(map, own, {}, {}).empty());
-}
-
-// What errs the same way all along adds up: standard deviations grow with the way, and not with its root.
-TEST(SystematicVariance, GrowsWithTheSquareOfTheWay) {
-  const auto sigma = [](double way_m) { return Eigen::Vector3d(systematic_variance(way_m, {}).cwiseSqrt()); };
-  EXPECT_TRUE((sigma(200) - sigma(100)).isApprox(sigma(100) - sigma(0), 1e-9));
-  EXPECT_GT(sigma(100).x(), sigma(0).x() + 1) << "more than a per cent";
-  EXPECT_EQ(sigma(100).x(), sigma(100).y());
-}
-
-// The bounds of drift are three standard deviations: 1 m and three tenths of the way.
-TEST(DriftVariance, IsOfTheBoundsOfDrift) {
-  EXPECT_NEAR(3 * std::sqrt(drift_variance(20, {}).x()), 7, 1e-9);
-  EXPECT_NEAR(3 * std::sqrt(drift_variance(20, {}).y()), 7, 1e-9);
-  EXPECT_NEAR(3 * std::sqrt(drift_variance(20, {}).z()), 0.2 + 0.12, 1e-9);
 }
 
 }  // namespace

@@ -204,11 +204,17 @@ TEST(TrialBySightings, ThatBendsALoopBeyondItsCovarianceIsRefusedUnlessManySayIt
   }
 }
 
-// Found where the map had them.
+// A loop found so far from where the map had it, over so much way.
+void found(Case& its, double off_m, double way_m = 60) {
+  const PatchId anchor = its.first.back(), query = its.second.front();
+  its.proposal.revisit = {anchor, query, its.map.relative_pose(anchor, query) * Pose{off_m, 0, 0}, way_m};
+}
+
+// A loop found where the map had it.
 Case by_scans(Case made, int finds = 4) {
   made.proposal.from_scans = true;
   made.proposal.supporters = finds;
-  made.proposal.revisit_log_odds = 8;
+  if (!made.proposal.merge) found(made, 0);
   return made;
 }
 
@@ -245,11 +251,18 @@ TEST(TrialByScans, WhoseScansDoNotMatchIsRefused) {
 const std::vector<Pose> early = {{-1.5, -0.4, 0.2}, {-1.6, -0.3, 0.1}, {-1.7, -0.5, 0}};
 const std::vector<Pose> late = {{-1.4, -0.3, 0.2}, {-1.5, -0.5, 0.1}, {-1.6, -0.4, 0.3}};
 
-TEST(TrialByScans, ThatPutsWallsInFreeSpaceIsRefused) {
+TEST(TrialByScans, ThatPutsWallsInFreeSpaceIsRefusedOrWaitsWhereTheMapHadItsEnds) {
   const Walls room = crooked_room();
-  Case its = by_scans(loop_of(room, early, with_a_screen(room), late));
-  its.say(PatchId{1}, PatchId{4});
-  EXPECT_EQ(its.tried().refusal(), Reason::walls_in_free_space);
+  for (const double off_m : {0.0, 200.0}) {
+    Case its = by_scans(loop_of(room, early, with_a_screen(room), late));
+    found(its, off_m);
+    its.say(PatchId{1}, PatchId{4});
+    const Trial trial = its.tried();
+    EXPECT_FALSE(trial.accepted());
+    EXPECT_EQ(trial.undecided(), off_m == 0);
+    EXPECT_EQ(trial.refusal() == Reason::walls_in_free_space, off_m > 0) << word(trial.refusal());
+    EXPECT_LT(trial.account().fit_log_odds, -3);
+  }
 }
 
 // Somebody who came and went: as much as a map contradicts itself, maps may contradict one another.
@@ -257,6 +270,7 @@ TEST(TrialByScans, MayContradictAsMuchAsTheMapsContradictThemselves) {
   const Walls without = crooked_room(), with = with_a_screen(without);
   Case its =
       by_scans(loop_of(std::vector{with, without, with}, early, std::vector{without, with, without}, late));
+  found(its, 0, 300);
   its.say(PatchId{1}, PatchId{4});
   const Trial trial = its.tried();
   EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
@@ -279,6 +293,18 @@ std::vector<Pose> along(double from_x, double to_x, double y, double step_m = 1)
   return poses;
 }
 
+// What pulls at one another, if not by so much that it is refused at once, needs more of the rest.
+TEST(TrialByScans, WhoseFindsPullAtOneAnotherNeedsMoreThatSpeaksForIt) {
+  for (const double off_m : {0.0, 0.03}) {
+    Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
+    its.say(PatchId{5}, PatchId{17}, {off_m, 0, 0});
+    its.say(PatchId{5}, PatchId{17}, {-off_m, 0, 0});
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.accepted(), off_m == 0) << trial.account().log_odds() << ' ' << trial.account().cost;
+    EXPECT_LT(trial.account().cost, TrialOptions{}.max_find_cost);
+  }
+}
+
 // |===================|    Ten metres of one corridor, driven twice: corridors look alike.
 //    1  2  3 ... 10
 // |===================|
@@ -286,7 +312,7 @@ TEST(TrialByScans, OfALoopAlongOneCorridorWaitsWhereTheMapHadItsEndsElsewhere) {
   for (const bool cautious : {false, true}) {
     Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
     its.proposal.cautious = cautious;
-    its.proposal.revisit_log_odds = -3;
+    found(its, 200);
     its.say(PatchId{5}, PatchId{17});
     const Trial trial = its.tried();
     EXPECT_GE(trial.patches_touched(), 12);
@@ -297,12 +323,12 @@ TEST(TrialByScans, OfALoopAlongOneCorridorWaitsWhereTheMapHadItsEndsElsewhere) {
 
 // The same, found where the map had it: another corridor that looks alike would hardly lie just there.
 TEST(TrialByScans, OfALoopAlongOneCorridorIsAcceptedWhereTheMapHadItsEnds) {
-  for (const double revisit_log_odds : {2.0, 8.0}) {
+  for (const double off_m : {0.0, 200.0}) {
     Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
-    its.proposal.revisit_log_odds = revisit_log_odds;
+    found(its, off_m);
     its.say(PatchId{5}, PatchId{17});
     const Trial trial = its.tried();
-    EXPECT_EQ(trial.accepted(), revisit_log_odds > 5) << word(trial.refusal());
+    EXPECT_EQ(trial.accepted(), off_m == 0) << word(trial.refusal());
   }
 }
 
@@ -310,8 +336,8 @@ TEST(TrialByScans, OfALoopAlongOneCorridorIsAcceptedWhereTheMapHadItsEnds) {
 TEST(TrialByScans, OfALoopFoundAtOneOfSeveralPlacesNeedsMoreThanItsWay) {
   for (const bool one_of_several : {false, true}) {
     Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
+    found(its, 0, 30);
     its.proposal.one_of_several = one_of_several;
-    its.proposal.revisit_log_odds = 4;
     its.say(PatchId{5}, PatchId{17});
     const Trial trial = its.tried();
     EXPECT_EQ(trial.accepted(), !one_of_several) << word(trial.refusal());

@@ -13,7 +13,8 @@ TEST(Access, WithoutATokenOnlyNamesOfThisMachineLeadToThePage) {
   const Access access;
   for (const char* host : {"127.0.0.1:8080", "localhost:8080", "localhost", "[::1]:8080"})
     EXPECT_TRUE(access.may_see({host, "", "", ""})) << host;
-  for (const char* host : {"", "evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example", "192.168.1.5:8080", "["})
+  for (const char* host :
+       {"", "evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example", "192.168.1.5:8080", "["})
     EXPECT_FALSE(access.may_see({host, "", "", ""})) << host;
 }
 

@@ -1,0 +1,34 @@
+#include "server/engine/map/drift.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace isthmus {
+
+Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options) {
+  const double position = options.systematic_m + options.systematic_share * way_m;
+  const double yaw = options.systematic_rad + options.systematic_rad_per_m * way_m;
+  return {position * position, position * position, yaw * yaw};
+}
+
+Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& options) {
+  const double position = (options.min_drift_m + options.drift_per_way * way_m) / options.window_sigmas;
+  const double yaw = (options.min_drift_rad + options.drift_rad_per_m * way_m) / options.window_sigmas;
+  return {position * position, position * position, yaw * yaw};
+}
+
+double revisit_log_odds(const Pose& found, const Pose& mapped, const Eigen::Matrix3d& covariance,
+                        double way_m, const PlaceCandidateOptions& options) {
+  Eigen::Matrix3d errs = covariance;
+  errs.diagonal() += systematic_variance(way_m, options);
+  const Eigen::Vector3d off = wrapped_difference(found, mapped);
+  const double density = std::exp(-0.5 * off.dot(errs.inverse() * off)) /
+                         std::sqrt(std::pow(2 * std::numbers::pi, off.size()) * errs.determinant());
+  const Eigen::Vector3d half = options.window_sigmas * drift_variance(way_m, options).cwiseSqrt();
+  const double volume = 4 * half.x() * half.y() * 2 * std::min(std::numbers::pi, half.z());
+  return std::log((1 - options.slip_probability) * density * volume + options.slip_probability);
+}
+
+}  // namespace isthmus
