@@ -187,9 +187,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough();
   app.add_option("--lcm-url", arguments.lcm_url, "LCM network")->capture_default_str();
-  app.add_option("--wait", arguments.wait_s, "seconds to wait for the server's answer; 0: none")
-      ->check(finite_number & CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
+  app.add_option("--wait", arguments.wait_s, "to wait for the server's answer (5); 0: none")
+      ->option_text("SECONDS")
+      ->check(finite_number & CLI::Range(0.0, 3600.0));
   app.add_option("--key", arguments.key_file, "file with the operator's name and key, to sign with");
   add_verbs(app, arguments);
   add_drawing(app, arguments);

@@ -129,7 +129,9 @@ CLI::Option* add_landmarks(CLI::App& app, LandmarkArguments& arguments) {
                                                      {"joint", LandmarkAssociation::joint},
                                                      {"nearest", LandmarkAssociation::nearest}}))
       ->needs(file);
-  app.add_option("--noises", arguments.noises, "runs with fresh noise on the truth besides")->needs(truth);
+  app.add_option("--noises", arguments.noises, "runs with fresh noise on --landmarks-truth besides")
+      ->option_text("COUNT")
+      ->needs(truth);
   return file;
 }
 
