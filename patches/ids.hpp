@@ -1,6 +1,7 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 
 namespace isthmus {
@@ -13,6 +14,12 @@ struct Id {
   bool valid() const { return value >= 0; }
   auto operator<=>(const Id&) const = default;
 };
+
+/// Where what belongs to a valid id stands in a list by id.
+template <class Tag>
+std::size_t index(Id<Tag> id) {
+  return static_cast<std::size_t>(id.value);
+}
 
 using PatchId = Id<struct PatchTag>;
 using RelationId = Id<struct RelationTag>;

@@ -63,8 +63,6 @@ class Manifold {
   auto members() { return std::tie(patches_, poses_); }
 
  private:
-  static std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
-
   std::vector<PatchPtr> patches_;
   std::vector<Pose> poses_;
 };

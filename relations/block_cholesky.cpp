@@ -11,7 +11,7 @@ namespace isthmus {
 namespace {
 
 /// A pivot's eigenvalue below this share of what stood on its diagonal before elimination is rounding.
-constexpr double rank_tolerance = 1e-10;
+constexpr double pivot_tolerance = 1e-10;
 
 }  // namespace
 
@@ -95,7 +95,7 @@ void BlockCholesky<N>::add(int i, int j, const Block& block) {
 template <int N>
 void BlockCholesky<N>::invert_pivot(int column) {
   const Block& pivot = pivot_[at(column)];
-  const double least = rank_tolerance * scale_[at(column)];
+  const double least = pivot_tolerance * scale_[at(column)];
   const Eigen::LLT<Block> cholesky(pivot);
   const auto diagonal = cholesky.matrixLLT().diagonal();
   if (cholesky.info() == Eigen::Success && diagonal.cwiseAbs2().minCoeff() > least) {
@@ -191,7 +191,7 @@ template <int N>
 typename BlockCholesky<N>::Block BlockCholesky<N>::with_undetermined(const Block& covariance,
                                                                      const Block& null_share) {
   const double share = null_share.trace();
-  if (share <= rank_tolerance) return covariance;
+  if (share <= pivot_tolerance) return covariance;
   return covariance + undetermined_variance / share * null_share;
 }
 

@@ -13,8 +13,6 @@ namespace {
 using Block = Eigen::Matrix2d;
 using Vector = Eigen::Vector2d;
 
-std::size_t at(int place) { return static_cast<std::size_t>(place); }
-
 /// Information on the yaw with the translation unknown.
 double marginal_yaw_information(const Eigen::Matrix3d& information) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(information.topLeftCorner<2, 2>());

@@ -9,8 +9,6 @@
 namespace isthmus {
 namespace {
 
-std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
-
 /// Worse than 100 m or 100 rad is not determined: undetermined directions stand with 1e8 where they arise,
 /// and what hangs by them moves with them.
 constexpr double max_variance = 1e4;

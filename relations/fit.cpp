@@ -14,8 +14,6 @@
 namespace isthmus {
 namespace {
 
-std::size_t at(int place) { return static_cast<std::size_t>(place); }
-
 /// One relation's residuals (residuals.hpp) by the (x, y, yaw) in the plane of those of its ends that are
 /// free: the chain rule through a_from_b = b ⊖ a.
 class RelationCost : public ceres::CostFunction {

@@ -8,9 +8,6 @@
 namespace isthmus {
 namespace {
 
-std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
-std::size_t at(int place) { return static_cast<std::size_t>(place); }
-
 /// Places of the first patch of each connected part that no held patch touches: the gauges.
 std::vector<bool> find_gauges(const FitProblem& problem) {
   std::vector<int> parent(problem.patches.size());

@@ -23,6 +23,9 @@ struct FitProblem {
   bool is_free(int place) const { return place < free_count; }
 };
 
+/// A place in the problem's lists, as their index.
+inline std::size_t at(int place) { return static_cast<std::size_t>(place); }
+
 /// Wherever a connected part of the free patches has no held patch at its border, its first patch in the
 /// order of `free` is held as the gauge.
 FitProblem make_fit_problem(const RelationGraph& graph, std::span<const PatchId> free);

@@ -11,9 +11,6 @@
 namespace isthmus {
 namespace {
 
-std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
-std::size_t index(RelationId id) { return static_cast<std::size_t>(id.value); }
-
 PatchId other_end(const Relation& relation, PatchId end) {
   return relation.a == end ? relation.b : relation.a;
 }

@@ -3,8 +3,6 @@
 namespace isthmus {
 namespace {
 
-std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
-
 /// The relations between two patches, their ends as places in the list, and what they say together.
 struct Link {
   int a;

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, simulates a team of four robots that enter an office by two entrances, and
-# maps their log: before their maps merge, in the middle, and to the end.
+# maps their log: before their maps merge, in the middle, and to the end. Then four robots explore the same office
+# by themselves, by the goals of a server, for 80 s at most.
 #   tools/demo.sh [DIRECTORY]     where the log and the maps go; build/demo without
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -76,3 +77,25 @@ if [[ -n "$merges" ]]; then
 fi
 printf '  %8s  %s: ' "the end" "$(number islands "$out/map") island(s)"
 echo "$out"/map/island-*-trajectory.png
+
+echo
+echo "Four robots explore the office by themselves, four times as fast as the clock, for 80 s at most ..."
+url="udpm://239.255.76.67:7695?ttl=0"
+printf '[exploration]\nenabled = true\n' > "$out/explore.toml"
+rm -rf "$out/explored" "$out/drive"
+"$bin/isthmus-server" --config "$out/explore.toml" --lcm-url "$url" --status-period 0.25 --output "$out/explored" \
+  2> "$out/server.txt" &
+server=$!
+trap 'kill "$server" 2> /dev/null || true' EXIT
+for _ in $(seq 50); do  # until it listens
+  if grep -q listening "$out/server.txt"; then break; fi
+  sleep 0.1
+done
+"$bin/isthmus-simulate" --scenario office --seed 1 --live --lcm-url "$url" --speed 4 --max-time 320 \
+  --pictures "$out/drive" | sed 's/^/  /'
+kill -INT "$server"
+wait "$server"
+trap - EXIT
+printf '  %s island(s): ' "$(number islands "$out/explored")"
+drawn=("$out"/drive/*.png)
+echo "$out"/explored/island-*-trajectory.png "${drawn[-1]}"

@@ -10,7 +10,7 @@ packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libceres-dev libsuitesparse-dev libcgal-dev libboost-dev libboost-graph-dev libnanoflann-dev
   liblcm-dev liblcm-bin libcpp-httplib-dev libjs-leaflet libcereal-dev
-  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libpng-dev libcairo2-dev libssl-dev zlib1g-dev
+  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libpng-dev libcairo2-dev libssl-dev zlib1g-dev libzstd-dev
   libgtest-dev libbenchmark-dev librapidcheck-dev python3
 )
 if [[ "${1:-}" == "--ci" ]]; then

@@ -3,6 +3,7 @@
 
     tools/live_load.py [--robots 14] [--rate 10] [--seconds 150] [--viewers 10] [--build DIR] [--keep DIR]
     tools/live_load.py --log run.lcm
+    tools/live_load.py --compare 3 --viewers 10 [--foxglove-viewers 2]
 
 Without --log a team is simulated first, on a floor made for so many (isthmus-simulate --scenario floor). The log is
 played at its own speed (lcm-logplayer, ttl=0) while lcm-logger hears scans and poses.
@@ -10,16 +11,22 @@ played at its own speed (lcm-logplayer, ttl=0) while lcm-logger hears scans and 
     lost      messages sent that are not in the server's journal
     latency   from when a scan was heard to when the pose that answers it was, both by the logger
     engine    what an event takes in the server
-    viewers   what each of --viewers who watch the page was sent
+    viewers   what each of --viewers who watch the page, and of --foxglove-viewers, was sent
+
+--compare plays the same load with viewers and without, in turn, so many times, and tells how the engine's latencies
+with viewers are to those without: of each pair, and the least, middle and largest of the pairs.
 """
 
 import argparse
+import base64
 import collections
 import http.client
 import json
 import os
 import re
 import signal
+import socket
+import statistics
 import struct
 import subprocess
 import sys
@@ -132,8 +139,68 @@ class Viewer(threading.Thread):
             self.versions[number] = island["tiles"]
 
 
-def page_options(arguments):
-    return ["--http-port", str(arguments.http_port)] if arguments.viewers else []
+class FoxgloveViewer(threading.Thread):
+    """Subscribes to all that there is, as Foxglove does where everything is shown."""
+
+    def __init__(self, port):
+        super().__init__(daemon=True)
+        self.port = port
+        self.bytes = self.messages = 0
+
+    def run(self):
+        try:
+            with socket.create_connection(("127.0.0.1", self.port), timeout=30) as connection:
+                self.watch(connection.makefile("rwb"))
+        except (OSError, EOFError):
+            pass  # the server has ended
+
+    def watch(self, stream):
+        stream.write(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                     f"Sec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}\r\nSec-WebSocket-Version: 13\r\n"
+                     "Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n\r\n".encode())
+        stream.flush()
+        while stream.readline().strip():
+            pass
+        while True:
+            opcode, payload = self.hear(stream)
+            self.bytes += len(payload)
+            self.messages += opcode == 2
+            if opcode == 9:
+                self.say(stream, 10, payload)
+            elif opcode == 1 and (told := json.loads(payload))["op"] == "advertise":
+                wanted = [{"id": channel["id"], "channelId": channel["id"]} for channel in told["channels"]]
+                self.say(stream, 1, json.dumps({"op": "subscribe", "subscriptions": wanted}).encode())
+
+    @staticmethod
+    def hear(stream):
+        """A message, of one frame or several."""
+        opcode, payload, last = 0, b"", False
+        while not last:
+            head = stream.read(2)
+            if len(head) < 2:
+                raise EOFError
+            last, opcode, length = head[0] & 0x80 != 0, head[0] & 0x0F or opcode, head[1] & 0x7F
+            if length > 125:
+                length = int.from_bytes(stream.read(2 if length == 126 else 8), "big")
+            payload += stream.read(length)
+        return opcode, payload
+
+    @staticmethod
+    def say(stream, opcode, payload):
+        short = len(payload) < 126
+        size = bytes([0x80 | len(payload)]) if short else struct.pack(">BH", 0x80 | 126, len(payload))
+        stream.write(bytes([0x80 | opcode]) + size + bytes(4) + payload)  # the mask is 0
+        stream.flush()
+
+
+def viewer_options(arguments):
+    page = ["--http-port", str(arguments.http_port)] if arguments.viewers else []
+    return page + (["--foxglove-port", str(arguments.foxglove_port)] if arguments.foxglove_viewers else [])
+
+
+def viewers_of(arguments):
+    return [Viewer(arguments.http_port) for _ in range(arguments.viewers)] + [
+        FoxgloveViewer(arguments.foxglove_port) for _ in range(arguments.foxglove_viewers)]
 
 
 def play(arguments, log, work):
@@ -144,11 +211,11 @@ def play(arguments, log, work):
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with open(os.path.join(work, "server.log"), "wb") as errors:
         server = subprocess.Popen([os.path.join(arguments.build, "bin", "isthmus-server"), "--lcm-url", url,
-                                   "--journal", journal, "--output", output, *page_options(arguments)], stderr=errors)
+                                   "--journal", journal, "--output", output, *viewer_options(arguments)], stderr=errors)
     logger = subprocess.Popen(["lcm-logger", "--force", f"--lcm-url={url}", "--channel=.*_(SCAN|POSE)", heard], **quiet)
     try:
         time.sleep(1)  # robots say what they are at the log's beginning only
-        viewers = [Viewer(arguments.http_port) for _ in range(arguments.viewers)]
+        viewers = viewers_of(arguments)
         for viewer in viewers:
             viewer.start()
         subprocess.run(["lcm-logplayer", f"--lcm-url={url}", log], check=True, **quiet)
@@ -169,10 +236,39 @@ def play(arguments, log, work):
 def tell_page(report, viewers):
     engine = report["event_latency_ms"]
     print("engine    " + ", ".join(f"{name} {value:.3f} ms" for name, value in engine.items()))
-    if viewers:
-        print(f"viewers   {len(viewers)}, each {sum(one.event_bytes for one in viewers) / len(viewers) / 1e3:.0f} kB of "
-              f"events, {sum(one.tiles for one in viewers) / len(viewers):.0f} tiles, "
-              f"{sum(one.tile_bytes for one in viewers) / len(viewers) / 1e3:.0f} kB")
+    pages = [one for one in viewers if isinstance(one, Viewer)]
+    if pages:
+        print(f"viewers   {len(pages)}, each {sum(one.event_bytes for one in pages) / len(pages) / 1e3:.0f} kB of "
+              f"events, {sum(one.tiles for one in pages) / len(pages):.0f} tiles, "
+              f"{sum(one.tile_bytes for one in pages) / len(pages) / 1e3:.0f} kB")
+    others = [one for one in viewers if isinstance(one, FoxgloveViewer)]
+    if others:
+        print(f"foxglove  {len(others)}, each {sum(one.messages for one in others) / len(others):.0f} messages, "
+              f"{sum(one.bytes for one in others) / len(others) / 1e3:.0f} kB")
+
+
+def compare(arguments, log, work):
+    """Pairs of runs with and without viewers; every other pair begins with those, so that what changes with time is in
+    both alike."""
+    alone = argparse.Namespace(**{**vars(arguments), "viewers": 0, "foxglove_viewers": 0})
+    pairs = []
+    for pair in range(arguments.compare):
+        latencies = {}
+        for watched in (pair % 2 == 0, pair % 2 != 0):
+            directory = os.path.join(work, f"pair-{pair}-{'watched' if watched else 'alone'}")
+            os.makedirs(directory)
+            _, _, report, viewers = play(arguments if watched else alone, log, directory)
+            latencies[watched] = report["event_latency_ms"]
+            if watched:
+                tell_page(report, viewers)
+        pairs.append((latencies[True], latencies[False]))
+        print(f"pair {pair + 1}    p99 {latencies[True]['p99']:.3f} ms with viewers, {latencies[False]['p99']:.3f} ms without: "
+              f"{latencies[True]['p99'] / latencies[False]['p99']:.3f}", flush=True)
+    for name in ("p50", "p99"):
+        ratios = [watched[name] / without[name] for watched, without in pairs if without[name] > 0]
+        if ratios:
+            print(f"ratio     {name} with viewers to without: least {min(ratios):.3f}, middle {statistics.median(ratios):.3f}, "
+                  f"largest {max(ratios):.3f}")
 
 
 def main():
@@ -186,9 +282,14 @@ def main():
     parser.add_argument("--port", type=int, default=7699)
     parser.add_argument("--viewers", type=int, default=0, help="how many watch the page, 16 at most")
     parser.add_argument("--http-port", type=int, default=8099)
+    parser.add_argument("--foxglove-viewers", type=int, default=0, help="how many watch as Foxglove does")
+    parser.add_argument("--foxglove-port", type=int, default=8769)
+    parser.add_argument("--compare", type=int, default=0, metavar="PAIRS", help="runs with viewers and without, in turn")
     parser.add_argument("--most-lost", type=float, default=1e-4, help="share of messages; more is a failure")
     parser.add_argument("--keep", metavar="DIR", help="keep log, journal and map in this directory")
     arguments = parser.parse_args()
+    if arguments.compare > 0 and arguments.viewers + arguments.foxglove_viewers == 0:
+        parser.error("--compare needs --viewers or --foxglove-viewers")
     warn_of_small_buffer()
     with tempfile.TemporaryDirectory() as scratch:
         work = arguments.keep or scratch
@@ -196,6 +297,9 @@ def main():
         log = arguments.log or os.path.join(work, "run.lcm")
         if not arguments.log:
             simulate(arguments, log)
+        if arguments.compare > 0:
+            compare(arguments, log, work)
+            return 0
         journal, heard, report, viewers = play(arguments, log, work)
         sent, taken = count_input([log]), count_input(journal)
         lost = sum((sent - taken).values())

@@ -9,6 +9,6 @@ if [[ ${1:-} == -h || ${1:-} == --help ]]; then
 fi
 
 tools/install-dependencies.sh
-cmake --preset dev -DISTHMUS_TESTS=ON > /dev/null
+cmake --preset dev -DISTHMUS_TESTS=ON -DCMAKE_UNITY_BUILD=ON > /dev/null
 cmake --build --preset dev
 ctest --preset dev --parallel "$(nproc)" "$@"

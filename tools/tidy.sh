@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# clang-tidy (.clang-tidy) over sources, with the commands of the build by clang (.build/asan-ubsan).
+# clang-tidy (.clang-tidy) over sources, with clang's command for each by itself (.build/tidy).
 #   tools/tidy.sh              all sources: an hour of CPU time
 #   tools/tidy.sh --recent N   at most N of those that the last commits changed, CGAL's and Ceres' users left out
 #   tools/tidy.sh FILE...      these
 set -euo pipefail
 cd "$(dirname "$0")/.."
-build=.build/asan-ubsan
+build=.build/tidy
 
 case ${1:-} in
   -h | --help)
@@ -24,8 +24,8 @@ case ${1:-} in
   *) files=("$@") ;;
 esac
 
-[[ -f $build/compile_commands.json ]] || cmake --preset asan-ubsan > /dev/null
+[[ -f $build/compile_commands.json ]] || cmake --preset tidy > /dev/null
 # What lcm-gen and the build make is included by the sources.
-cmake --build --preset asan-ubsan --target isthmus_lcmtypes_headers isthmus_commit > /dev/null
+cmake --build --preset tidy --target isthmus_lcmtypes_headers isthmus_commit > /dev/null
 echo "${#files[@]} files"
 printf '%s\0' "${files[@]}" | xargs -0 -r -n 1 -P "$(nproc)" clang-tidy --quiet -p "$build" 2> >(grep -v 'warnings generated' >&2)

@@ -6,26 +6,25 @@
 #include <stdexcept>
 #include <utility>
 
+#include "server/client/poses.hpp"
 #include "server/wire/message/byte_check.hpp"
 #include "server/wire/message/channel.hpp"
 #include "server/wire/message/encoded.hpp"
+#include "server/wire/message/members.hpp"
 #include "server/wire/message/message.hpp"
 #include "server/wire/trust/envelope.hpp"
 
 namespace isthmus {
 namespace {
 
+using members::integer;
+using members::name;
+using members::number;
 using Clock = std::chrono::steady_clock;
 
-// Beyond what a server sends.
-constexpr std::int32_t max_poses = 100'000;
-constexpr std::int32_t max_ids = 10'000'000;
+constexpr std::int32_t max_ids = 10'000'000;  // beyond what a server sends
 
-constexpr Member number = fixed(8);
-constexpr Member integer = fixed(4);
-constexpr Member name = text(64);
-constexpr std::array path_pose_members = {integer, fixed(7 * 8)};
-constexpr std::array frontier_members = {integer, fixed(7 * 8), fixed(2 * 8), number, number, number};
+constexpr std::array frontier_members = {integer, members::pose_values, fixed(2 * 8), number, number, number};
 constexpr std::array reply_members = {number,
                                       number,
                                       number,
@@ -37,7 +36,7 @@ constexpr std::array reply_members = {number,
                                       integer,
                                       integer,
                                       number,
-                                      list(path_pose_members, max_poses),
+                                      list(members::path_pose, max_poses),
                                       fixed(3 * 8),
                                       fixed(9 * 8),
                                       number,

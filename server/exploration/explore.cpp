@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "server/exploration/routes.hpp"
@@ -12,34 +11,28 @@
 namespace isthmus {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-using Member = std::pair<const std::string, Explorer>;
+using NamedExplorer = std::pair<const std::string, Explorer>;
 
 /// The frontiers of an island, and what it takes its robots to go to them.
 class IslandShare {
  public:
-  IslandShare(Planner& planner, IslandId island, const std::vector<const Member*>& members,
+  IslandShare(Planner& planner, IslandId island, const std::vector<const NamedExplorer*>& members,
               const ExplorationOptions& options)
       : planner_(planner), options_(options) {
     Footprint footprint{0, 0};
-    for (const Member* member : members) {
+    for (const NamedExplorer* member : members) {
       footprint.radius_m = std::max(footprint.radius_m, member->second.footprint.radius_m);
       footprint.clearance_m = std::max(footprint.clearance_m, member->second.footprint.clearance_m);
     }
     roadmap_ = check(footprint) == Refusal::none ? planner.roadmap(island, footprint) : nullptr;
     if (!roadmap_) return;
-    for (const Member* member : members) {
+    for (const NamedExplorer* member : members) {
       const NodeId node = planner.room_near(*roadmap_, member->second.pose, PathQuestion{}.start_tolerance_m);
       if (node < 0) continue;
       members_.push_back(member);
       nodes_.push_back(node);
     }
-    if (members_.empty()) return;
-    // Viewpoints that robots can come to: what lies behind a gap is looked at from this side of it.
-    for (const Frontier& frontier : find_frontiers(*roadmap_, nodes_.front(), options.frontiers))
-      if (frontier.viewpoint >= 0 && frontiers_.size() < options.max_frontiers)
-        frontiers_.push_back(frontier);
+    find_all_frontiers();
   }
 
   void share(std::map<std::string, ExplorationGoal>& goals) const {
@@ -56,6 +49,22 @@ class IslandShare {
   }
 
  private:
+  /// With viewpoints that robots can come to: what lies behind a gap is looked at from this side of it. Where
+  /// known ground is in parts, as while robots that begin hide one another's, there are some in each part
+  /// that a robot is on.
+  void find_all_frontiers() {
+    std::vector<bool> reached(roadmap_->squares(), false);
+    for (const NodeId node : nodes_) {
+      if (reached[static_cast<std::size_t>(roadmap_->square(node))]) continue;
+      const std::vector<float> lengths = costs_from(*roadmap_, node);
+      for (std::size_t square = 0; square < lengths.size(); ++square)
+        if (std::isfinite(lengths[square])) reached[square] = true;
+      for (const Frontier& frontier : find_frontiers(*roadmap_, node, options_.frontiers))
+        if (frontier.viewpoint >= 0 && frontiers_.size() < options_.max_frontiers)
+          frontiers_.push_back(frontier);
+    }
+  }
+
   RouteCosts all_costs() const {
     RouteCosts costs;
     for (const NodeId node : nodes_) {
@@ -63,7 +72,7 @@ class IslandShare {
       std::vector<double>& row = costs.from_robot.emplace_back();
       for (const Frontier& frontier : frontiers_) {
         const float length = lengths[static_cast<std::size_t>(roadmap_->square(frontier.viewpoint))];
-        row.push_back(std::isfinite(length) ? static_cast<double>(length) : infinity);
+        row.push_back(std::isfinite(length) ? static_cast<double>(length) : no_way);
       }
     }
     for (const Frontier& frontier : frontiers_) {
@@ -74,7 +83,7 @@ class IslandShare {
       for (const Frontier& other : frontiers_) {
         const std::int32_t region = roadmap_->regions().of(roadmap_->square(other.viewpoint));
         const float length = lengths[static_cast<std::size_t>(region)];
-        row.push_back(std::isfinite(length) ? static_cast<double>(length) : infinity);
+        row.push_back(std::isfinite(length) ? static_cast<double>(length) : no_way);
       }
     }
     return costs;
@@ -89,7 +98,7 @@ class IslandShare {
       double min_m = options_.same_goal_m;
       for (std::size_t place = 0; place < frontiers_.size(); ++place) {
         const double apart_m = distance_m(place, *goal);
-        if (!(apart_m <= min_m) || gave_up(robot, place) || costs.from_robot[robot][place] == infinity)
+        if (!(apart_m <= min_m) || gave_up(robot, place) || costs.from_robot[robot][place] == no_way)
           continue;
         min_m = apart_m;
         kept[robot] = place;
@@ -115,10 +124,10 @@ class IslandShare {
         if (kept[robot])
           row[place] = costs.from_robot[robot][*kept[robot]] + costs.work[*kept[robot]] +
                        costs.between[*kept[robot]][place];
-        if (gave_up(robot, place)) row[place] = infinity;
+        if (gave_up(robot, place)) row[place] = no_way;
       }
       for (const auto& place : kept)
-        if (place) row[*place] = infinity;
+        if (place) row[*place] = no_way;
     }
     return wished;
   }
@@ -134,7 +143,7 @@ class IslandShare {
   std::vector<std::optional<std::size_t>> nearest_places(const RouteCosts& costs) const {
     std::vector<std::optional<std::size_t>> nearest(members_.size());
     for (std::size_t robot = 0; robot < members_.size(); ++robot) {
-      double least = infinity;
+      double least = no_way;
       for (std::size_t place = 0; place < frontiers_.size(); ++place) {
         const double cost = costs.from_robot[robot][place];
         if (!(cost < least) || gave_up(robot, place)) continue;
@@ -145,9 +154,9 @@ class IslandShare {
     return nearest;
   }
 
-  /// Of a frontier's viewpoint from a pose, in the island's plane; infinity where that is not on the map.
+  /// Of a frontier's viewpoint from a pose, in the island's plane; no_way where that is not on the map.
   double distance_m(std::size_t place, const ManifoldPose& pose) const {
-    if (check(planner_.map(), pose) != Refusal::none) return infinity;
+    if (check(planner_.map(), pose) != Refusal::none) return no_way;
     const Eigen::Vector2d at = roadmap_->ground().centre(frontiers_[place].viewpoint);
     return (position(planner_.project(pose)) - at).norm();
   }
@@ -172,7 +181,7 @@ class IslandShare {
   const Planner& planner_;
   const ExplorationOptions& options_;
   std::shared_ptr<const Roadmap> roadmap_;
-  std::vector<const Member*> members_;
+  std::vector<const NamedExplorer*> members_;
   std::vector<NodeId> nodes_;  // where they are
   std::vector<Frontier> frontiers_;
 };
@@ -182,8 +191,8 @@ class IslandShare {
 std::map<std::string, ExplorationGoal> share_frontiers(Planner& planner,
                                                        const std::map<std::string, Explorer>& team,
                                                        const ExplorationOptions& options) {
-  std::map<IslandId, std::vector<const Member*>> islands;
-  for (const Member& member : team)
+  std::map<IslandId, std::vector<const NamedExplorer*>> islands;
+  for (const NamedExplorer& member : team)
     if (check(planner.map(), member.second.pose) == Refusal::none)
       islands[planner.map().graph.island(member.second.pose.patch)].push_back(&member);
   std::map<std::string, ExplorationGoal> goals;

@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace isthmus {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int max_rounds = 30;
 constexpr double worth_it_m = 1e-6;
 
-class Sharing {
+class RouteBuilder {
  public:
-  explicit Sharing(const RouteCosts& costs)
+  explicit RouteBuilder(const RouteCosts& costs)
       : costs_(costs), routes_(costs.from_robot.size()), lengths_(costs.from_robot.size(), 0) {}
 
   void insert_all() {
@@ -26,7 +24,7 @@ class Sharing {
         const Placing placing = best_placing(left[i]);
         if (placing.cost < best.cost) best = placing;
       }
-      if (best.cost == infinity) return;
+      if (best.cost == no_way) return;
       insert(best);
       std::erase(left, best.place);
     }
@@ -41,7 +39,7 @@ class Sharing {
 
  private:
   struct Placing {
-    double cost = infinity;
+    double cost = no_way;
     std::size_t place = 0, robot = 0, at = 0;
   };
 
@@ -70,7 +68,7 @@ class Sharing {
   Placing best_placing(std::size_t place) const {
     Placing best;
     for (std::size_t robot = 0; robot < routes_.size(); ++robot) {
-      if (costs_.from_robot[robot][place] == infinity) continue;
+      if (costs_.from_robot[robot][place] == no_way) continue;
       for (std::size_t at = 0; at <= routes_[robot].size(); ++at) {
         const double cost = cost_with(robot, longer(robot, at, place));
         if (cost < best.cost) best = {cost, place, robot, at};
@@ -145,10 +143,10 @@ double route_m(const RouteCosts& costs, std::size_t robot, const Route& route) {
 }
 
 std::vector<Route> share_out(const RouteCosts& costs) {
-  Sharing sharing(costs);
-  sharing.insert_all();
-  sharing.improve();
-  return sharing.take();
+  RouteBuilder routes(costs);
+  routes.insert_all();
+  routes.improve();
+  return routes.take();
 }
 
 }  // namespace isthmus

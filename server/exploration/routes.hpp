@@ -1,12 +1,16 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace isthmus {
 
-/// What it takes robots to go to places and work there, in metres that a robot drives meanwhile; infinity
-/// where there is no way.
+/// The cost where there is no way.
+inline constexpr double no_way = std::numeric_limits<double>::infinity();
+
+/// What it takes robots to go to places and work there, in metres that a robot drives meanwhile; no_way where
+/// there is none.
 struct RouteCosts {
   std::vector<std::vector<double>> from_robot;  ///< by robot and place
   std::vector<std::vector<double>> between;     ///< by place and place, the same both ways

@@ -7,8 +7,6 @@ namespace {
 
 using ByPose = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 4, 3>;
 
-Eigen::Vector2d quarter_turn(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
-
 /// exp(ξ) of SE(2) acting on positions: R(θ) l + V(θ) ξ_l (Barrau and Bonnabel, eq. 9).
 class Exponential {
  public:

@@ -8,12 +8,12 @@ namespace isthmus {
 namespace {
 
 /// n by 3.
-using ByPose = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+using ErrorsByPose = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
 /// e₂' = change · e₂ + by_two · e_r₂ + by_one · e_r₁ + by_alignment · e_A; `change` is block-diagonal and
 /// kept as those.
 struct Mapping {
-  ByPose by_one, by_two, by_alignment;
+  ErrorsByPose by_one, by_two, by_alignment;
 };
 
 /// What moves, and how, from the second map into the first.
@@ -62,7 +62,7 @@ FeatureState moved_estimate(const FeatureState& state, const Pose& new_from_old)
 
 Mapping mapping(const FeatureState& before, const FeatureState& after, const Motion& motion) {
   const Eigen::Index size = before.covariance.rows();
-  Mapping map{ByPose::Zero(size, 3), ByPose::Zero(size, 3), ByPose::Zero(size, 3)};
+  Mapping map{ErrorsByPose::Zero(size, 3), ErrorsByPose::Zero(size, 3), ErrorsByPose::Zero(size, 3)};
   const Pose at_two = motion.two_after();
   const Eigen::Matrix3d turn_one = turn3(motion.one.yaw), turn = turn3(motion.new_from_old().yaw);
   for (std::size_t i = 0; i < after.robots.size(); ++i) {
@@ -75,7 +75,7 @@ Mapping mapping(const FeatureState& before, const FeatureState& after, const Mot
   for (const FeatureInState& entry : after.features) {
     const LocalMatrix b = project_to_local(entry.feature);
     const Eigen::Index q = b.rows();
-    const ByPose about_two = b * rigid_motion(entry.feature, position(at_two));
+    const ErrorsByPose about_two = b * rigid_motion(entry.feature, position(at_two));
     map.by_one.middleRows(entry.offset, q) = b * rigid_motion(entry.feature, position(motion.one));
     map.by_alignment.middleRows(entry.offset, q) = about_two * turn_one;
     map.by_two.middleRows(entry.offset, q) = -about_two * turn;
@@ -132,10 +132,10 @@ FeatureState aligned(const FeatureState& one, int robot_1, const FeatureState& t
 
   Eigen::MatrixXd own = two.covariance;
   turn_columns(own, two, after, yaw);
-  const ByPose with_robot = own.middleRows<3>(second.offset).transpose();  // C P₂(:, r₂)
+  const ErrorsByPose with_robot = own.middleRows<3>(second.offset).transpose();  // C P₂(:, r₂)
   own.transposeInPlace();
   turn_columns(own, two, after, yaw);
-  const ByPose half =
+  const ErrorsByPose half =
       with_robot + 0.5 * map.by_two * two.covariance.block<3, 3>(second.offset, second.offset);
   own += half * map.by_two.transpose() + map.by_two * half.transpose();
   own += map.by_one * pose_covariance(one, robot_1) * map.by_one.transpose();

@@ -7,8 +7,6 @@
 namespace isthmus {
 namespace {
 
-Eigen::Vector2d quarter_turn(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
-
 /// Room for `count` more errors at `at`, with zeros.
 void insert_errors(FeatureState& state, int at, int count) {
   const Eigen::Index size = state.covariance.rows();

@@ -23,6 +23,9 @@ struct FeatureInState {
   int contradicted = 0;
 };
 
+/// J: a quarter turn to the left.
+inline Eigen::Vector2d quarter_turn(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+
 /// Poses of robots and features in one frame, with one joint covariance: what one filter knows. A value.
 ///
 /// Errors e are those of the standard EKF: truth less estimate in the map's axes (m, rad), of a feature B

@@ -12,8 +12,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 std::size_t index(NodeId node) { return static_cast<std::size_t>(node); }
 
 bool borders_on_unseen(const Ground& ground, NodeId node) {
@@ -97,7 +95,7 @@ void find_viewpoint(const Roadmap& roadmap, const std::vector<NodeId>& members,
   const Ground& ground = roadmap.ground();
   std::vector<NodeId> wave = members;
   for (const NodeId node : wave) reached[index(node)] = mark;
-  frontier.cost_m = infinity;
+  frontier.cost_m = std::numeric_limits<double>::infinity();
   const int steps = static_cast<int>(options.reach_m / ground_cell_m);
   for (int step = 0; step < steps && !wave.empty(); ++step) {
     std::vector<NodeId> next_wave;

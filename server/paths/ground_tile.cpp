@@ -6,7 +6,7 @@
 namespace isthmus {
 namespace {
 
-constexpr int cells = ground_tile_cells;
+constexpr int side_cells = ground_tile_cells;
 
 /// A cell with hits stays occupied until more than so many times as many patches see free space there, as on
 /// the grids that are written.
@@ -18,7 +18,7 @@ enum Kind : std::uint32_t { covers, hits, stands };
 class Views {
  public:
   Views(const Cell& low, std::span<const TilePatch> patches) : low_(low) {
-    first_.assign(cells * cells + 1, 0);
+    first_.assign(side_cells * side_cells + 1, 0);
     visit(patches, [this](std::size_t cell, std::uint32_t) { ++first_[cell + 1]; });
     for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
     views_.resize(first_.back());
@@ -37,9 +37,9 @@ class Views {
   void visit(std::span<const TilePatch> patches, const Visit& visit) const {
     for (std::size_t i = 0; i < patches.size(); ++i) {
       const auto view = static_cast<std::uint32_t>(3 * i);
-      for (int y = 0; y < cells; ++y) {
+      for (int y = 0; y < side_cells; ++y) {
         for (const PatchRaster::Run& run : patches[i].raster->runs(low_.y + y)) {
-          const int end = std::min(run.end - low_.x, cells);
+          const int end = std::min(run.end - low_.x, side_cells);
           for (int x = std::max(run.begin - low_.x, 0); x < end; ++x)
             visit(GroundTile::index(x, y), view + covers);
         }
@@ -54,7 +54,7 @@ class Views {
                      const Visit& visit) const {
     for (const std::int32_t column : columns) {
       const int x = column - low_.x;
-      if (x >= 0 && x < cells) visit(GroundTile::index(x, y), view);
+      if (x >= 0 && x < side_cells) visit(GroundTile::index(x, y), view);
     }
   }
 
@@ -121,11 +121,11 @@ std::vector<std::uint8_t> near_pairs(std::span<const TilePatch> patches, const N
 GroundTile make_ground_tile(const Cell& low, std::span<const TilePatch> patches,
                             std::span<const std::uint8_t> near) {
   GroundTile tile{low, {0}, {}};
-  tile.first.reserve(cells * cells + 1);
+  tile.first.reserve(side_cells * side_cells + 1);
   Views views(low, patches);
   Layering layering(patches, near);
-  for (int y = 0; y < cells; ++y) {
-    for (int x = 0; x < cells; ++x) {
+  for (int y = 0; y < side_cells; ++y) {
+    for (int x = 0; x < side_cells; ++x) {
       layering.add_layers(views.of(GroundTile::index(x, y)), centre_of({low.x + x, low.y + y}), tile.layers);
       tile.first.push_back(static_cast<std::uint32_t>(tile.layers.size()));
     }

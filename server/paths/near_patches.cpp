@@ -7,11 +7,7 @@
 namespace isthmus {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
-
 using Ways = std::vector<std::vector<std::pair<PatchId, float>>>;
-
-std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
 
 Ways direct_ways(const MapCopy& map) {
   Ways ways(map.patches.size());
@@ -26,7 +22,7 @@ Ways direct_ways(const MapCopy& map) {
   return ways;
 }
 
-/// Dijkstra's search, cut at the reach. `way` is infinity all over, before and after.
+/// Dijkstra's search, cut at the reach. `way` is no_way_m all over, before and after.
 std::vector<std::pair<PatchId, float>> ways_from(PatchId start, const Ways& direct, float reach_m,
                                                  std::vector<float>& way) {
   using Entry = std::pair<float, PatchId>;
@@ -42,12 +38,12 @@ std::vector<std::pair<PatchId, float>> ways_from(PatchId start, const Ways& dire
     found.emplace_back(patch, length);
     for (const auto& [next, step] : direct[index(patch)]) {
       if (!(length + step <= reach_m && length + step < way[index(next)])) continue;
-      if (way[index(next)] == infinity) touched.push_back(next);
+      if (way[index(next)] == no_way_m) touched.push_back(next);
       way[index(next)] = length + step;
       queue.emplace(length + step, next);
     }
   }
-  for (const PatchId patch : touched) way[index(patch)] = infinity;
+  for (const PatchId patch : touched) way[index(patch)] = no_way_m;
   std::sort(found.begin(), found.end());
   return found;
 }
@@ -56,7 +52,7 @@ std::vector<std::pair<PatchId, float>> ways_from(PatchId start, const Ways& dire
 
 NearPatches::NearPatches(const MapCopy& map, double reach_m) {
   const Ways direct = direct_ways(map);
-  std::vector<float> way(map.patches.size(), infinity);
+  std::vector<float> way(map.patches.size(), no_way_m);
   for (std::size_t i = 0; i < map.patches.size(); ++i) {
     const PatchId start{static_cast<std::int32_t>(i)};
     near_.push_back(ways_from(start, direct, static_cast<float>(reach_m), way));
@@ -65,11 +61,11 @@ NearPatches::NearPatches(const MapCopy& map, double reach_m) {
 
 float NearPatches::way_m(PatchId a, PatchId b) const {
   if (a == b) return 0;
-  if (!a.valid() || index(a) >= near_.size()) return infinity;
+  if (!a.valid() || index(a) >= near_.size()) return no_way_m;
   const auto& ways = near_[index(a)];
   const auto found = std::lower_bound(ways.begin(), ways.end(), b,
                                       [](const auto& way, PatchId id) { return way.first < id; });
-  return found != ways.end() && found->first == b ? found->second : infinity;
+  return found != ways.end() && found->first == b ? found->second : no_way_m;
 }
 
 }  // namespace isthmus

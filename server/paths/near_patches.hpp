@@ -1,11 +1,11 @@
 #pragma once
 
-#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "server/engine/record/map_copy.hpp"
+#include "server/paths/no_way.hpp"
 
 namespace isthmus {
 
@@ -18,9 +18,9 @@ class NearPatches {
   /// Ways of at most `reach_m` are known.
   NearPatches(const MapCopy& map, double reach_m);
 
-  /// Infinity where it is more than the reach, and for patches that are not there.
+  /// no_way_m where it is more than the reach, and for patches that are not there.
   float way_m(PatchId a, PatchId b) const;
-  bool near(PatchId a, PatchId b) const { return way_m(a, b) < std::numeric_limits<float>::infinity(); }
+  bool near(PatchId a, PatchId b) const { return way_m(a, b) < no_way_m; }
 
  private:
   std::vector<std::vector<std::pair<PatchId, float>>> near_;  // by patch id; each by id

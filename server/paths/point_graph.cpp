@@ -4,6 +4,8 @@
 #include <functional>
 #include <queue>
 
+#include "server/paths/no_way.hpp"
+
 namespace isthmus {
 
 PointGraph::PointGraph(std::vector<Eigen::Vector2d> points_m,
@@ -21,12 +23,11 @@ PointGraph::PointGraph(std::vector<Eigen::Vector2d> points_m,
 
 std::vector<float> PointGraph::lengths_from(std::int32_t start, const SearchReach& reach) const {
   using Entry = std::pair<float, std::int32_t>;
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  std::vector<float> length(size(), infinity);
+  std::vector<float> length(size(), no_way_m);
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> waiting;
   length[at(start)] = 0;
   waiting.emplace(0.F, start);
-  float farthest = infinity;
+  float farthest = no_way_m;
   while (!waiting.empty() && waiting.top().first <= farthest) {
     const auto [way, number] = waiting.top();
     waiting.pop();

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "server/paths/no_way.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr std::int32_t side_cells = 16;
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr std::int32_t block_side_cells = 16;
 /// A way over the middles of regions goes out of its way at each end by about so much.
 constexpr float detour_m = 0.5;
 /// How much longer such a way may be than the shortest of them to be looked at: it is up to 8 % longer than a
@@ -18,7 +18,7 @@ constexpr float longer_share = 1.12F;
 constexpr float longer_m = 3;
 
 std::pair<std::int32_t, std::int32_t> block_of(const Cell& cell) {
-  return {cell.x & ~(side_cells - 1), cell.y & ~(side_cells - 1)};
+  return {cell.x & ~(block_side_cells - 1), cell.y & ~(block_side_cells - 1)};
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ std::vector<float> Regions::left_m(std::int32_t from_square, std::int32_t to_squ
   const float longest = longer_share * shortest + longer_m;
   for (std::size_t region = 0; region < left.size(); ++region) {
     const bool worth = there[region] + left[region] <= longest;
-    left[region] = worth ? std::max(0.F, left[region] - detour_m) : infinity;
+    left[region] = worth ? std::max(0.F, left[region] - detour_m) : no_way_m;
   }
   return left;
 }

@@ -18,8 +18,6 @@ constexpr double farthest_m = 1e4;  // from a patch's origin
 /// On larger islands the covariance is a bound, from the patches nearest to either.
 constexpr std::size_t max_exact_patches = 5000;
 
-std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
-
 /// What a relation alone leaves open of b's position in a, as a variance; large where it says little.
 double variance_m2(const MapCopy& map, const Relation& relation) {
   const Pose a_from_b = ominus(map.poses[index(relation.b)], map.poses[index(relation.a)]);

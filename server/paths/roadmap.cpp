@@ -9,7 +9,7 @@
 namespace isthmus {
 namespace {
 
-constexpr std::int32_t side_cells = 4;
+constexpr std::int32_t square_side_cells = 4;
 /// Where a robot has driven, the unseen is nowhere nearer than that.
 constexpr double max_from_unseen_m = stood_m - ground_cell_m;
 /// A straight way through a cell passes its centre by half its diagonal at most.
@@ -18,7 +18,7 @@ constexpr SquareId none = -1;
 constexpr SquareId free = -2;  // of no square yet
 
 bool in_one_square(const Cell& a, const Cell& b) {
-  const auto part = [](std::int32_t cell) { return cell & ~(side_cells - 1); };
+  const auto part = [](std::int32_t cell) { return cell & ~(square_side_cells - 1); };
   return part(a.x) == part(b.x) && part(a.y) == part(b.y);
 }
 

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <queue>
 #include <tuple>
 #include <utility>
 
+#include "server/paths/no_way.hpp"
+
 namespace isthmus {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
 /// How far the search looks: farther out a straight way gets corners that pulling it taut takes out again.
 constexpr float sight_m = 10;
 
@@ -21,7 +21,7 @@ class Search {
         from_(from),
         to_(to),
         left_m_(roadmap.regions().left_m(roadmap.square(from), roadmap.square(to))),
-        cost_(roadmap.squares(), infinity),
+        cost_(roadmap.squares(), no_way_m),
         parent_(roadmap.squares(), -1),
         closed_(roadmap.squares(), 0) {}
 
@@ -65,7 +65,7 @@ class Search {
 
   void open(SquareId square, SquareId parent, float cost) {
     const float left_m = left_m_[at(roadmap_.regions().of(square))];
-    if (!(cost < cost_[at(square)]) || left_m == infinity) return;
+    if (!(cost < cost_[at(square)]) || left_m == no_way_m) return;
     cost_[at(square)] = cost;
     parent_[at(square)] = parent;
     waiting_.emplace(cost + std::max(left_m, distance(square, roadmap_.square(to_))), cost, square);
@@ -77,7 +77,7 @@ class Search {
     const SquareId hoped = parent_[at(square)];
     if (hoped == square) return;
     if (distance(hoped, square) <= sight_m && roadmap_.sees(node(hoped), node(square))) return;
-    cost_[at(square)] = infinity;
+    cost_[at(square)] = no_way_m;
     for (const SquareId beside : roadmap_.beside(square)) {
       if (!closed_[at(beside)]) continue;
       const float cost = cost_[at(beside)] + distance(beside, square);

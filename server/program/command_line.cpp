@@ -30,10 +30,6 @@ Arguments option_names(const CLI::App& app) {
   return names;
 }
 
-std::vector<const CLI::App*> commands_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
-}
-
 /// What is wrong with an argument that looks like an option and is none; empty: nothing.
 std::string wrong_option(const CLI::App& app, const Arguments& arguments) {
   const Arguments names = option_names(app);

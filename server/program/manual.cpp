@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <vector>
 
 namespace isthmus {
 namespace {
@@ -41,10 +40,6 @@ std::string entries_of(const CLI::App& app) {
   return text;
 }
 
-std::vector<const CLI::App*> commands_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
-}
-
 /// The names that bash may complete, with spaces between.
 std::string words_of(const CLI::App& app) {
   std::string words;
@@ -57,6 +52,10 @@ std::string words_of(const CLI::App& app) {
 }
 
 }  // namespace
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
 
 std::string man_page(const CLI::App& app, const std::string& version) {
   const std::string& name = app.get_name();

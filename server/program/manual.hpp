@@ -1,12 +1,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
 }
 
 namespace isthmus {
+
+/// A program's commands, hidden ones too; none: it has no commands.
+std::vector<const CLI::App*> commands_of(const CLI::App& app);
 
 /// What --help says, as a page for man(1). `version`: of version_text.
 std::string man_page(const CLI::App& app, const std::string& version);

@@ -44,8 +44,9 @@ struct Arguments {
   int foxglove_port = 0;
   std::string http_address = "127.0.0.1";
   std::string http_token_file;
-  std::int64_t segment_mb = 64;
+  double segment_mb = 64;
   bool no_snapshots = false;
+  int keep_snapshots = 10;
   int keep_segments = -1;
   bool frozen = false;
   bool force = false;
@@ -73,11 +74,15 @@ void add_periods(CLI::App& app, Arguments& arguments) {
 void add_journal_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--journal", arguments.journal_directory,
                  "directory for the record of all events; one that exists is continued");
-  app.add_option("--segment-mb", arguments.segment_mb, "size of one file of the journal")
-      ->check(CLI::Range(1, 1'000'000))
+  app.add_option("--segment-mb", arguments.segment_mb, "size of one file of the journal, such as 0.5")
+      ->check(finite_number & CLI::Range(0.01, 1e6))
       ->capture_default_str();
   app.add_flag("--no-snapshots", arguments.no_snapshots,
                "do not run isthmus-snapshot: a restart then maps the whole journal again");
+  app.add_option("--keep-snapshots", arguments.keep_snapshots,
+                 "number of snapshots to keep: the newest, and of what was before ever fewer")
+      ->check(CLI::Range(2, 1000))
+      ->capture_default_str();
   app.add_option("--keep-segments", arguments.keep_segments,
                  "number of files of the journal to keep that snapshots already cover (default: all)")
       ->check(CLI::Range(0, 1'000'000));
@@ -220,8 +225,9 @@ LiveOptions live_options(const Arguments& arguments, const std::string& toml, co
   options.status_interval = milliseconds(arguments.status_s);
   options.map.whole_map_interval = milliseconds(arguments.map_s);
   options.map.grid_interval = milliseconds(arguments.grid_s);
-  options.journal.segment_bytes = arguments.segment_mb * 1'000'000;
+  options.journal.segment_bytes = static_cast<std::int64_t>(arguments.segment_mb * 1e6);
   options.snapshots = !arguments.no_snapshots;
+  options.keep_snapshots = arguments.keep_snapshots;
   if (arguments.keep_segments >= 0) options.keep_segments = arguments.keep_segments;
   options.journal.waiting_bytes = arguments.journal_waiting_mb * 1024 * 1024;
   options.journal.report = [log](const std::string& text) { log(LogLevel::warning, text, {}); };
@@ -265,6 +271,7 @@ std::unique_ptr<PageServer> page_server(const Arguments& arguments, const std::s
   PageOptions options;
   options.port = arguments.http_port;
   options.address = arguments.http_address;
+  options.journal_directory = arguments.journal_directory;
   options.orders_signed = orders_signed;
   options.token = token;
   return std::make_unique<PageServer>(options, std::move(take));

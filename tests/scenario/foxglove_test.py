@@ -2,14 +2,13 @@
 """A live server watched as Foxglove does it: a simulated team is played to it, and a client of WebSockets by bytes
 subscribes to all there is. What the server kept is written as MCAP afterwards.
 
-    tests/scenario/foxglove_test.py --build .build/dev [--port 7699]
+    tests/scenario/foxglove_test.py --build .build/dev
 """
 
 import argparse
 import base64
 import json
 import os
-import signal
 import socket
 import struct
 import subprocess
@@ -17,16 +16,11 @@ import sys
 import tempfile
 import time
 
-LIMIT_S = 60
+from live import LIMIT_S, Server, free_lcm_port, free_port, lcm_url
+
 PLAYED_FASTER = 6
 SCHEMAS = {"/tf": "FrameTransforms", "/scene": "SceneUpdate", "/log": "Log", "/R1/pose": "PoseInFrame",
            "/R1/scan": "LaserScan", "/R2/pose": "PoseInFrame", "/R2/scan": "LaserScan", "/island-0/grid": "Grid"}
-
-
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 class Client:
@@ -126,17 +120,15 @@ def judge(client):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", default=".build/dev")
-    parser.add_argument("--port", type=int, default=7699, help="of LCM")
     arguments = parser.parse_args()
     programs = os.path.join(os.path.abspath(arguments.build), "bin")
-    url = f"udpm://239.255.76.67:{arguments.port}?ttl=0"
+    url = lcm_url(free_lcm_port())
     with tempfile.TemporaryDirectory() as work:
         log, journal, mcap = (os.path.join(work, name) for name in ("run.lcm", "journal", "run.mcap"))
         run(os.path.join(programs, "isthmus-simulate"), "--scenario", "meeting", "--set", "duration_s=60", "-o", log)
         port = free_port()
-        server = subprocess.Popen([os.path.join(programs, "isthmus-server"), "--lcm-url", url, "--journal", journal,
-                                   "--foxglove-port", str(port)], stderr=subprocess.DEVNULL)
-        try:
+        with Server(arguments.build, url, work) as server:
+            server.start("--journal", journal, "--foxglove-port", str(port))
             client = Client(port, "foxglove.sdk.v1")
             player = subprocess.Popen(["lcm-logplayer", "-s", str(PLAYED_FASTER), "-l", url, log],
                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -145,11 +137,6 @@ def main():
             finally:
                 player.wait(timeout=LIMIT_S)
             judge(client)
-        finally:
-            server.send_signal(signal.SIGINT)
-            code = server.wait(timeout=LIMIT_S)
-        if code != 0:
-            raise RuntimeError(f"the server ended with {code}")
         print(run(os.path.join(programs, "isthmus-export"), journal, "--mcap", mcap).strip())
         with open(mcap, "rb") as file:
             content = file.read()

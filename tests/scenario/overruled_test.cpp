@@ -175,8 +175,8 @@ TEST(Allow, AfterAWithdrawalMergesAgain) {
   for (const double again_s : {14.0, 59.0}) {
     const MapCopy map = map_events(overruled({{12, Verb::withdraw, 0}, {again_s, Verb::allow, 0}}));
     EXPECT_EQ(islands(map), 1U) << again_s;
-    std::vector<TrueRelation> inter = sample_relations(meeting().truth, 1);
-    std::erase_if(inter, [](const TrueRelation& r) { return r.robot1 == r.robot2; });
+    std::vector<ScanRelation> inter = sample_relations(meeting().truth, 1);
+    std::erase_if(inter, [](const ScanRelation& r) { return r.robot1 == r.robot2; });
     const RelationComparison error = compare(inter, map, map);
     EXPECT_EQ(error.missing, 0U) << again_s;
     EXPECT_LT(error.mean_m, 0.06) << again_s;
@@ -208,8 +208,8 @@ TEST(MeasuredStart, MergesTwoRobotsThatNeverSeeOneAnother) {
   for (const auto& [id, relation] : map.graph.relations())
     starts += relation.origin.kind == OriginKind::start ? 1 : 0;
   EXPECT_EQ(starts, 1);
-  std::vector<TrueRelation> inter = sample_relations(meeting().truth, 1);
-  std::erase_if(inter, [](const TrueRelation& r) { return r.robot1 == r.robot2; });
+  std::vector<ScanRelation> inter = sample_relations(meeting().truth, 1);
+  std::erase_if(inter, [](const ScanRelation& r) { return r.robot1 == r.robot2; });
   const RelationComparison error = compare(inter, map, map);
   EXPECT_EQ(error.missing, 0U);
   EXPECT_LT(error.mean_m, 0.05);

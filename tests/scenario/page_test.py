@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The page in a browser: Chromium, without a screen, watches a server to which a simulated team is played.
 
-    tests/scenario/page_test.py --build .build/dev [--pictures DIR] [--port 7698]
+    tests/scenario/page_test.py --build .build/dev [--pictures DIR]
 
 Exit code 0 where all holds, 1 with what does not; 0 and "no browser" where Chromium, its driver or Selenium are
 missing (tools/install-dependencies.sh --browser).
@@ -12,14 +12,14 @@ import math
 import os
 import secrets
 import shutil
-import signal
-import socket
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
 import urllib.request
+
+from live import LIMIT_S, Server, free_lcm_port, free_port, lcm_url
 
 try:
     from selenium import webdriver
@@ -30,9 +30,8 @@ try:
 except ImportError:
     webdriver = None
 
-LIMIT_S = 60
 PLAYED_FASTER = 6
-ARGUMENTS = argparse.Namespace(build=".build/dev", pictures=None, port=7698)
+ARGUMENTS = argparse.Namespace(build=".build/dev", pictures=None)
 
 # How many pixels of the map are painted, sampled; kept for each frame, so that a flicker is seen.
 WATCH_PAINT = """
@@ -61,46 +60,20 @@ def missing():
     return names + (["python3-selenium"] if webdriver is None else [])
 
 
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
-
-
 def program(name):
     return os.path.join(ARGUMENTS.build, "bin", name)
 
 
-class Server:
+class PageServer(Server):
     """isthmus-server with a page, on a journal; started and stopped."""
 
     def __init__(self, work):
-        self.work = work
+        super().__init__(ARGUMENTS.build, lcm_url(free_lcm_port()), work)
+        self.journal = os.path.join(work, "journal")
         self.port = free_port()
-        self.url = f"udpm://239.255.76.67:{ARGUMENTS.port}?ttl=0"
-        self.process = None
 
     def start(self, *options):
-        with open(os.path.join(self.work, "server.log"), "ab") as log:
-            self.process = subprocess.Popen(
-                [program("isthmus-server"), "--lcm-url", self.url, "--journal", os.path.join(self.work, "journal"),
-                 "--http-port", str(self.port), *options], stderr=log)
-        end = time.monotonic() + LIMIT_S
-        while time.monotonic() < end:
-            with socket.socket() as one:
-                if one.connect_ex(("127.0.0.1", self.port)) == 0:
-                    return
-            time.sleep(0.05)
-        raise RuntimeError(f"no page: see {self.work}/server.log")
-
-    def stop(self):
-        if self.process is None:
-            return
-        self.process.send_signal(signal.SIGINT)
-        code = self.process.wait(timeout=LIMIT_S)
-        self.process = None
-        if code != 0:
-            raise RuntimeError(f"the server ended with {code}")
+        super().start("--journal", self.journal, "--http-port", str(self.port), *options)
 
 
 def open_browser():
@@ -117,7 +90,7 @@ class Page(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory()
         self.addCleanup(scratch.cleanup)
         self.work = scratch.name
-        self.server = Server(self.work)
+        self.server = PageServer(self.work)
         self.addCleanup(self.server.stop)
         self.browser = open_browser()
         self.addCleanup(self.browser.quit)
@@ -178,7 +151,7 @@ class Page(unittest.TestCase):
                 self.fail(f"in the console: {entry}")
 
     def test_islands_merge_and_part_on_the_screen_and_the_page_outlives_a_restart(self):
-        self.server.start()
+        self.server.start("--segment-mb", "0.1")
         self.open_page()
         player = self.play()
         self.wait_for("two islands are on the screen", lambda: self.islands() == 2)
@@ -193,6 +166,7 @@ class Page(unittest.TestCase):
         self.draw_a_zone()
         self.ask_for_a_path()
         self.look_at_the_past()
+        self.look_at_the_map_as_it_was()
         self.download()
         self.withdraw_the_merge()
         self.erase_the_zone()
@@ -322,12 +296,37 @@ class Page(unittest.TestCase):
             const slider = document.getElementById("time-slider");
             slider.value = slider.max / 3;
             slider.dispatchEvent(new Event("input"));""")
-        self.wait_for("the patches are there", lambda: self.js("isthmus.patches.of(isthmus.scene.islands[0].id) !== undefined"))
+        self.wait_for("a part of the map is shown", lambda: " of " in self.text("time-text"))
         self.wait_for("robots are where they were", lambda: self.js("isthmus.history.robots().length") == 2)
         self.picture("past")
-        self.assertIn(" of ", self.text("time-text"))
         self.click("time-now")
         self.assertTrue(self.text("time-text").startswith("now"))
+
+    def look_at(self, tenths):
+        self.browser.execute_script(f"""
+            const slider = document.getElementById("time-slider");
+            slider.value = {tenths};
+            slider.dispatchEvent(new Event("input"));""")
+
+    def look_at_the_map_as_it_was(self):
+        """At a snapshot of before they met, the islands are apart; and one is there again, once it is now."""
+        self.wait_for("there are snapshots", lambda: self.js("isthmus.history.snapshots.length") > 2)
+        self.look_at(self.js("isthmus.history.snapshots[0].end"))
+        self.wait_for("the map is there as it was", lambda: self.js("isthmus.history.map?.snapshot === isthmus.history.snapshots[0].snapshot"))
+        self.assertEqual(self.js("isthmus.view.scene.islands.length"), 2)
+        self.assertEqual(self.islands(), 1, "the live map goes on")
+        self.assertIn("as it was at ", self.text("time-text"))
+        self.assertTrue(self.js("isthmus.history.robots().every((one) => isthmus.map.getBounds().contains(isthmus.placeOf(one)))"),
+                        "all of it is in view")
+        self.assertEqual(len(self.js("isthmus.history.robots()")), 2)
+        self.wait_for("its tiles are painted", lambda: self.js(
+            "isthmus.tiles.shown().some(({parts}) => parts?.length > 0)"))
+        time.sleep(0.5)
+        self.picture("as_it_was")
+        self.look_at(self.js("isthmus.history.snapshots[0].end / 2"))
+        self.wait_for("only a part of it is shown", lambda: self.text("time-text").count(" of ") == 1)
+        self.click("time-now")
+        self.wait_for("the map is as it is", lambda: self.js("isthmus.view === isthmus"))
 
     def download(self):
         for name, begin in (("island-0.png", b"\x89PNG"), ("island-0.yaml", b"image: island-0.png"), ("island-0-plan.svg", b"<"),
@@ -427,7 +426,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default=ARGUMENTS.build)
     parser.add_argument("--pictures", metavar="DIR", help="keep pictures of the screen in this directory")
-    parser.add_argument("--port", type=int, default=ARGUMENTS.port, help="of LCM's multicast")
     ARGUMENTS = parser.parse_args()
     if missing():
         print(f"no browser: {', '.join(missing())} missing (tools/install-dependencies.sh --browser)")

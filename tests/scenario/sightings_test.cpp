@@ -18,8 +18,8 @@ const SimulatedRun& meeting() {
 std::string finished_sha256(const Events& events) { return map_sha256(map_events(events)); }
 
 RelationComparison inter_error(const SimulatedRun& run, const MapCopy& map) {
-  std::vector<TrueRelation> relations = sample_relations(run.truth, 1);
-  std::erase_if(relations, [](const TrueRelation& r) { return r.robot1 == r.robot2; });
+  std::vector<ScanRelation> relations = sample_relations(run.truth, 1);
+  std::erase_if(relations, [](const ScanRelation& r) { return r.robot1 == r.robot2; });
   return compare(relations, map, map);
 }
 

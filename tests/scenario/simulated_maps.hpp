@@ -49,7 +49,7 @@ inline TrajectoryError judge_trajectories(const SimulatedMap& simulated, std::in
         map.poses.at(static_cast<std::size_t>(row.patch.value)) * row.patch_from_robot;
   }
   TrajectoryError error;
-  for (const TrueRelation& r : sample_relations(simulated.run.truth, 1)) {
+  for (const ScanRelation& r : sample_relations(simulated.run.truth, 1)) {
     if (r.robot1 != r.robot2 || std::min(r.utime1, r.utime2) < from_utime) continue;
     const auto a = poses.find({r.robot1, r.utime1}), b = poses.find({r.robot2, r.utime2});
     if (a == poses.end() || b == poses.end()) {

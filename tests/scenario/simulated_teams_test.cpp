@@ -8,8 +8,8 @@ namespace isthmus {
 namespace {
 
 double inter_error_m(const SimulatedMap& simulated) {
-  std::vector<TrueRelation> relations = sample_relations(simulated.run.truth, 1);
-  std::erase_if(relations, [](const TrueRelation& r) { return r.robot1 == r.robot2; });
+  std::vector<ScanRelation> relations = sample_relations(simulated.run.truth, 1);
+  std::erase_if(relations, [](const ScanRelation& r) { return r.robot1 == r.robot2; });
   const RelationComparison error = compare(relations, simulated.map, simulated.map);
   EXPECT_GT(error.compared, 30U);
   EXPECT_EQ(error.missing, 0U);

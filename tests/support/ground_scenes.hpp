@@ -6,10 +6,13 @@
 #include <vector>
 
 #include "server/engine/record/map_copy.hpp"
-#include "server/paths/ground.hpp"
+#include "server/paths/roadmap.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus::testing {
+
+/// Of a small robot.
+inline constexpr Footprint slim{0.2, 0.1};
 
 inline MapCopy copy_of(const Map& map) {
   MapCopy copy;

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +18,14 @@ inline std::vector<std::uint8_t> read_bytes(const std::string& path) {
   std::vector<std::uint8_t> bytes;
   for (char c = 0; file.get(c);) bytes.push_back(static_cast<std::uint8_t>(c));
   return bytes;
+}
+
+/// The content of all files of a directory, by their names.
+inline std::map<std::string, std::vector<std::uint8_t>> files_of(const std::string& directory) {
+  std::map<std::string, std::vector<std::uint8_t>> files;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(directory))
+    files[entry.path().filename().string()] = read_bytes(entry.path().string());
+  return files;
 }
 
 inline void write_bytes(const std::string& path, std::span<const std::uint8_t> bytes) {

@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "patches/polysolid.hpp"
+#include "tests/support/rectangle.hpp"
 
 namespace isthmus::testing {
 
-inline Ring rectangle(double x0, double y0, double x1, double y1) {
-  return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
-}
+/// Ranges as a laser may send them that measures nothing.
+inline constexpr float infinite_range = std::numeric_limits<float>::infinity();
+inline constexpr float nan_range = std::numeric_limits<float>::quiet_NaN();
 
 inline Polysolid solid(const Ring& outer, const std::vector<Ring>& holes = {}) {
   return Polysolid({PolygonWithHoles{outer, holes}});

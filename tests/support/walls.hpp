@@ -18,6 +18,13 @@ inline void add_box(Walls& walls, double x0, double y0, double x1, double y1) {
   walls.insert(walls.end(), {{a, b}, {b, c}, {c, d}, {d, a}});
 }
 
+/// A square room about the origin, with nothing in it.
+inline Walls box(double half_m) {
+  Walls walls;
+  add_box(walls, -half_m, -half_m, half_m, half_m);
+  return walls;
+}
+
 /// A room of 8 m by 6 m with a cupboard in a corner and a pillar, so that no two views of it are alike.
 inline Walls furnished_room() {
   Walls walls;

@@ -9,6 +9,9 @@
 
 namespace isthmus::testing {
 
+/// The plane of a second island, which is not the world's.
+inline const Pose second_from_world{20, 5, 1};
+
 inline Relation odometry_relation(PatchId a, PatchId b, const Pose& a_from_b,
                                   const Eigen::Vector3d& information = {1e4, 1e4, 1e5}) {
   Relation relation;

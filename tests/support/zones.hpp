@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/engine/annotations/annotations.hpp"
+#include "tests/support/rectangle.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus::testing {
@@ -28,10 +29,6 @@ inline AnnotationEvent annotation(AnnotationKind kind, const std::string& name, 
   event.max_speed_m_s = kind == AnnotationKind::speed ? 0.5 : 0;
   for (const Eigen::Vector2d& point : points) event.points.push_back({PatchId{}, point});
   return event;
-}
-
-inline std::vector<Eigen::Vector2d> rectangle(double x0, double y0, double x1, double y1) {
-  return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
 }
 
 inline bool on_any_map(PatchId) { return true; }

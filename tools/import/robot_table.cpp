@@ -14,7 +14,7 @@ std::optional<double> optional_column(const CsvReader& csv, std::string_view col
   return csv.finite(column);
 }
 
-RobotRow read_row(const CsvReader& csv) {
+RobotRow read_robot(const CsvReader& csv) {
   RobotRow row;
   const std::int64_t barcode = csv.integer("barcode");
   if (barcode < -1 || barcode > std::numeric_limits<std::int32_t>::max()) csv.fail("barcode out of range");
@@ -43,7 +43,7 @@ std::map<std::string, RobotRow> read_robot_table(const std::string& file) {
   while (csv.next()) {
     const auto name = robot_name(csv.text("robot"));
     if (!name) csv.fail("not a robot's name: '" + csv.text("robot") + "'");
-    const RobotRow row = read_row(csv);
+    const RobotRow row = read_robot(csv);
     if (row.barcode >= 0 && !barcodes.insert(row.barcode).second) {
       csv.fail("barcode " + std::to_string(row.barcode) + " is another robot's");
     }

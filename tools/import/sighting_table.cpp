@@ -22,7 +22,7 @@ double measured(const CsvReader& csv, std::string_view column, double sigma) {
   return std::isfinite(value) ? value : 0;
 }
 
-SightingEvent read_row(const CsvReader& csv) {
+SightingEvent read_sighting(const CsvReader& csv) {
   SightingEvent sighting;
   const auto name = robot_name(csv.text("observer"));
   if (!name) csv.fail("not a robot's name: '" + csv.text("observer") + "'");
@@ -51,7 +51,7 @@ std::vector<SightingEvent> read_sighting_table(const std::string& file, bool ski
   while (true) {
     try {
       if (!csv.next()) return sightings;
-      sightings.push_back(read_row(csv));
+      sightings.push_back(read_sighting(csv));
     } catch (const TruncatedFile&) {
       if (!skip_bad_lines) throw;
       ++bad_lines;

@@ -17,5 +17,6 @@ int main(int argc, char** argv) {
   isthmus::add_floor_plans_command(app);
   isthmus::add_paths_command(app);
   isthmus::add_explore_command(app);
+  isthmus::add_home_command(app);
   return isthmus::run_program(app, argc, argv);
 }

@@ -1,10 +1,13 @@
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <iostream>
 #include <stdexcept>
 
 #include "server/program/command_line.hpp"
+#include "server/program/finite_number.hpp"
 #include "server/program/new_output.hpp"
 #include "server/wire/journal/event_log.hpp"
+#include "tools/simulate/live/live_drive.hpp"
 #include "tools/simulate/run/simulation.hpp"
 #include "tools/simulate/scenario/scenario_file.hpp"
 #include "tools/simulate/truth/truth_files.hpp"
@@ -20,6 +23,8 @@ struct Arguments {
   std::vector<std::string> overrides;
   bool list = false;
   bool force = false;
+  bool live = false;
+  isthmus::LiveDriveOptions drive;
 };
 
 constexpr const char* wild = "wild";
@@ -49,12 +54,43 @@ void run(const Arguments& arguments) {
   log.finish();
 }
 
+void drive(const Arguments& arguments) {
+  const isthmus::Scenario scenario = isthmus::load_scenario(arguments.scenario, arguments.overrides);
+  const isthmus::LiveDriveScore score = isthmus::drive_live(scenario, arguments.seed, arguments.drive);
+  std::printf(
+      "seen %.1f %% of %.0f m2 in %.0f s (%.0f s of the clock), %.0f m driven to %zu goals, walls touched "
+      "%zu, "
+      "robots touched %zu%s%s\n",
+      100 * score.share, score.reachable_m2, score.end_s, score.wall_s, score.way_m, score.goals,
+      score.touched_walls, score.touched_robots, score.finished ? ", finished" : ", out of time",
+      score.late_ticks > 0 ? (", late " + std::to_string(score.late_ticks) + " times").c_str() : "");
+}
+
+void add_live_options(CLI::App& app, Arguments& arguments) {
+  isthmus::LiveDriveOptions& drive = arguments.drive;
+  const CLI::Validator positive = (isthmus::finite_number & CLI::PositiveNumber).description("");
+  app.add_flag("--live", arguments.live,
+               "Drive over LCM by the goals of a server with [exploration] instead:");
+  app.add_option("--lcm-url", drive.lcm_url, "Its LCM network")->type_name("URL");
+  app.add_option("--speed", drive.speed, "So many seconds of the run in one (1)")
+      ->type_name("X")
+      ->check(positive);
+  app.add_option("--max-time", drive.max_s, "The run is given up then (600)")
+      ->type_name("S")
+      ->check(positive);
+  app.add_option("--robots", drive.robots, "Only the scenario's first")->type_name("N");
+  app.add_flag("--side-by-side", drive.side_by_side, "They start beside the first one");
+  app.add_option("--pictures", drive.pictures, "Where to draw the run, every 60 s")->type_name("DIR");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Simulates robots in a building and writes an LCM event log, with the truth beside it.",
-               "isthmus-simulate");
+  CLI::App app(
+      "Simulates robots in a building: writes an LCM event log with the truth beside it, or drives them "
+      "live.",
+      "isthmus-simulate");
   auto* list_option = app.add_flag("--list", arguments.list, "Name the scenarios that come with Isthmus");
   app.add_option("--scenario", arguments.scenario, "A scenario's name, or a TOML file");
   app.add_option("--seed", arguments.seed, "Varies noise and waypoints; the same seed gives the same log")
@@ -65,10 +101,20 @@ int main(int argc, char** argv) {
   app.add_option("--set", arguments.overrides, "Override settings of the scenario: laps=10 robots.R1.laps=3")
       ->type_name("KEY=VALUE");
   isthmus::add_force(app, arguments.force);
+  add_live_options(app, arguments);
   app.callback([&] {
     if (list_option->count() > 0) return;
     if (arguments.scenario.empty()) throw CLI::RequiredError("--scenario");
-    if (arguments.log.empty()) throw CLI::RequiredError("--output");
+    const bool live_only = app.count("--speed") + app.count("--max-time") + app.count("--robots") +
+                               app.count("--lcm-url") + app.count("--side-by-side") +
+                               app.count("--pictures") >
+                           0;
+    if (live_only && !arguments.live) throw CLI::RequiredError("--live");
+    if (arguments.log.empty() != arguments.live)
+      throw CLI::ValidationError("--output", "one of --output and --live is needed");
   });
-  return isthmus::run_program(app, argc, argv, [&] { arguments.list ? list() : run(arguments); });
+  return isthmus::run_program(app, argc, argv, [&] {
+    if (arguments.list) return list();
+    arguments.live ? drive(arguments) : run(arguments);
+  });
 }

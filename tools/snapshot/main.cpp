@@ -10,12 +10,14 @@ using namespace isthmus;
 
 struct Arguments {
   std::string journal;
+  int keep_snapshots = 10;
   int keep_segments = -1;
   bool wait = false;
 };
 
 void run(const Arguments& arguments) {
   SnapshotPolicy policy;
+  policy.keep_snapshots = arguments.keep_snapshots;
   if (arguments.keep_segments >= 0) policy.keep_segments = arguments.keep_segments;
   policy.wait = arguments.wait;
   policy.warn = [](const std::string& warning) {
@@ -40,6 +42,10 @@ int main(int argc, char** argv) {
       "isthmus-snapshot");
   Arguments arguments;
   app.add_option("journal", arguments.journal, "a journal's directory")->required();
+  app.add_option("--keep-snapshots", arguments.keep_snapshots,
+                 "number of snapshots to keep: the newest, and of what was before ever fewer")
+      ->check(CLI::Range(2, 1000))
+      ->capture_default_str();
   app.add_option("--keep-segments", arguments.keep_segments,
                  "number of closed segments to keep that snapshots already cover (default: all)")
       ->check(CLI::Range(0, 1'000'000));

@@ -13,10 +13,6 @@ namespace {
 constexpr std::size_t longest_line = 16'000'000;
 constexpr unsigned block_size = 1U << 18U;
 
-struct GzClose {
-  void operator()(gzFile_s* file) const { gzclose(file); }
-};
-
 std::string message(const std::string& file, long line, const std::string& reason) {
   return line > 0 ? file + ":" + std::to_string(line) + ": " + reason : file + ": " + reason;
 }
@@ -27,6 +23,10 @@ FileError::FileError(const std::string& file, long line, const std::string& reas
     : std::runtime_error(message(file, line, reason)) {}
 
 struct LineReader::State {
+  struct GzClose {
+    void operator()(gzFile_s* opened) const { gzclose(opened); }
+  };
+
   std::string file;
   std::unique_ptr<gzFile_s, GzClose> gz;
   double file_size = 0;

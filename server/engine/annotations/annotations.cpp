@@ -2,21 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
-#include <queue>
+#include <span>
 #include <utility>
 
 #include "server/engine/annotations/polygon_check.hpp"
 #include "server/engine/input/robot_name.hpp"
+#include "server/engine/map/ways.hpp"
 
 namespace isthmus {
 namespace {
 
 using Point = Eigen::Vector2d;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 bool is_patch(const Map& map, PatchId id, const IsOnMap& is_on_map) {
   return id.valid() && id.value < map.manifold().next_id().value && is_on_map(id);
@@ -54,29 +52,6 @@ Drawing drawing_of(const AnnotationEvent& event, const Map& map, const IsOnMap& 
     drawing.yaw_rad = map_from_patch.yaw + event.yaw_rad;
   }
   return drawing;
-}
-
-/// Metres along relations from one patch to the others of its island, by id; infinity where there is no way.
-std::vector<double> ways_m(const Map& map, PatchId from) {
-  std::vector<double> ways(map.manifold().size(), infinity);
-  using Entry = std::pair<double, PatchId>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> waiting;
-  ways[static_cast<std::size_t>(from.value)] = 0;
-  waiting.emplace(0, from);
-  while (!waiting.empty()) {
-    const auto [way, patch] = waiting.top();
-    waiting.pop();
-    if (way > ways[static_cast<std::size_t>(patch.value)]) continue;
-    for (const PatchId next : map.graph().neighbours(patch)) {
-      const Pose step = map.relative_pose(patch, next);
-      const double there = way + std::hypot(step.x, step.y);
-      double& known = ways[static_cast<std::size_t>(next.value)];
-      if (!(there < known)) continue;
-      known = there;
-      waiting.emplace(there, next);
-    }
-  }
-  return ways;
 }
 
 /// Of some patches, the one whose origin is nearest to a point and that `may_hold` it.
@@ -118,7 +93,7 @@ std::optional<std::vector<Anchor>> anchored(const Map& map, const Drawing& drawi
     const auto patch = nearest(map, patches, point, limits.from_patch_m, is_of_same_stretch);
     if (!patch) return std::nullopt;
     anchors.push_back({*patch, map.manifold().pose(*patch), point});
-    if (ways.empty()) ways = ways_m(map, *patch);
+    if (ways.empty()) ways = ways_over_relations_m(map, std::span(&*patch, 1));
   }
   return anchors;
 }

@@ -20,7 +20,7 @@ bool is_between(const Point& a, const Point& b, const Point& point) {
 }
 
 /// Whether two closed segments have a point in common.
-bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
+bool share_a_point(const Point& a, const Point& b, const Point& c, const Point& d) {
   const double to_c = side_of(a, b, c), to_d = side_of(a, b, d);
   const double to_a = side_of(c, d, a), to_b = side_of(c, d, b);
   if (((to_c > 0) != (to_d > 0)) && ((to_a > 0) != (to_b > 0)) && to_c != 0 && to_d != 0 && to_a != 0 &&
@@ -55,7 +55,7 @@ bool is_simple(std::span<const Point> ring) {
     if (turns_back(at(i), at(i + 1), at(i + 2))) return false;
     for (std::size_t j = i + 2; j < n; ++j) {
       const bool neighbours = i == 0 && j + 1 == n;
-      if (!neighbours && meet(at(i), at(i + 1), at(j), at(j + 1))) return false;
+      if (!neighbours && share_a_point(at(i), at(i + 1), at(j), at(j + 1))) return false;
     }
   }
   return true;

@@ -77,7 +77,7 @@ ClosureDraft draft_of_finds(const Map& map, ClosureId id, const ScanProposal& fi
   proposal.supporters = finds.finds;
   proposal.from_scans = true;
   proposal.cautious = finds.cautious;
-  proposal.one_of_several = finds.one_of_several;
+  proposal.look_alikes = finds.look_alikes;
   if (!proposal.merge) proposal.revisit = {finds.first, finds.second, finds.first_from_second, finds.way_m};
   proposal.beyond_covariance = drift_variance(finds.way_m, options.place_candidates);
   ClosureDraft made = draft(std::move(proposal), joining, now_utime);

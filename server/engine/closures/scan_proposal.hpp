@@ -19,8 +19,8 @@ struct ScanProposal {
   double way_m = 0;  ///< of a loop: what lies between its ends, over the map
   /// Their relative position is weakly known.
   bool cautious = false;
-  /// But for finds at one of several places that look alike (places/place_search.hpp) there were too few.
-  bool one_of_several = false;
+  /// Among how many places that look alike it was found (places/place_search.hpp); 1: it is the only one.
+  int look_alikes = 1;
   std::vector<std::string> robots;
 };
 

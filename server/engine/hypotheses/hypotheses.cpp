@@ -1,5 +1,6 @@
 #include "server/engine/hypotheses/hypotheses.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -162,7 +163,9 @@ PlaceDecision Hypotheses::decide(World world, PlaceQuery& query) {
       world.map.graph().island(answer->anchor) != world.map.graph().island(query.newest_first.front()))
     return decision;
   decision = query.search.decide_on(*answer, world.map, terms, world.options);
-  if (decision.find) decision.find->one_of_several = true;
+  if (decision.find)
+    decision.find->look_alikes =
+        std::max(2, look_alikes(world.map, query.search.best_first(), world.options));
   return decision;
 }
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "server/engine/map/ways.hpp"
 #include "server/engine/places/place_candidates.hpp"
 
 namespace isthmus {
@@ -20,17 +21,13 @@ bool agrees_with_map(const Map& map, const Find& find, const HypothesisOptions& 
   return std::hypot(off.x, off.y) < options.mapped_m && std::abs(off.yaw) < options.mapped_rad;
 }
 
-/// Between the first of the finds and the one farthest from it. One found from the other side has its ends
-/// exchanged.
-double way_between_m(const Map& map, const Find& first_find, const std::vector<const Find*>& finds) {
-  double way_m = 0;
-  for (const Find* find : finds) {
-    const Pose moved = map.relative_pose(first_find.query, find->query);
-    const Pose anchor_moved = map.relative_pose(first_find.query, find->anchor);
-    way_m =
-        std::max(way_m, std::min(std::hypot(moved.x, moved.y), std::hypot(anchor_moved.x, anchor_moved.y)));
-  }
-  return way_m;
+/// Among how many places that look alike this is one: so few finds as may propose it could be of those that
+/// are found most surely.
+int look_alikes_of(const std::vector<const Find*>& finds, std::size_t min_finds) {
+  std::vector<int> fewest_first;
+  for (const Find* find : finds) fewest_first.push_back(find->look_alikes);
+  std::ranges::sort(fewest_first);
+  return fewest_first[std::min(min_finds, fewest_first.size()) - 1];
 }
 
 /// What finds that agree say together.
@@ -45,7 +42,9 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
     proposal.first_from_second = inverse(first.anchor_from_query);
   }
   // By the map as it is now: the two may have been on two islands, or elsewhere, when they were found.
-  proposal.way_m = std::max(0.0, way_over_map_m(map, first.anchor, first.query));
+  if (map.graph().island(first.query) == map.graph().island(first.anchor))
+    proposal.way_m =
+        ways_over_relations_m(map, std::span(&first.anchor, 1))[static_cast<std::size_t>(first.query.value)];
   proposal.finds = static_cast<int>(finds.size());
   std::set<std::string> robots;
   for (const Find* find : finds) {
@@ -54,8 +53,7 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
     robots.insert(map.manifold().patch(find->query).robot);
     robots.insert(map.manifold().patch(find->anchor).robot);
   }
-  const auto several = std::ranges::count_if(finds, [](const Find* find) { return find->one_of_several; });
-  proposal.one_of_several = finds.size() - static_cast<std::size_t>(several) < options.hypotheses.min_finds;
+  proposal.look_alikes = look_alikes_of(finds, options.hypotheses.min_finds);
   proposal.robots.assign(robots.begin(), robots.end());
   return proposal;
 }
@@ -133,7 +131,6 @@ bool HypothesisPool::propose(World world, Closures& closures, const std::vector<
     finds.push_back(&pool_[i].find);
     if (!id.valid()) id = pool_[i].hypothesis;
   }
-  if (way_between_m(world.map, first, finds) < options.min_way_m) return false;
   if (const auto before = hypotheses_.find(id); before != hypotheses_.end()) {
     const auto tried = static_cast<std::size_t>(before->second.tried);
     if (tried > 0 && set.size() < tried + std::max(options.more_finds, tried / 2)) return false;

@@ -12,9 +12,6 @@ namespace {
 
 using ClosureSet = std::vector<ClosureId>;
 
-std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
-std::size_t index(RelationId id) { return static_cast<std::size_t>(id.value); }
-
 bool needs_no_map(const Relation& relation) {
   return relation.origin.kind == OriginKind::odometry || relation.origin.kind == OriginKind::start;
 }

@@ -3,41 +3,18 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "relations/confidence.hpp"
+#include "server/engine/map/ways.hpp"
 
 namespace isthmus {
 namespace {
 
 bool sees_walls(const Map& map, PatchId id) { return !map.manifold().patch(id).points.empty(); }
-
-// Metres from one patch to all others of its island, over the fewest relations; negative: not on it.
-std::vector<double> ways_m(const Map& map, PatchId from) {
-  const RelationGraph& graph = map.graph();
-  const auto at = [](PatchId id) { return static_cast<std::size_t>(id.value); };
-  std::vector<double> ways(map.manifold().size(), -1);
-  ways[at(from)] = 0;
-  std::deque<PatchId> queue{from};
-  while (!queue.empty()) {
-    const PatchId id = queue.front();
-    queue.pop_front();
-    const Pose& pose = map.manifold().pose(id);
-    for (const RelationId relation_id : graph.of(id)) {
-      const Relation& relation = *graph.find(relation_id);
-      const PatchId next = relation.a == id ? relation.b : relation.a;
-      if (ways[at(next)] >= 0) continue;
-      const Pose& its = map.manifold().pose(next);
-      ways[at(next)] = ways[at(id)] + std::hypot(its.x - pose.x, its.y - pose.y);
-      queue.push_back(next);
-    }
-  }
-  return ways;
-}
 
 struct Rough {
   PatchId anchor;
@@ -132,10 +109,10 @@ std::vector<Rough> rough_places(const Map& map, PatchId query, std::span<const P
   const Manifold& manifold = map.manifold();
   const Pose& here = manifold.pose(query);
   const IslandId island = map.graph().island(query);
-  const std::vector<double> ways = ways_m(map, query);
+  const std::vector<double> ways = ways_over_relations_m(map, std::span(&query, 1));
   std::vector<Rough> rough;
   for (std::size_t i = 0; i < ways.size(); ++i) {
-    if (ways[i] < options.min_way_m) continue;
+    if (ways[i] < options.min_way_m || std::isinf(ways[i])) continue;
     const PatchId id{static_cast<std::int32_t>(i)};
     const Pose& its = manifold.pose(id);
     const double distance = std::hypot(its.x - here.x, its.y - here.y);
@@ -172,10 +149,6 @@ std::optional<PlaceCandidate> candidate_at(const Map& map, PatchId query, const 
 }
 
 }  // namespace
-
-double way_over_map_m(const Map& map, PatchId from, PatchId to) {
-  return ways_m(map, from)[static_cast<std::size_t>(to.value)];
-}
 
 std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
                                                  std::span<const PlaceHint> hints,

@@ -23,9 +23,6 @@ struct PlaceCandidate {
   auto members() { return std::tie(anchor, window, way_m, sigma_m); }
 };
 
-/// Metres from one patch to another of its island, over the fewest relations; negative where it is not on it.
-double way_over_map_m(const Map& map, PatchId from, PatchId to);
-
 /// Where a patch lies if a find that waits is true: what was found a few metres ago says where to look now.
 struct PlaceHint {
   IslandId island;

@@ -199,16 +199,22 @@ PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const
   return found;
 }
 
-bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first, const EngineOptions& options) {
-  const PlaceAnswer& best = best_first.front();
-  const Pose best_map_from_piece = map.manifold().pose(best.anchor) * best.anchor_from_piece;
-  return std::ranges::none_of(best_first, [&](const PlaceAnswer& other) {
-    if (other.score < options.ambiguity.share * best.score) return false;
-    if (map.graph().island(other.anchor) != map.graph().island(best.anchor)) return true;
-    const Pose off = ominus(map.manifold().pose(other.anchor) * other.anchor_from_piece, best_map_from_piece);
+int look_alikes(const Map& map, const std::vector<PlaceAnswer>& best_first, const EngineOptions& options) {
+  const Manifold& manifold = map.manifold();
+  const auto apart = [&](const PlaceAnswer& one, const PlaceAnswer& other) {
+    if (map.graph().island(one.anchor) != map.graph().island(other.anchor)) return true;
+    const Pose off = ominus(manifold.pose(other.anchor) * other.anchor_from_piece,
+                            manifold.pose(one.anchor) * one.anchor_from_piece);
     return std::hypot(off.x, off.y) > options.place_search.apart_m ||
            std::abs(off.yaw) > options.place_search.apart_rad;
-  });
+  };
+  std::vector<PlaceAnswer> places;
+  for (const PlaceAnswer& answer : best_first) {
+    if (answer.score < options.ambiguity.share * best_first.front().score) continue;
+    if (std::ranges::all_of(places, [&](const PlaceAnswer& place) { return apart(place, answer); }))
+      places.push_back(answer);
+  }
+  return static_cast<int>(places.size());
 }
 
 std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, const PlaceAnswer& answer,

@@ -51,8 +51,9 @@ struct PlaceSearch {
 PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const SearchWindow& window,
                          double min_score, const EngineOptions& options);
 
-/// Whether the best answer is the only one: all others lie about where it does, or fit clearly worse.
-bool is_unique(const Map& map, const std::vector<PlaceAnswer>& best_first, const EngineOptions& options);
+/// At how many places apart from one another answers fit not clearly worse than the best: 1 where that is the
+/// only one.
+int look_alikes(const Map& map, const std::vector<PlaceAnswer>& best_first, const EngineOptions& options);
 
 /// How a robot's patch lies at a place, as scans say in full.
 struct Find {
@@ -62,10 +63,10 @@ struct Find {
   double way_m = 0;
   double sigma_m = 0;
   std::vector<Relation> relations;  ///< of patches of the way with patches of the place
-  bool one_of_several = false;      ///< places that look alike: the way before it tells which
+  int look_alikes = 1;              ///< places that look alike: the way before it tells which
 
   auto members() {
-    return std::tie(query, anchor, anchor_from_query, way_m, sigma_m, relations, one_of_several);
+    return std::tie(query, anchor, anchor_from_query, way_m, sigma_m, relations, look_alikes);
   }
 };
 

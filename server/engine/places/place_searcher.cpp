@@ -50,7 +50,7 @@ const std::vector<PlaceAnswer>& PlaceSearcher::best_first() {
 PlaceDecision PlaceSearcher::decide(const Map& map, const SearchTerms& terms, const EngineOptions& options) {
   PlaceDecision decision;
   if (best_first().empty()) return decision;
-  decision.ambiguous = exhausted_ || !is_unique(map, answers_, options);
+  decision.ambiguous = exhausted_ || look_alikes(map, answers_, options) > 1;
   return decision.ambiguous ? decision : decide_on(answers_.front(), map, terms, options);
 }
 

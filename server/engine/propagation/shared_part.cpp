@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "server/engine/map/contradiction.hpp"
+#include "server/engine/map/drift.hpp"
+#include "server/engine/map/ways.hpp"
 
 namespace isthmus {
 namespace {
@@ -33,13 +35,21 @@ double own_way_m(const Map& map, std::span<const PatchId> its, std::span<const P
   return way_m(map, alone, options.stride_m);
 }
 
-// Pairs across the border, taken evenly over those whose views may meet.
+// Pairs across the border, taken evenly over those whose views may meet: as far from what matched as the map
+// cannot have bent by so much as would put a wall deep into free space. Farther on a loop may be open.
 double border_contradiction(const Map& map, std::span<const PatchId> first, std::span<const PatchId> second,
-                            const EngineOptions& options) {
+                            std::span<const PatchId> matched, const EngineOptions& options) {
+  const std::vector<double> ways_m = ways_over_relations_m(map, matched);
+  const auto way_m = [&](PatchId id) { return ways_m[static_cast<std::size_t>(id.value)]; };
+  const auto may_have_bent = [&](PatchId a, PatchId b) {
+    const double deep_m = options.contradiction.deep_m;
+    return !(systematic_variance(way_m(a) + way_m(b), options.place_candidates).x() < deep_m * deep_m);
+  };
   std::vector<std::pair<PatchId, PatchId>> pairs;
   for (const PatchId a : first)
     for (const PatchId b : second)
-      if ((position(map, a) - position(map, b)).norm() < options.shared_part.in_view_m)
+      if ((position(map, a) - position(map, b)).norm() < options.shared_part.in_view_m &&
+          !may_have_bent(a, b))
         pairs.emplace_back(a, b);
   const std::size_t stride = std::max<std::size_t>(1, pairs.size() / options.shared_part.max_pairs);
   MeanContradiction found(options.contradiction);
@@ -75,7 +85,7 @@ SharedPart shared_part(const Map& map, std::span<const PatchId> island,
   shared.width_m = width_m(map, matched);
   shared.own_first_m = own_way_m(map, of_first, of_second, options.shared_part);
   shared.own_second_m = own_way_m(map, of_second, of_first, options.shared_part);
-  shared.border_contradiction = border_contradiction(map, of_first, of_second, options);
+  shared.border_contradiction = border_contradiction(map, of_first, of_second, matched, options);
   return shared;
 }
 

@@ -65,12 +65,14 @@ bool Trial::jumps_too_far(const Eigen::Matrix3d& before) const {
   return jump.dot(covariance.inverse() * jump) > options_.trial.max_jump.value();
 }
 
-// By what the map knows now, and not when it was found: then the two may have been on two islands still.
+// By what the map knows now, and not when it was found: then the two may have been on two islands still. Of
+// places that look alike each is as likely as the others, but for where the map has them.
 double Trial::revisit_log_odds(const std::optional<Eigen::Matrix3d>& before) const {
   const PlaceCandidateOptions& its = options_.place_candidates;
-  if (!before) return std::log(its.slip_probability);
+  const double one_of_them = -std::log(proposal_.look_alikes);
+  if (!before) return std::log(its.slip_probability) + one_of_them;
   const auto& [anchor, query, found, way_m] = *proposal_.revisit;
-  return isthmus::revisit_log_odds(found, *gate_before_, *before, way_m, its);
+  return isthmus::revisit_log_odds(found, *gate_before_, *before, way_m, its) + one_of_them;
 }
 
 void Trial::end_fit() {
@@ -214,6 +216,7 @@ double Trial::find_cost() const {
 void Trial::judge() {
   stage_ = Stage::done;
   account_.supporters = proposal_.supporters;
+  account_.look_alikes = proposal_.look_alikes;
   account_.matched = static_cast<int>(propagation_.matched().size());
   account_.compared = account_.matched + static_cast<int>(propagation_.unmatched().size());
   if (proposal_.measured) return;
@@ -248,7 +251,7 @@ bool Trial::scans_disagree() const {
 // known to look alike along the way, the way tells the places apart that the map has, and nothing of one that
 // it does not have yet.
 double Trial::shared_log_odds(const SharedPart& shared) const {
-  const double by_way = proposal_.one_of_several ? 0 : options_.trial.log_odds_per_way_m * shared.way_m;
+  const double by_way = proposal_.look_alikes > 1 ? 0 : options_.trial.log_odds_per_way_m * shared.way_m;
   return by_way + options_.trial.log_odds_per_width_m * shared.width_m;
 }
 
@@ -270,6 +273,8 @@ void Trial::judge_scans() {
         isthmus::shared_part(map_, island, is_younger, propagation_.matched(), options_);
     account_.way_m = shared.way_m;
     account_.width_m = shared.width_m;
+    account_.own_m = std::min(shared.own_first_m, shared.own_second_m);
+    account_.border_contradiction = shared.border_contradiction;
     account_.shared_log_odds = shared_log_odds(shared);
     proposal_.merge ? judge_merge(shared) : judge_loop();
   }

@@ -45,13 +45,13 @@ struct Proposal {
   /// What the map may err by beyond its covariance, where the loop closes: variances of x, y, yaw.
   Eigen::Vector3d beyond_covariance = slip_variances({});
   bool cautious = false;           ///< the map hardly knows how its ends lie: fitted as more matches
-  bool one_of_several = false;     ///< places that look alike: that as much looks alike says nothing more
+  int look_alikes = 1;             ///< places that look alike, of which this is one
   std::optional<Revisit> revisit;  ///< of a loop from scans
   bool measured = false;           ///< placed by the operators themselves: no test can refuse it
 
   auto members() {
     return std::tie(id, merge, older, younger, older_from_younger, relations, supporters, two_way, from_scans,
-                    beyond_covariance, cautious, one_of_several, revisit, measured);
+                    beyond_covariance, cautious, look_alikes, revisit, measured);
   }
 };
 

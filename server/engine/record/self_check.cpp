@@ -12,8 +12,6 @@
 namespace isthmus {
 namespace {
 
-std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
-
 /// The patches of a map by their x.
 class PatchesAlongX {
  public:

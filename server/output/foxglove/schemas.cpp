@@ -10,7 +10,7 @@ using Json = nlohmann::ordered_json;
 Json object(const Json& properties) { return {{"type", "object"}, {"properties", properties}}; }
 Json array_of(const Json& items) { return {{"type", "array"}, {"items", items}}; }
 
-const Json number = {{"type", "number"}}, integer = {{"type", "integer"}}, text = {{"type", "string"}},
+const Json number = {{"type", "number"}}, integer = {{"type", "integer"}}, string = {{"type", "string"}},
            boolean = {{"type", "boolean"}};
 
 Json time() {
@@ -32,17 +32,19 @@ Json bytes() { return {{"type", "string"}, {"contentEncoding", "base64"}}; }
 
 Json frame_transforms_fields() {
   return object({{"transforms", array_of(object({{"timestamp", time()},
-                                                 {"parent_frame_id", text},
-                                                 {"child_frame_id", text},
+                                                 {"parent_frame_id", string},
+                                                 {"child_frame_id", string},
                                                  {"translation", vector()},
                                                  {"rotation", quaternion()}}))}});
 }
 
-Json pose_in_frame_fields() { return object({{"timestamp", time()}, {"frame_id", text}, {"pose", pose()}}); }
+Json pose_in_frame_fields() {
+  return object({{"timestamp", time()}, {"frame_id", string}, {"pose", pose()}});
+}
 
 Json laser_scan_fields() {
   return object({{"timestamp", time()},
-                 {"frame_id", text},
+                 {"frame_id", string},
                  {"pose", pose()},
                  {"start_angle", number},
                  {"end_angle", number},
@@ -52,24 +54,24 @@ Json laser_scan_fields() {
 
 Json grid_fields() {
   return object({{"timestamp", time()},
-                 {"frame_id", text},
+                 {"frame_id", string},
                  {"pose", pose()},
                  {"column_count", integer},
                  {"cell_size", object({{"x", number}, {"y", number}})},
                  {"row_stride", integer},
                  {"cell_stride", integer},
-                 {"fields", array_of(object({{"name", text}, {"offset", integer}, {"type", integer}}))},
+                 {"fields", array_of(object({{"name", string}, {"offset", integer}, {"type", integer}}))},
                  {"data", bytes()}});
 }
 
 Json scene_entity() {
   const Json solid = object({{"pose", pose()}, {"size", vector()}, {"color", colour()}});
   return object({{"timestamp", time()},
-                 {"frame_id", text},
-                 {"id", text},
+                 {"frame_id", string},
+                 {"id", string},
                  {"lifetime", duration()},
                  {"frame_locked", boolean},
-                 {"metadata", array_of(object({{"key", text}, {"value", text}}))},
+                 {"metadata", array_of(object({{"key", string}, {"value", string}}))},
                  {"arrows", array_of(object(Json::object()))},
                  {"cubes", array_of(solid)},
                  {"spheres", array_of(solid)},
@@ -88,21 +90,21 @@ Json scene_entity() {
                                             {"font_size", number},
                                             {"scale_invariant", boolean},
                                             {"color", colour()},
-                                            {"text", text}}))},
+                                            {"text", string}}))},
                  {"models", array_of(object(Json::object()))}});
 }
 
 Json scene_update_fields() {
-  return object({{"deletions", array_of(object({{"timestamp", time()}, {"type", integer}, {"id", text}}))},
+  return object({{"deletions", array_of(object({{"timestamp", time()}, {"type", integer}, {"id", string}}))},
                  {"entities", array_of(scene_entity())}});
 }
 
 Json log_fields() {
   return object({{"timestamp", time()},
                  {"level", integer},
-                 {"message", text},
-                 {"name", text},
-                 {"file", text},
+                 {"message", string},
+                 {"name", string},
+                 {"file", string},
                  {"line", integer}});
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/output/format/number.hpp"
+#include "server/output/pictures/sizes.hpp"
 
 namespace isthmus {
 namespace {
@@ -16,13 +17,11 @@ constexpr double long_ratio = 4;
 constexpr double longer_at_most = 2;
 
 /// Of the line's height.
-constexpr double margin_em = 1.2;
 constexpr double title_em = 3.6;
 constexpr double x_axis_em = 3;
 constexpr double y_name_em = 1.8;
 constexpr double tick_gap_em = 0.9;
 constexpr double bar_em = 2.2;
-constexpr double entry_em = 1.45;
 constexpr double column_gap_em = 1.5;
 /// A map lower than its legend by more than this has it below.
 constexpr double low_map_ratio = 2;

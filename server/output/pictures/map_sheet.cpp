@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/output/pictures/shade.hpp"
+#include "server/output/pictures/sizes.hpp"
 
 namespace isthmus {
 namespace {
@@ -13,10 +14,7 @@ namespace {
 constexpr double lines_a_side = 85;
 constexpr double least_em = 13, most_em = 32;
 
-constexpr double title_size_em = 1.35;
-constexpr double small_em = 0.9;
-constexpr double tick_em = 0.35;
-constexpr double x_tick_step_em = 5, y_tick_step_em = 3.5;
+constexpr double y_tick_step_em = 3.5;
 
 double em_of(double width_px, double height_px) {
   return std::clamp(std::max(width_px, height_px) / lines_a_side, least_em, most_em);

@@ -7,19 +7,19 @@
 #include "server/output/pictures/layout.hpp"
 #include "server/output/pictures/marks.hpp"
 #include "server/output/pictures/shade.hpp"
+#include "server/output/pictures/sizes.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr double em = 16;
-constexpr double title_size_em = 1.35;
+constexpr double em_px = 16;
 constexpr double marks_em = 0.75;  ///< marks on small maps are smaller
 constexpr std::size_t max_islands = 60;
 constexpr double rows_width_px = 1700, rows_height_px = 1300;
 constexpr double most_pixels_per_m = 60;
 constexpr double smaller = 0.93;  ///< scales are tried one after the other
 constexpr double least_side_px = 6;
-constexpr double margin_em = 1.2, title_em = 4, gap_em = 1.5, label_em = 1.6, bar_em = 2.6, entry_em = 1.45;
+constexpr double heading_em = 4, map_gap_em = 1.5, label_em = 1.6, bar_row_em = 2.6;
 constexpr double least_width_px = 320;
 
 /// Rows of islands in a scale; their right and lower ends.
@@ -27,22 +27,22 @@ Eigen::Vector2d set_in_rows(const OverviewParts& parts, std::size_t shown, doubl
                             OverviewPlan& plan) {
   plan.labels.clear();
   plan.maps.clear();
-  const double left = margin_em * em, first_top = (margin_em + title_em) * em;
+  const double left = margin_em * em_px, first_top = (margin_em + heading_em) * em_px;
   double x = left, y = first_top, row_bottom = first_top, right = left;
   for (std::size_t k = 0; k < shown; ++k) {
     const Eigen::Vector2d size = (parts.sizes_m[k] * pixels_per_m).array().ceil().max(least_side_px);
     const double width = std::max(size.x(), parts.label_widths[k]);
     if (x > left && x + width > left + rows_width_px) {
       x = left;
-      y = row_bottom + gap_em * em;
+      y = row_bottom + map_gap_em * em_px;
     }
-    const double top = y + label_em * em;
+    const double top = y + label_em * em_px;
     plan.labels.push_back({x, y, x + parts.label_widths[k], top});
     plan.maps.push_back(
         {std::round(x), std::round(top), std::round(x) + size.x(), std::round(top) + size.y()});
     row_bottom = std::max(row_bottom, plan.maps.back().bottom);
     right = std::max(right, std::ceil(x) + width);
-    x += width + gap_em * em;
+    x += width + map_gap_em * em_px;
   }
   return {right, row_bottom};
 }
@@ -91,11 +91,12 @@ OverviewParts parts_of(const std::vector<MapBox>& boxes, const std::vector<std::
   OverviewParts parts;
   for (const MapBox& box : boxes) parts.sizes_m.push_back(box.high - box.low);
   for (const std::string& label : labels)
-    parts.label_widths.push_back(Canvas::size_of(label, {.size_px = em}).x());
-  parts.title_width = std::max(Canvas::size_of(text.title, {.size_px = title_size_em * em, .bold = true}).x(),
-                               Canvas::size_of(text.subtitle, {.size_px = em}).x());
+    parts.label_widths.push_back(Canvas::size_of(label, {.size_px = em_px}).x());
+  parts.title_width =
+      std::max(Canvas::size_of(text.title, {.size_px = title_size_em * em_px, .bold = true}).x(),
+               Canvas::size_of(text.subtitle, {.size_px = em_px}).x());
   parts.legend_entries = legend.size();
-  parts.legend_width = legend_width(legend, em);
+  parts.legend_width = legend_width(legend, em_px);
   return parts;
 }
 
@@ -103,7 +104,7 @@ OverviewParts parts_of(const std::vector<MapBox>& boxes, const std::vector<std::
 
 OverviewPlan plan_overview(const OverviewParts& parts) {
   OverviewPlan plan;
-  plan.em = em;
+  plan.em = em_px;
   const std::size_t shown = std::min(parts.sizes_m.size(), max_islands);
   double widest_m = 1e-3;
   for (std::size_t k = 0; k < shown; ++k) widest_m = std::max(widest_m, parts.sizes_m[k].x());
@@ -114,19 +115,19 @@ OverviewPlan plan_overview(const OverviewParts& parts) {
     plan.pixels_per_m *= smaller;
     end = set_in_rows(parts, shown, plan.pixels_per_m, plan);
   }
-  const double legend_left = end.x() + 2 * gap_em * em;
-  double right = std::max(end.x(), margin_em * em + parts.title_width), bottom = end.y();
+  const double legend_left = end.x() + 2 * map_gap_em * em_px;
+  double right = std::max(end.x(), margin_em * em_px + parts.title_width), bottom = end.y();
   for (std::size_t i = 0; i < parts.legend_entries; ++i) {
     const auto top = [](std::size_t row) {
-      return (margin_em + title_em) * em + entry_em * em * static_cast<double>(row);
+      return (margin_em + heading_em) * em_px + entry_em * em_px * static_cast<double>(row);
     };
     plan.legend.push_back({legend_left, top(i), legend_left + parts.legend_width, top(i + 1)});
     right = std::max(right, plan.legend.back().right);
     bottom = std::max(bottom, plan.legend.back().bottom);
   }
-  if (shown > 0) plan.bar = {margin_em * em, end.y() + 0.6 * em, end.x(), end.y() + bar_em * em};
-  plan.width = static_cast<int>(std::ceil(std::max(right, least_width_px) + margin_em * em));
-  plan.height = static_cast<int>(std::ceil(std::max(bottom, plan.bar.bottom) + margin_em * em));
+  if (shown > 0) plan.bar = {margin_em * em_px, end.y() + 0.6 * em_px, end.x(), end.y() + bar_row_em * em_px};
+  plan.width = static_cast<int>(std::ceil(std::max(right, least_width_px) + margin_em * em_px));
+  plan.height = static_cast<int>(std::ceil(std::max(bottom, plan.bar.bottom) + margin_em * em_px));
   return plan;
 }
 
@@ -137,20 +138,20 @@ OverviewSheet::OverviewSheet(const std::vector<IslandContent>& contents, const s
       plan_(plan_overview(parts_of(boxes, labels_, overview_text(contents), legend_))),
       canvas_(plan_.width, plan_.height) {
   const SheetText text = overview_text(contents);
-  const Eigen::Vector2d at(margin_em * em, margin_em * em);
-  canvas_.text(text.title, at, {0, 0}, {.size_px = title_size_em * em, .bold = true});
-  canvas_.text(text.subtitle, at + Eigen::Vector2d(0, 1.75 * em), {0, 0},
-               {.size_px = em, .colour = ink::faint});
+  const Eigen::Vector2d at(margin_em * em_px, margin_em * em_px);
+  canvas_.text(text.title, at, {0, 0}, {.size_px = title_size_em * em_px, .bold = true});
+  canvas_.text(text.subtitle, at + Eigen::Vector2d(0, 1.75 * em_px), {0, 0},
+               {.size_px = em_px, .colour = ink::faint});
   for (std::size_t k = 0; k < plan_.maps.size(); ++k) {
     windows_.push_back(
-        {plan_.maps[k], {boxes[k].low.x(), boxes[k].high.y()}, plan_.pixels_per_m, marks_em * em});
-    canvas_.text(labels_[k], {plan_.labels[k].left, plan_.labels[k].top}, {0, 0}, {.size_px = em});
+        {plan_.maps[k], {boxes[k].low.x(), boxes[k].high.y()}, plan_.pixels_per_m, marks_em * em_px});
+    canvas_.text(labels_[k], {plan_.labels[k].left, plan_.labels[k].top}, {0, 0}, {.size_px = em_px});
   }
   if (!windows_.empty())
     draw_scale_bar(canvas_, plan_.bar,
                    round_length(std::max(least_side_px, plan_.bar.width() / 4) / plan_.pixels_per_m),
-                   plan_.pixels_per_m, em);
-  draw_legend(canvas_, legend_, plan_.legend, em);
+                   plan_.pixels_per_m, em_px);
+  draw_legend(canvas_, legend_, plan_.legend, em_px);
 }
 
 void OverviewSheet::draw(std::size_t island, const OccupancyGrid& grid) {

@@ -7,14 +7,13 @@
 
 #include "server/output/pictures/layout.hpp"
 #include "server/output/pictures/marks.hpp"
+#include "server/output/pictures/sizes.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr double small_em = 0.9;
 constexpr double top_em = 2.2, bottom_em = 2.8, left_em = 1.2, right_em = 2;
-constexpr double tick_em = 0.35;
-constexpr double x_tick_step_em = 5, y_tick_step_em = 2.2;
+constexpr double plot_y_tick_step_em = 2.2;
 constexpr double dot_em = 0.16;
 
 struct Range {
@@ -97,7 +96,7 @@ void draw_plot(Canvas& canvas, const PixelBox& box, double em, const PlotText& t
   auto [x, y] = ranges_of(series);
   const double height = box.height() - (top_em + bottom_em) * em;
   if (height < em) return;
-  const double y_step = round_length_above(y_tick_step_em * em * y.high / height);
+  const double y_step = round_length_above(plot_y_tick_step_em * em * y.high / height);
   y.high = y_step * std::ceil(y.high / y_step - 1e-9);
   double widest = 0;
   for (const double value : ticks(0, y.high, y_step))

@@ -6,13 +6,14 @@
 namespace isthmus {
 namespace {
 
-constexpr double margin_m = 1;
+constexpr double picture_margin_m = 1;
 
 Eigen::AlignedBox2d box_of(const VectorPlan& plan) {
   Eigen::AlignedBox2d box(Eigen::Vector2d::Zero());
   for (const PlanWall& wall : plan.walls) box.extend(wall.a).extend(wall.b);
   for (const PlanPole& pole : plan.poles) box.extend(pole.centre);
-  return {box.min() - Eigen::Vector2d::Constant(margin_m), box.max() + Eigen::Vector2d::Constant(margin_m)};
+  return {box.min() - Eigen::Vector2d::Constant(picture_margin_m),
+          box.max() + Eigen::Vector2d::Constant(picture_margin_m)};
 }
 
 // SVG's y points down.

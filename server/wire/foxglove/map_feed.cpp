@@ -16,13 +16,13 @@ std::string pose_topic(const std::string& robot) { return "/" + robot + "/pose";
 std::string scan_topic(const std::string& robot) { return "/" + robot + "/scan"; }
 
 /// A grid is drawn anew when some patch of its island moved by about a cell.
-constexpr double still_m = 0.05;
-constexpr double still_rad = 0.005;
+constexpr double grid_still_m = 0.05;
+constexpr double grid_still_rad = 0.005;
 
 bool look_the_same(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   return std::ranges::equal(a, b, [](const Pose& one, const Pose& other) {
-    return std::hypot(one.x - other.x, one.y - other.y) <= still_m &&
-           std::abs(wrap_angle(one.yaw - other.yaw)) <= still_rad;
+    return std::hypot(one.x - other.x, one.y - other.y) <= grid_still_m &&
+           std::abs(wrap_angle(one.yaw - other.yaw)) <= grid_still_rad;
   });
 }
 

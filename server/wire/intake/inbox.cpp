@@ -80,6 +80,11 @@ void Inbox::introduce(const std::string& robot) {
   if (reserved_.size() < limits_.robots) reserved_.insert(robot);
 }
 
+bool Inbox::is_reserved(const std::string& sender) const {
+  const std::lock_guard lock(mutex_);
+  return reserved_.contains(sender);
+}
+
 void Inbox::refuse_strangers() {
   const std::lock_guard lock(mutex_);
   refuses_strangers_ = true;

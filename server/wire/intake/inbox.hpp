@@ -67,6 +67,7 @@ class Inbox {
 
   /// The same for a robot that introduces itself, as far as there is room for more.
   void introduce(const std::string& robot);
+  bool is_reserved(const std::string& sender) const;
 
   /// From now on all robots on the map are reserved: others are strangers. Any thread.
   void refuse_strangers();

@@ -112,14 +112,15 @@ void Reception::tell_refused(std::int64_t utime, const std::string& channel,
 }
 
 /// Strangers are refused here, where they have cost nothing yet. What comes right behind a robot's first
-/// introduction is let in: it need not wait for the engine.
+/// introduction is let in: it need not wait for the engine. Nor must who introduced itself while the journal
+/// was read still be a stranger afterwards, so that introductions count from the start.
 DropReason Reception::push(const Channel& channel, std::int64_t utime, const std::string& name,
                            std::span<const std::uint8_t> bytes, const std::optional<Signature>& signature) {
   if (has_owner(channel.input) && inbox_.is_stranger(channel.robot)) {
     refuse_stranger(channel, bytes);
     return DropReason::unknown_robot;
   }
-  const bool introduces = channel.input == Input::robot && inbox_.is_stranger(channel.robot) &&
+  const bool introduces = channel.input == Input::robot && !inbox_.is_reserved(channel.robot) &&
                           decode(configured_, name, bytes, utime).event;
   if (introduces) inbox_.introduce(channel.robot);
   inbox_.push(channel.robot, channel.input == Input::scan, utime, name, bytes, signature);

@@ -12,9 +12,9 @@ namespace {
 constexpr const char* dropped_channel = "ISTHMUS_DROPPED";
 constexpr std::int32_t max_received = 16 * 1024 * 1024;
 /// More than come in a lifetime; millions of such counts add up without overflow.
-constexpr std::int64_t max_count = 1'000'000'000'000;
+constexpr std::int64_t max_dropped_count = 1'000'000'000'000;
 constexpr std::array drop_members = {text(64), text(64), fixed(8), array(8, max_received)};
-constexpr std::array members = {list(drop_members, 100'000)};
+constexpr std::array dropped_members = {list(drop_members, 100'000)};
 
 }  // namespace
 
@@ -37,7 +37,8 @@ Message encode_drops(std::int64_t utime, const Drops& drops) {
 
 std::optional<Drops> read_drops(const Message& message) {
   if (message.channel != dropped_channel) return std::nullopt;
-  if (check_bytes(dropped_t::getHash(), members, message.bytes) != DropReason::none) return std::nullopt;
+  if (check_bytes(dropped_t::getHash(), dropped_members, message.bytes) != DropReason::none)
+    return std::nullopt;
   dropped_t record;
   const int size = static_cast<int>(message.bytes.size());
   if (record.decode(message.bytes.data(), 0, size) != size) return std::nullopt;
@@ -45,7 +46,7 @@ std::optional<Drops> read_drops(const Message& message) {
   for (const drop_t& one : record.drops) {
     const std::optional<DropReason> reason = value_of<DropReason>(one.reason);
     if (!reason || *reason == DropReason::none) return std::nullopt;
-    if (one.count < 0 || one.count > max_count) return std::nullopt;
+    if (one.count < 0 || one.count > max_dropped_count) return std::nullopt;
     Dropped& dropped = drops[one.robot][*reason];
     dropped.count += one.count;
     dropped.received.insert(dropped.received.end(), one.received.begin(), one.received.end());

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
+[[noreturn]] void refuse_journal(const std::string& path, const std::string& reason) {
   throw std::runtime_error(path + ": " + reason);
 }
 
@@ -37,8 +37,8 @@ void check_numbers(const std::map<int, std::string>& segments) {
   int expected = segments.empty() ? 0 : segments.begin()->first;
   for (const auto& [number, path] : segments) {
     if (number != expected)
-      refuse(segment_path(fs::path(path).parent_path().string(), expected),
-             "is missing, but " + name_of(path) + " follows it");
+      refuse_journal(segment_path(fs::path(path).parent_path().string(), expected),
+                     "is missing, but " + name_of(path) + " follows it");
     ++expected;
   }
 }
@@ -46,13 +46,13 @@ void check_numbers(const std::map<int, std::string>& segments) {
 void check_link(const JournalSegment& segment, const JournalSegment* before) {
   const SegmentHeader& header = *segment.header;
   if (header.segment != segment.number)
-    refuse(segment.path, "is segment " + std::to_string(header.segment) + " of a journal, not " +
-                             std::to_string(segment.number) + " as its name says");
+    refuse_journal(segment.path, "is segment " + std::to_string(header.segment) + " of a journal, not " +
+                                     std::to_string(segment.number) + " as its name says");
   if (before == nullptr) return;
   if (header.journal != before->header->journal)
-    refuse(segment.path, "is of another journal than " + name_of(before->path));
+    refuse_journal(segment.path, "is of another journal than " + name_of(before->path));
   if (header.previous != before->header->check)
-    refuse(segment.path, "follows another copy of " + name_of(before->path) + " than this one");
+    refuse_journal(segment.path, "follows another copy of " + name_of(before->path) + " than this one");
 }
 
 void read_headers(JournalView& view) {
@@ -81,9 +81,9 @@ void check_segments(JournalView& view) {
   const JournalSegment* before = nullptr;
   for (const JournalSegment& segment : view.segments) {
     if (!segment.header)
-      refuse(segment.path, fs::file_size(segment.path) == 0
-                               ? "is empty, but segments follow it"
-                               : "is no segment of a journal: it has no header of one");
+      refuse_journal(segment.path, fs::file_size(segment.path) == 0
+                                       ? "is empty, but segments follow it"
+                                       : "is no segment of a journal: it has no header of one");
     check_link(segment, before);
     before = &segment;
   }
@@ -105,7 +105,8 @@ void check_end(const JournalView& view) {
   for (auto snapshot = view.snapshots.upper_bound(last); snapshot != view.snapshots.end(); ++snapshot) {
     const auto& [number, path] = *snapshot;
     if (why_useless(view, number, path).empty())
-      refuse(segment_path(view.directory, number), "is missing, but " + name_of(path) + " was made of it");
+      refuse_journal(segment_path(view.directory, number),
+                     "is missing, but " + name_of(path) + " was made of it");
   }
 }
 
@@ -135,8 +136,8 @@ void require_beginning(const JournalView& journal) {
        ++snapshot) {
     if (why_useless(journal, snapshot->first, snapshot->second).empty()) return;
   }
-  refuse(segment_path(journal.directory, first - 1),
-         "is gone, and no snapshot stands for it and those before it");
+  refuse_journal(segment_path(journal.directory, first - 1),
+                 "is gone, and no snapshot stands for it and those before it");
 }
 
 std::map<int, std::string> own_snapshots(const JournalView& journal,

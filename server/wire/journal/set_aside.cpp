@@ -37,7 +37,7 @@ std::vector<std::string> fields_of(const std::string& line) {
   return fields;
 }
 
-std::optional<std::int64_t> integer(const std::string& text) {
+std::optional<std::int64_t> parsed_integer(const std::string& text) {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
@@ -58,8 +58,8 @@ SetAsideEvents read_set_aside(const std::string& directory) {
   for (int number = 2; std::getline(file, line); ++number) {
     const std::vector<std::string> fields = fields_of(line);
     if (fields.size() != column_count) fail(number, "has not as many fields as columns");
-    const std::optional<std::int64_t> sequence = integer(fields[0]);
-    const std::optional<std::int64_t> utime = integer(fields[1]);
+    const std::optional<std::int64_t> sequence = parsed_integer(fields[0]);
+    const std::optional<std::int64_t> utime = parsed_integer(fields[1]);
     if (!sequence || *sequence < 0 || !utime) fail(number, "sequence and receive_utime must be integers");
     events[*sequence] = {*utime, fields[2], fields[3], fields[4]};
   }

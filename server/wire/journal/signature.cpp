@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* counters_channel = "ISTHMUS_COUNTERS";
 constexpr std::array counter_members = {text(64), text(64), fixed(8)};
-constexpr std::array members = {fixed(1), list(counter_members, 100'000)};
+constexpr std::array counters_members = {fixed(1), list(counter_members, 100'000)};
 
 }  // namespace
 
@@ -34,12 +34,12 @@ Message encode_counters(std::int64_t utime, const SignatureCounters& counters, b
 }
 
 bool may_be_counters(std::span<const std::uint8_t> beginning, std::int64_t bytes) {
-  return may_begin(counters_t::getHash(), members, beginning, bytes);
+  return may_begin(counters_t::getHash(), counters_members, beginning, bytes);
 }
 
 bool raise_counters(const Message& message, SignatureCounters& counters, bool& complete) {
   if (message.channel != counters_channel) return false;
-  if (check_bytes(counters_t::getHash(), members, message.bytes) != DropReason::none) return false;
+  if (check_bytes(counters_t::getHash(), counters_members, message.bytes) != DropReason::none) return false;
   counters_t record;
   const int size = static_cast<int>(message.bytes.size());
   if (record.decode(message.bytes.data(), 0, size) != size) return false;

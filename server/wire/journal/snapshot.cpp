@@ -1,5 +1,6 @@
 #include "server/wire/journal/snapshot.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <numeric>
@@ -21,7 +22,7 @@ constexpr FileForm trajectory_form{"isthmus-rows", 1};
 constexpr std::size_t rows_at_once = 4096;
 
 struct Content {
-  JournalPlace place;  ///< first: `read_snapshot_place` reads no further
+  JournalPlace place;  ///< first, and what a summary needs next: no more need be read for these
   std::vector<TrajectoryPart> trajectory;
   RobotMonitor monitor;
   std::int64_t events = 0;
@@ -32,7 +33,8 @@ struct Content {
   auto members() { return std::tie(place, trajectory, monitor, events, last_utime, set_aside, engine); }
 };
 
-void read_rows(const std::string& path, const TrajectoryPart& part, TrajectoryStore& rows) {
+template <class Take>
+void read_rows(const std::string& path, const TrajectoryPart& part, const Take& take) {
   const auto [bytes, sha256] = read_checked_file(path, trajectory_form);
   if (sha256 != part.sha256)
     throw std::runtime_error(path + ": holds other rows than the snapshot was made with");
@@ -41,7 +43,19 @@ void read_rows(const std::string& path, const TrajectoryPart& part, TrajectorySt
   for (std::size_t at = 0; at < bytes.size(); at += sizeof(TrajectoryRow)) {
     TrajectoryRow row;
     std::memcpy(&row, bytes.data() + at, sizeof row);
-    rows.append(row);
+    take(row);
+  }
+}
+
+/// What a snapshot's content begins with.
+template <class... Members>
+void read_head(const std::string& path, Members&... members) {
+  const std::vector<std::uint8_t> bytes = read_checked_file(path, snapshot_form).bytes;
+  try {
+    SnapshotReader reader(bytes);
+    reader(members...);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path + ": " + error.what());
   }
 }
 
@@ -72,7 +86,8 @@ Snapshot read_snapshot(const std::string& path) {
     throw std::runtime_error(path + ": " + error.what());
   }
   for (const TrajectoryPart& part : content.trajectory)
-    read_rows(trajectory_path(directory, part.segment), part, *rows);
+    read_rows(trajectory_path(directory, part.segment), part,
+              [&](const TrajectoryRow& row) { rows->append(row); });
   try {
     snapshot.map.engine = Engine::restore(content.engine, rows);
   } catch (const std::exception& error) {
@@ -89,15 +104,20 @@ Snapshot read_snapshot(const std::string& path) {
 }
 
 JournalPlace read_snapshot_place(const std::string& path) {
-  const std::vector<std::uint8_t> bytes = read_checked_file(path, snapshot_form).bytes;
   JournalPlace place;
-  try {
-    SnapshotReader reader(bytes);
-    reader(place);
-  } catch (const std::exception& error) {
-    throw std::runtime_error(path + ": " + error.what());
-  }
+  read_head(path, place);
   return place;
+}
+
+SnapshotSummary read_snapshot_summary(const std::string& path) {
+  Content content;
+  read_head(path, content.place, content.trajectory, content.monitor, content.events, content.last_utime);
+  SnapshotSummary summary{content.place, content.events, content.last_utime, 0};
+  if (content.trajectory.empty()) return summary;
+  const TrajectoryPart& newest = content.trajectory.back();
+  read_rows(trajectory_path(fs::path(path).parent_path().string(), newest.segment), newest,
+            [&](const TrajectoryRow& row) { summary.scan_utime = std::max(summary.scan_utime, row.utime); });
+  return summary;
 }
 
 void write_snapshot(const std::string& directory, const JournalPlace& place, ServedMap& map,

@@ -49,6 +49,17 @@ Snapshot read_snapshot(const std::string& path);
 /// the map and the trajectory's parts.
 JournalPlace read_snapshot_place(const std::string& path);
 
+/// What a snapshot tells of itself without its map.
+struct SnapshotSummary {
+  JournalPlace place;
+  std::int64_t events = 0;      ///< as in ServedMap
+  std::int64_t last_utime = 0;  ///< as in ServedMap
+  std::int64_t scan_utime = 0;  ///< newest stamp in the newest rows of the trajectory; 0: there are none
+};
+
+/// Throws as `read_snapshot`, but does not look at the map, nor at older rows.
+SnapshotSummary read_snapshot_summary(const std::string& path);
+
 /// Writes the state at a place of a journal into its directory: first the rows beyond those of `earlier`,
 /// then the snapshot, each file complete or not at all. Throws std::runtime_error naming the file and the
 /// reason.

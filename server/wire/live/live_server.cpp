@@ -100,6 +100,8 @@ DropReason LiveServer::take(const Event& event) {
   last_event_ = Clock::now();
   latency_.add(seconds_of(last_event_ - start));
   if (options_.viewers.event) options_.viewers.event(event);
+  if (const auto* robot = std::get_if<RobotEvent>(&event.body); robot && goals_)
+    goals_->note_radius(robot->robot, robot->footprint_radius_m);
   publish_poses(outcome);
   return outcome.drop_reason;
 }
@@ -131,6 +133,7 @@ void LiveServer::publish_poses(const Outcome& outcome) {
     map_.monitor.answered(pose);
     if (options_.viewers.pose) options_.viewers.pose(pose);
     if (options_.questions) options_.questions->note(pose);
+    if (goals_) goals_->note(pose);
     publish_(pose.robot + "_POSE", encoded(pose_message(pose)));
   }
 }

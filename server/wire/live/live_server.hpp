@@ -10,6 +10,7 @@
 
 #include "server/engine/engine.hpp"
 #include "server/output/latency.hpp"
+#include "server/wire/goals/goal_publisher.hpp"
 #include "server/wire/intake/admission.hpp"
 #include "server/wire/intake/event_clock.hpp"
 #include "server/wire/intake/inbox.hpp"
@@ -55,6 +56,7 @@ struct LiveOptions {
   MapPublisherOptions map;
   JournalOptions journal;
   bool snapshots = false;            ///< isthmus-snapshot is run beside the server, at each closed segment
+  int keep_snapshots = 10;           ///< see SnapshotPolicy
   std::optional<int> keep_segments;  ///< see SnapshotPolicy
   AdmissionLimits admission;
   Log log;
@@ -104,6 +106,7 @@ class LiveServer {
   void begin();
   void begin_spool();
   void begin_guard();
+  void begin_goals();
   RecoveryOptions recovery_options() const;
   void begin_recovery();
   bool has_signed_segments() const;
@@ -169,6 +172,7 @@ class LiveServer {
   int closed_segments_ = 0;             ///< that have been reported
   std::unique_ptr<Recovery> recovery_;  ///< of a journal that was found, until it is done
   std::unique_ptr<MapPublisher> map_publisher_;
+  std::unique_ptr<GoalPublisher> goals_;  ///< where robots explore by the server's goals
 };
 
 }  // namespace isthmus

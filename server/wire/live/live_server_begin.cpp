@@ -59,6 +59,19 @@ LiveServer::LiveServer(LiveOptions options, Inbox& inbox, Publish publish)
   if (journal_ && authentication_.is_required()) counters_ = journal_->count_signatures();
   if (journal_) begin_spool();
   map_publisher_ = std::make_unique<MapPublisher>(publish_, options_.map);
+  begin_goals();
+}
+
+/// Of a map that is being made: on a finished one there is nothing to explore.
+void LiveServer::begin_goals() {
+  if (options_.frozen || !options_.clock) return;
+  const std::string& journalled = map_.engine.configuration().toml;
+  const std::string& toml = options_.toml.empty() ? journalled : options_.toml;
+  const ServerConfiguration configuration = parse_server_configuration(toml, "configuration");
+  if (!configuration.exploration.enabled) return;
+  goals_ = std::make_unique<GoalPublisher>(publish_, configuration.exploration);
+  for (const auto& [name, robot] : configuration.engine.robots)
+    if (robot.declared) goals_->note_radius(name, robot.robot.footprint_radius_m);
 }
 
 void LiveServer::begin() {

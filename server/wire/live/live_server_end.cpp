@@ -44,6 +44,7 @@ void LiveServer::count_left_over() {
 
 void LiveServer::end() {
   if (options_.questions) options_.questions->stop();
+  goals_.reset();
   map_publisher_.reset();
   const std::string lost = finish_journal();
   const Clock::time_point begun = Clock::now();

@@ -37,6 +37,7 @@ void LiveServer::publish_status_if_due() {
     publish_("ISTHMUS_RENDEZVOUS", encoded(*rendezvous));
   closure_log_.tell(map->closures, options_.log);
   if (options_.questions) options_.questions->offer(map, utime);
+  if (goals_) goals_->offer(map, utime);
   map_publisher_->offer(map, utime);
   keep_snapshots();
 }
@@ -99,7 +100,7 @@ void LiveServer::keep_snapshots() {
   if (!journal_ || !options_.snapshots) return;
   if (!snapshots_) {
     snapshots_ = std::make_unique<SnapshotProcess>(
-        options_.journal_directory, options_.keep_segments,
+        options_.journal_directory, options_.keep_snapshots, options_.keep_segments,
         [this](const std::string& text) { say(LogLevel::warning, text, {}); });
   }
   if (std::exchange(closed_segments_, journal_->segment() - 1) < journal_->segment() - 1)

@@ -1,6 +1,7 @@
 #include "server/wire/live/map_publisher.hpp"
 
 #include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -73,6 +74,7 @@ void MapPublisher::loop(const std::stop_token& stop) {
 
     if (whole) next_whole = Clock::now() + options_.whole_map_interval;
     publish_map(*map, utime, whole, stop);
+    publish_zones(*map, utime, whole);
     withdraw_grids(*map, utime);
     if (whole) publish_grids_again(stop);
     if (Clock::now() < next_grid || stop.stop_requested()) continue;
@@ -91,6 +93,12 @@ void MapPublisher::publish_map(const MapCopy& map, std::int64_t utime, bool whol
     publish_("ISTHMUS_MAP", encoded(chunk));
     if (chunks.size() > 1) std::this_thread::sleep_for(options_.chunk_pause);
   }
+}
+
+/// Also that there are none, with a whole map.
+void MapPublisher::publish_zones(const MapCopy& map, std::int64_t utime, bool whole) {
+  const std::optional<zones_t> zones = whole ? zones_.whole(map, utime) : zones_.changes(map, utime);
+  if (zones) publish_("ISTHMUS_ZONES", encoded(*zones));
 }
 
 /// As they were drawn last, for those who came late.

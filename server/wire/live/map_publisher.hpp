@@ -13,6 +13,7 @@
 
 #include "server/engine/record/map_copy.hpp"
 #include "server/wire/message/map_messages.hpp"
+#include "server/wire/message/zone_messages.hpp"
 
 namespace isthmus {
 
@@ -26,16 +27,16 @@ struct MapPublisherOptions {
   std::chrono::milliseconds chunk_pause{2};  ///< so that a burst of chunks fits receivers' buffers
 };
 
-/// Publishes ISTHMUS_MAP and ISTHMUS_GRID from copies of the map, in a thread of its own. While it is busy
-/// only the latest copy waits. With each whole map the newest grid of each island is sent again; the grid of
-/// an island that is no more is withdrawn at once, by one of no cells.
+/// Publishes ISTHMUS_MAP, ISTHMUS_ZONES and ISTHMUS_GRID from copies of the map, in a thread of its own.
+/// While it is busy only the latest copy waits. With each whole map the newest grid of each island is sent
+/// again; the grid of an island that is no more is withdrawn at once, by one of no cells.
 class MapPublisher {
  public:
   MapPublisher(Publish publish, MapPublisherOptions options = {});
   ~MapPublisher();
 
   void offer(std::shared_ptr<const MapCopy> map, std::int64_t utime);
-  /// The next copy is sent whole, and grids with it.
+  /// The next copy is sent whole, and zones and grids with it.
   void request_whole();
 
  private:
@@ -46,6 +47,7 @@ class MapPublisher {
 
   void loop(const std::stop_token& stop);
   void publish_map(const MapCopy& map, std::int64_t utime, bool whole, const std::stop_token& stop);
+  void publish_zones(const MapCopy& map, std::int64_t utime, bool whole);
   void publish_grids_again(const std::stop_token& stop);
   void withdraw_grids(const MapCopy& map, std::int64_t utime);
   void publish_one_grid(const MapCopy& map, std::int64_t utime);
@@ -53,6 +55,7 @@ class MapPublisher {
   Publish publish_;
   MapPublisherOptions options_;
   MapMessages messages_;
+  ZoneMessages zones_;
   std::map<IslandId, RenderedIsland> rendered_;
   IslandId last_rendered_;
 

@@ -1,13 +1,9 @@
 #include "server/wire/live/rendezvous_publisher.hpp"
 
+#include "server/wire/message/path_pose.hpp"
+
 namespace isthmus {
 namespace {
-
-void set_pose(double (&components)[3], const Pose& pose) {
-  components[0] = pose.x;
-  components[1] = pose.y;
-  components[2] = pose.yaw;
-}
 
 bool is_same(const MeetingPlace& a, const MeetingPlace& b) {
   return a.robot == b.robot && a.pose.patch == b.pose.patch &&

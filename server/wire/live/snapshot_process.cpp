@@ -26,9 +26,11 @@ std::string program_beside_this() {
 
 }  // namespace
 
-SnapshotProcess::SnapshotProcess(std::string journal_directory, std::optional<int> keep_segments,
+SnapshotProcess::SnapshotProcess(std::string journal_directory, int keep_snapshots,
+                                 std::optional<int> keep_segments,
                                  std::function<void(const std::string&)> report)
     : journal_directory_(std::move(journal_directory)),
+      keep_snapshots_(keep_snapshots),
       keep_segments_(keep_segments),
       report_(std::move(report)) {}
 
@@ -52,7 +54,8 @@ void SnapshotProcess::poll() {
 void SnapshotProcess::begin() {
   wanted_ = false;
   const std::string program = program_beside_this();
-  std::vector<std::string> words = {program, journal_directory_};
+  std::vector<std::string> words = {program, journal_directory_, "--keep-snapshots",
+                                    std::to_string(keep_snapshots_)};
   if (keep_segments_) words.insert(words.end(), {"--keep-segments", std::to_string(*keep_segments_)});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -68,6 +71,8 @@ void SnapshotProcess::begin() {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  // Not all libraries' sockets are closed by themselves, and a port must be free again once the server ends.
+  posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
   const int error = posix_spawn(&process_, program.c_str(), &actions, &attributes, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);

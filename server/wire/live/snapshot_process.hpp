@@ -12,7 +12,8 @@ namespace isthmus {
 /// lowest priority, so that nobody waits for it. One at a time.
 class SnapshotProcess {
  public:
-  SnapshotProcess(std::string journal_directory, std::optional<int> keep_segments,
+  /// What is kept: see SnapshotPolicy.
+  SnapshotProcess(std::string journal_directory, int keep_snapshots, std::optional<int> keep_segments,
                   std::function<void(const std::string&)> report);
   /// Leaves one that still runs to itself: what it writes is whole or not there.
   ~SnapshotProcess();
@@ -29,6 +30,7 @@ class SnapshotProcess {
   void begin();
 
   std::string journal_directory_;
+  int keep_snapshots_;
   std::optional<int> keep_segments_;
   std::function<void(const std::string&)> report_;
   pid_t process_ = 0;  ///< 0: none

@@ -106,7 +106,7 @@ std::vector<IslandId> islands_by_patch(const MapCopy& map) {
   return by_patch;
 }
 
-bool is_still(const Pose& a, const Pose& b) {
+bool is_still_pose(const Pose& a, const Pose& b) {
   return std::hypot(a.x - b.x, a.y - b.y) < MapMessages::still_m &&
          std::abs(wrap_angle(a.yaw - b.yaw)) < MapMessages::still_rad;
 }
@@ -136,7 +136,7 @@ std::vector<map_t> MapMessages::changes(const MapCopy& map, std::int64_t utime) 
     const bool is_new = i >= patches_.size();
     if (is_new) patches_.emplace_back();
     SentPatch& sent = patches_[i];
-    if (!is_new && sent.island == islands[i] && is_still(sent.pose, map.poses[i])) continue;
+    if (!is_new && sent.island == islands[i] && is_still_pose(sent.pose, map.poses[i])) continue;
     writer.add(patch_message(*map.patches[i], map.poses[i], islands[i], is_new));
     sent = {map.poses[i], islands[i]};
   }

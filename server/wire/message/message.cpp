@@ -8,35 +8,37 @@
 #include "server/wire/message/channel.hpp"
 #include "server/wire/message/encoded.hpp"
 #include "server/wire/message/limits.hpp"
+#include "server/wire/message/members.hpp"
 #include "server/wire/message/read_message.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr std::int32_t max_name_bytes = 64;
 constexpr std::int32_t max_toml_bytes = 64 * 1024;
 
-constexpr Member number = fixed(8);   // int64_t, double
-constexpr Member integer = fixed(4);  // int32_t, float
 constexpr Member boolean = fixed(1);
 constexpr Member floats = array(4, max_beams);
-constexpr Member name = text(max_name_bytes);
 
-constexpr std::array robot_members = {number, name,   integer, number, number,
-                                      number, number, number,  number, boolean};
-constexpr std::array pose_members = {number,       fixed(3 * 8), fixed(3 * 8),
-                                     fixed(4 * 8), fixed(3 * 8), fixed(3 * 8)};
-constexpr std::array lidar_members = {number, floats, floats, integer, integer};
-constexpr std::array sighting_members = {number, integer, number, number, number, number};
-constexpr std::array tag_members = {number, integer};
-constexpr std::array command_members = {number, name, number, name};
-constexpr std::array configuration_members = {number, text(max_toml_bytes)};
-constexpr std::array tick_members = {number};
-constexpr std::array annotation_point_members = {integer, number, number};
+constexpr std::array robot_members = {members::number, members::name,   members::integer, members::number,
+                                      members::number, members::number, members::number,  members::number,
+                                      members::number, boolean};
+constexpr std::array pose_members = {members::number, fixed(3 * 8), fixed(3 * 8),
+                                     fixed(4 * 8),    fixed(3 * 8), fixed(3 * 8)};
+constexpr std::array lidar_members = {members::number, floats, floats, members::integer, members::integer};
+constexpr std::array sighting_members = {members::number, members::integer, members::number,
+                                         members::number, members::number,  members::number};
+constexpr std::array tag_members = {members::number, members::integer};
+constexpr std::array command_members = {members::number, members::name, members::number, members::name};
+constexpr std::array configuration_members = {members::number, text(max_toml_bytes)};
+constexpr std::array tick_members = {members::number};
+constexpr std::array annotation_point_members = {members::integer, members::number, members::number};
 constexpr std::array annotation_members = {
-    number, name,    name,   boolean,
-    number, integer, number, list(annotation_point_members, max_annotation_points)};
-constexpr std::array initial_pose_members = {number, integer, integer, fixed(3 * 8), number, number};
+    members::number, members::name,
+    members::name,   boolean,
+    members::number, members::integer,
+    members::number, list(annotation_point_members, max_annotation_points)};
+constexpr std::array initial_pose_members = {members::number, members::integer, members::integer,
+                                             fixed(3 * 8),    members::number,  members::number};
 
 /// How one input lies on the wire, and how it is read.
 struct InputType {

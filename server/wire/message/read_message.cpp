@@ -26,7 +26,7 @@ constexpr double single_beam_step_rad = 0.01;
 /// A full turn, and room for the rounding of a float step times thousands of beams.
 constexpr double largest_field_of_view_rad = 2 * std::numbers::pi + 0.1;
 
-Reading refuse(DropReason reason) { return {std::nullopt, reason}; }
+Reading refused(DropReason reason) { return {std::nullopt, reason}; }
 
 bool all_finite(std::initializer_list<double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -99,17 +99,17 @@ DropReason check_values(const annotation_t& message, AnnotationKind kind) {
 bool is_plausible_utime(std::int64_t utime) { return utime >= 0 && utime <= largest_utime; }
 
 Reading read_message(const robot_t& message, const std::string& robot) {
-  if (upper_case(message.name) != robot) return refuse(DropReason::bad_name);
+  if (upper_case(message.name) != robot) return refused(DropReason::bad_name);
   if (!all_finite({message.laser_x_m, message.laser_y_m, message.laser_yaw_rad, message.range_min_m,
                    message.range_max_m, message.footprint_radius_m})) {
-    return refuse(DropReason::not_finite);
+    return refused(DropReason::not_finite);
   }
   const bool plausible = is_plausible_utime(message.utime) && within(message.laser_x_m, largest_mount_m) &&
                          within(message.laser_y_m, largest_mount_m) &&
                          within(message.laser_yaw_rad, largest_angle_rad) &&
                          are_plausible_limits(message.range_min_m, message.range_max_m) &&
                          message.footprint_radius_m >= 0 && message.footprint_radius_m <= largest_footprint_m;
-  if (!plausible) return refuse(DropReason::absurd_value);
+  if (!plausible) return refused(DropReason::absurd_value);
   RobotEvent event;
   event.robot = robot;
   event.utime = message.utime;
@@ -124,24 +124,24 @@ Reading read_message(const robot_t& message, const std::string& robot) {
 
 Reading read_message(const bot_core::pose_t& message, const std::string& robot) {
   const auto& [w, x, y, z] = message.orientation;
-  if (!all_finite({message.pos[0], message.pos[1], w, x, y, z})) return refuse(DropReason::not_finite);
+  if (!all_finite({message.pos[0], message.pos[1], w, x, y, z})) return refused(DropReason::not_finite);
   if (!is_plausible_utime(message.utime) || !within(message.pos[0], largest_position_m) ||
       !within(message.pos[1], largest_position_m) || !within(w, 2) || !within(x, 2) || !within(y, 2) ||
       !within(z, 2)) {
-    return refuse(DropReason::absurd_value);
+    return refused(DropReason::absurd_value);
   }
   // The rotated x axis, of a quaternion that need not be quite of unit length.
   const double forward_x = w * w + x * x - y * y - z * z;
   const double forward_y = 2 * (x * y + w * z);
-  if (std::hypot(forward_x, forward_y) < 0.1) return refuse(DropReason::absurd_value);
+  if (std::hypot(forward_x, forward_y) < 0.1) return refused(DropReason::absurd_value);
   return {OdometryEvent{
       robot, message.utime, {message.pos[0], message.pos[1], std::atan2(forward_y, forward_x)}}};
 }
 
 Reading read_message(const bot_core::planar_lidar_t& message, const std::string& robot) {
   if (const DropReason reason = check_ranges(message.ranges); reason != DropReason::none)
-    return refuse(reason);
-  if (!all_finite({message.rad0, message.radstep})) return refuse(DropReason::not_finite);
+    return refused(reason);
+  if (!all_finite({message.rad0, message.radstep})) return refused(DropReason::not_finite);
   const double bearing0_rad = message.rad0;
   // One beam has no step: some say 0.
   const bool no_step = message.ranges.size() == 1 && message.radstep == 0;
@@ -149,7 +149,7 @@ Reading read_message(const bot_core::planar_lidar_t& message, const std::string&
   const double field_of_view_rad = std::abs(step_rad) * static_cast<double>(message.ranges.size() - 1);
   if (!is_plausible_utime(message.utime) || !within(bearing0_rad, largest_angle_rad) ||
       std::abs(step_rad) < smallest_step_rad || field_of_view_rad > largest_field_of_view_rad) {
-    return refuse(DropReason::absurd_value);
+    return refused(DropReason::absurd_value);
   }
   return {ScanEvent{robot, {message.utime, bearing0_rad, step_rad, message.ranges}}};
 }
@@ -158,11 +158,11 @@ Reading read_message(const sighting_t& message, const std::string& robot) {
   for (const DropReason reason : {check_measured(message.range_m, message.range_sigma_m, 0, largest_range_m),
                                   check_measured(message.bearing_rad, message.bearing_sigma_rad,
                                                  -largest_angle_rad, largest_angle_rad)}) {
-    if (reason != DropReason::none) return refuse(reason);
+    if (reason != DropReason::none) return refused(reason);
   }
   const bool nothing_measured = std::isinf(message.range_sigma_m) && std::isinf(message.bearing_sigma_rad);
   if (!is_plausible_utime(message.utime) || message.barcode < 0 || nothing_measured) {
-    return refuse(DropReason::absurd_value);
+    return refused(DropReason::absurd_value);
   }
   SightingEvent event{robot,
                       message.utime,
@@ -177,27 +177,27 @@ Reading read_message(const sighting_t& message, const std::string& robot) {
 }
 
 Reading read_message(const tag_t& message, const std::string&) {
-  if (!is_plausible_utime(message.utime) || message.barcode < 0) return refuse(DropReason::absurd_value);
+  if (!is_plausible_utime(message.utime) || message.barcode < 0) return refused(DropReason::absurd_value);
   return {TagEvent{message.utime, message.barcode}};
 }
 
 Reading read_message(const command_t& message, const std::string&) {
   const std::optional<Verb> verb = value_of<Verb>(message.verb);
-  if (!verb) return refuse(DropReason::unknown_command);
+  if (!verb) return refused(DropReason::unknown_command);
   const std::string robot = upper_case(message.robot);
-  if (!robot.empty() && !is_robot_name(robot)) return refuse(DropReason::bad_name);
-  if (!is_plausible_utime(message.utime)) return refuse(DropReason::absurd_value);
+  if (!robot.empty() && !is_robot_name(robot)) return refused(DropReason::bad_name);
+  if (!is_plausible_utime(message.utime)) return refused(DropReason::absurd_value);
   const DropReason reason = check_operand(*verb, message.closure, robot);
-  if (reason != DropReason::none) return refuse(reason);
+  if (reason != DropReason::none) return refused(reason);
   return {CommandEvent{message.utime, *verb, message.closure, robot}};
 }
 
 Reading read_message(const annotation_t& message, const std::string&) {
   const std::optional<AnnotationKind> kind = value_of<AnnotationKind>(message.kind);
-  if (!kind) return refuse(DropReason::unknown_command);
-  if (!is_annotation_name(message.name)) return refuse(DropReason::bad_name);
+  if (!kind) return refused(DropReason::unknown_command);
+  if (!is_annotation_name(message.name)) return refused(DropReason::bad_name);
   if (const DropReason reason = check_values(message, *kind); reason != DropReason::none)
-    return refuse(reason);
+    return refused(reason);
   AnnotationEvent event;
   event.utime = message.utime;
   event.kind = *kind;
@@ -213,13 +213,13 @@ Reading read_message(const annotation_t& message, const std::string&) {
 
 Reading read_message(const initial_pose_t& message, const std::string& robot) {
   const auto& [x, y, yaw] = message.pose;
-  if (!all_finite({x, y, yaw, message.sigma_m, message.sigma_rad})) return refuse(DropReason::not_finite);
+  if (!all_finite({x, y, yaw, message.sigma_m, message.sigma_rad})) return refused(DropReason::not_finite);
   const bool plausible = is_plausible_utime(message.utime) && within(x, largest_position_m) &&
                          within(y, largest_position_m) && within(yaw, largest_angle_rad) &&
                          message.sigma_m > 0 && message.sigma_m <= largest_sigma_m && message.sigma_rad > 0 &&
                          message.sigma_rad <= std::numbers::pi && is_id_or_none(message.island) &&
                          is_id_or_none(message.patch);
-  if (!plausible) return refuse(DropReason::absurd_value);
+  if (!plausible) return refused(DropReason::absurd_value);
   InitialPoseEvent event;
   event.robot = robot;
   event.utime = message.utime;

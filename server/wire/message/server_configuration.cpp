@@ -79,10 +79,22 @@ Authentication read_authentication(const Setting& table) {
   return authentication;
 }
 
+ExplorationConfiguration read_exploration(const Setting& table) {
+  Fields fields(table, " in [exploration]");
+  ExplorationConfiguration exploration;
+  fields.read("enabled", exploration.enabled);
+  fields.read_within("clearance_m", exploration.clearance_m, 0, 1);
+  fields.read_within("speed_m_s", exploration.speed_m_s, 0.01, 10);
+  fields.finish();
+  return exploration;
+}
+
 void read_wire_parts(const Setting& root, ServerConfiguration& configuration) {
   Fields fields(root);
   if (const Setting* robots = fields.table("robots")) configuration.channels = read_all_channels(*robots);
   if (const Setting* auth = fields.table("auth")) configuration.authentication = read_authentication(*auth);
+  if (const Setting* explore = fields.table("exploration"))
+    configuration.exploration = read_exploration(*explore);
 }
 
 std::string text_of(const toml::table& table) {
@@ -126,8 +138,10 @@ std::string without_keys(const std::string& toml) {
 bool map_alike(const std::string& toml, const std::string& other) {
   toml::table table = toml::parse(toml);
   toml::table other_table = toml::parse(other);
-  table.erase("auth");
-  other_table.erase("auth");
+  for (const char* key : {"auth", "exploration"}) {
+    table.erase(key);
+    other_table.erase(key);
+  }
   return text_of(table) == text_of(other_table);
 }
 

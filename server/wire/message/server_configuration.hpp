@@ -31,11 +31,19 @@ struct Authentication {
   bool is_required() const { return !robots.empty() || !operators.empty(); }
 };
 
+/// Whether and how the server lets robots explore.
+struct ExplorationConfiguration {
+  bool enabled = false;
+  double clearance_m = 0.1;  ///< that ways keep from walls, more than a robot's radius
+  double speed_m_s = 0.5;    ///< at which robots are taken to drive
+};
+
 /// A configuration file: what the engine takes of it, and what concerns the wire alone.
 struct ServerConfiguration {
   Configuration engine;
   ChannelNames channels;
   Authentication authentication;
+  ExplorationConfiguration exploration;
 };
 
 /// Reads all parts of a configuration. Throws std::runtime_error naming `file`, the line and the reason.
@@ -48,7 +56,7 @@ ChannelNames channels_of(const Configuration& configuration);
 /// none. It must parse.
 std::string without_keys(const std::string& toml);
 
-/// Whether two configurations' texts say the same, but for who signs. Both must parse.
+/// Whether two configurations' texts say the same, but for who signs and who explores. Both must parse.
 bool map_alike(const std::string& toml, const std::string& other);
 
 /// 64 hexadecimal digits; nothing for anything else.

@@ -15,7 +15,7 @@ ManifoldPose pose_of(const path_pose_t& pose) {
 }
 
 /// To the centimetre.
-double rounded(double value) { return std::isfinite(value) ? std::round(value * 1e2) / 1e2 : 0; }
+double to_centimetres(double value) { return std::isfinite(value) ? std::round(value * 1e2) / 1e2 : 0; }
 
 }  // namespace
 
@@ -47,8 +47,8 @@ std::string Asked::text(const ShownMap& shown, std::int64_t now_utime) {
       if (!island.valid()) island = shown.island(pose.patch);
       if (shown.island(pose.patch) != island) continue;
       const Pose at = shown.project(pose);
-      points.push_back(Json::array({rounded(at.x), rounded(at.y)}));
-      if (i < answer.gains_m2.size()) points.back().push_back(rounded(answer.gains_m2[i]));
+      points.push_back(Json::array({to_centimetres(at.x), to_centimetres(at.y)}));
+      if (i < answer.gains_m2.size()) points.back().push_back(to_centimetres(answer.gains_m2[i]));
     }
     all.push_back({{"asker", key.substr(0, key.rfind(' '))},
                    {"kind", answer.kind},

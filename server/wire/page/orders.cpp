@@ -9,6 +9,7 @@
 #include "server/wire/message/channel.hpp"
 #include "server/wire/message/limits.hpp"
 #include "server/wire/message/message.hpp"
+#include "server/wire/message/wall_clock.hpp"
 #include "server/wire/trust/envelope.hpp"
 #include "server/wire/trust/order_in.hpp"
 
@@ -91,11 +92,6 @@ ParsedOrder parse_initial_pose(const Json& json) {
   order.sigma_m = (*others)[1];
   order.sigma_rad = (*others)[2];
   return {std::move(order), ""};
-}
-
-std::int64_t wall_clock_utime() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "server/wire/page/page_model.hpp"
 
+#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "server/wire/message/wall_clock.hpp"
 #include "server/wire/page/page_texts.hpp"
 #include "server/wire/questions/low_priority.hpp"
 
@@ -19,17 +21,13 @@ constexpr std::size_t max_poses = 100'000;
 /// Answers that wait for the next status to be shown.
 constexpr std::size_t max_replies = 64;
 
-std::int64_t wall_clock_utime() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
-}
-
 }  // namespace
 
-PageModel::PageModel(std::chrono::milliseconds interval)
+PageModel::PageModel(std::chrono::milliseconds interval, const std::string& journal_directory)
     : interval_(interval),
       run_(number_of_run()),
       tiles_(run_),
+      past_(journal_directory, run_),
       version_(run_),
       thread_([this](const std::stop_token& stop) { loop(stop); }) {}
 
@@ -64,6 +62,11 @@ void PageModel::show(LiveView view) {
 std::shared_ptr<const ShownMap> PageModel::shown() const {
   const std::lock_guard lock(mutex_);
   return shown_;
+}
+
+std::string PageModel::past_list() {
+  const auto map = shown();
+  return past_.list(map ? map->first_utime : 0);
 }
 
 void PageModel::loop(const std::stop_token& stop) {
@@ -105,6 +108,7 @@ void PageModel::take(LiveView view) {
   bulletin_.post("status", status_text(*fresh));
   bulletin_.post("meeting", meeting_text(*fresh));
   bulletin_.post("robots", robots_text(trails_, *fresh));
+  bulletin_.post("past", nlohmann::json(past_.snapshots()).dump());
 }
 
 }  // namespace isthmus

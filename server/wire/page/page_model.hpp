@@ -12,6 +12,7 @@
 
 #include "server/wire/page/asked.hpp"
 #include "server/wire/page/bulletin.hpp"
+#include "server/wire/page/past_maps.hpp"
 #include "server/wire/page/shown_map.hpp"
 #include "server/wire/page/tile_store.hpp"
 #include "server/wire/page/trails.hpp"
@@ -22,7 +23,11 @@ namespace isthmus {
 /// priority: giving it something costs the live server a pointer or a copied pose, and never waits.
 class PageModel {
  public:
-  explicit PageModel(std::chrono::milliseconds interval = std::chrono::milliseconds(200));
+  static constexpr std::chrono::milliseconds usual_interval{200};
+
+  /// `journal_directory`: see PastMaps.
+  explicit PageModel(std::chrono::milliseconds interval = usual_interval,
+                     const std::string& journal_directory = "");
   ~PageModel();
 
   void show(RobotPose pose);  ///< any thread
@@ -30,9 +35,12 @@ class PageModel {
   void show(reply_t reply);   ///< any thread: what somebody has asked for
 
   /// Events of the topics robots (at most once an interval), trails, islands, tags, annotations, asked,
-  /// closures, sightings, status and meeting.
+  /// closures, sightings, status, meeting and past.
   Bulletin& bulletin() { return bulletin_; }
   TileStore& tiles() { return tiles_; }
+  PastMaps& past() { return past_; }
+  /// See PastMaps::list; by the time of the newest map's first patch.
+  std::string past_list();
   /// The newest map; none before the first.
   std::shared_ptr<const ShownMap> shown() const;
   /// Grows from one run to the next, and is no version of an earlier one.
@@ -46,6 +54,7 @@ class PageModel {
   std::int64_t run_;
   Bulletin bulletin_;
   TileStore tiles_;
+  PastMaps past_;
   Trails trails_;         ///< of the thread
   Asked asked_;           ///< of the thread
   std::int64_t version_;  ///< of the thread

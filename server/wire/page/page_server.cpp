@@ -1,12 +1,10 @@
 #include "server/wire/page/page_server.hpp"
 
 #include <httplib.h>
-#include <zlib.h>
 
 #include <array>
 #include <atomic>
 #include <charconv>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <thread>
 
@@ -17,6 +15,7 @@
 #include "server/wire/page/asset.hpp"
 #include "server/wire/page/connection_pool.hpp"
 #include "server/wire/page/download.hpp"
+#include "server/wire/page/map_resources.hpp"
 #include "server/wire/page/preview.hpp"
 
 namespace isthmus {
@@ -25,10 +24,7 @@ namespace {
 using httplib::Request;
 using httplib::Response;
 using Json = nlohmann::json;
-using Text = std::shared_ptr<const std::string>;
 
-constexpr const char* json_type = "application/json";
-constexpr const char* forever = "private, max-age=31536000, immutable";
 constexpr std::size_t largest_order = 65'536;
 
 /// The rest of the page must come from here, and nobody may put it into a page of theirs.
@@ -38,69 +34,6 @@ const httplib::Headers safe_headers = {
      "'self'; form-action 'self'; frame-ancestors 'none'; base-uri 'none'"},
     {"X-Content-Type-Options", "nosniff"},
     {"Referrer-Policy", "no-referrer"}};
-
-/// httplib compresses what it is given whole, anew for each request, and some slowly: given piece by piece it
-/// is sent as it is.
-void answer(Response& response, const Text& bytes, const std::string& type) {
-  response.set_header("Cache-Control", "no-store");
-  if (bytes->empty()) return;
-  response.set_content_provider(bytes->size(), type,
-                                [bytes](std::size_t offset, std::size_t size, httplib::DataSink& sink) {
-                                  return sink.write(bytes->data() + offset, size);
-                                });
-}
-
-void answer(Response& response, int status, const Json& json) {
-  response.status = status;
-  answer(response, std::make_shared<const std::string>(json.dump()), json_type);
-}
-
-void refuse(Response& response, int status, const std::string& why) {
-  answer(response, status, {{"error", why}});
-}
-
-void keep_forever(Response& response) {
-  response.headers.erase("Cache-Control");
-  response.set_header("Cache-Control", forever);
-}
-
-Text deflated(const std::string& bytes) {
-  uLongf size = ::compressBound(static_cast<uLong>(bytes.size()));
-  std::string packed(size, '\0');
-  const auto* from = reinterpret_cast<const Bytef*>(bytes.data());
-  if (::compress2(reinterpret_cast<Bytef*>(packed.data()), &size, from, static_cast<uLong>(bytes.size()),
-                  Z_BEST_SPEED) != Z_OK)
-    throw std::runtime_error("zlib has no memory");
-  packed.resize(size);
-  return std::make_shared<const std::string>(std::move(packed));
-}
-
-template <class Number>
-bool read_number(std::string_view text, Number& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size();
-}
-
-/// "/tile/3/0/1/2" behind "/tile": 3, 0, 1, 2; fewer where one is no number.
-std::vector<std::int32_t> numbers_behind(std::string_view path, std::string_view name) {
-  std::vector<std::int32_t> numbers;
-  path.remove_prefix(name.size());
-  while (path.starts_with('/')) {
-    path.remove_prefix(1);
-    const std::string_view one = path.substr(0, path.find('/'));
-    std::int32_t number = 0;
-    if (!read_number(one, number)) return {};
-    numbers.push_back(number);
-    path.remove_prefix(one.size());
-  }
-  return numbers;
-}
-
-/// A version that a request names; 0: none.
-std::int64_t version_of(const Request& request, const char* name) {
-  std::int64_t version = 0;
-  return read_number(request.get_param_value(name), version) ? version : 0;
-}
 
 std::string hexadecimal(std::int64_t fingerprint) {
   std::array<char, 16> digits;
@@ -132,6 +65,7 @@ class PageServer::Site {
   Site(PageOptions options, TakeMessage take)
       : options_(std::move(options)),
         access_(options_.token),
+        model_(PageModel::usual_interval, options_.journal_directory),
         orders_(std::move(take), options_.order_time),
         pool_(std::make_shared<ConnectionPool>(options_.connections)) {
     if (!is_loopback(options_.address) && !access_.needs_token())
@@ -244,10 +178,10 @@ class PageServer::Site {
     const std::string& path = request.path;
     if (path == "/events") return events(response);
     if (path == "/preview") return preview(request, response);
-    if (path.starts_with("/tiles/")) return tiles(request, numbers_behind(path, "/tiles"), response);
-    if (path.starts_with("/tile/")) return tile(request, numbers_behind(path, "/tile"), response);
-    if (path.starts_with("/patches/")) return patches(request, numbers_behind(path, "/patches"), response);
+    if (path == "/past" || path.starts_with("/past/")) return past(request, response);
     if (path.starts_with("/download/")) return download(path, response);
+    const auto shown = model_.shown();
+    if (get_of_map({shown.get(), model_.tiles(), packed_}, path, request, response)) return;
     send_asset(path, response);
   }
 
@@ -284,50 +218,21 @@ class PageServer::Site {
         });
   }
 
-  void tiles(const Request& request, const std::vector<std::int32_t>& numbers, Response& response) {
-    if (numbers.size() != 1) return refuse(response, 404, "/tiles/ISLAND?since=VERSION");
-    Json list = Json::array();
-    for (const auto& [key, version] :
-         model_.tiles().changed_since(IslandId{numbers[0]}, version_of(request, "since")))
-      list.push_back(Json::array({key.zoom, key.x, key.y, version}));
-    answer(response, 200, list);
-  }
-
-  void tile(const Request& request, const std::vector<std::int32_t>& numbers, Response& response) {
-    if (numbers.size() != 4) return refuse(response, 404, "/tile/ISLAND/ZOOM/X/Y?v=VERSION");
-    const auto image = model_.tiles().image(IslandId{numbers[0]}, {numbers[1], numbers[2], numbers[3]});
-    if (!image) return refuse(response, 404, "no such tile");
-    answer(response, image->png, "image/png");
-    if (image->version == version_of(request, "v")) keep_forever(response);
-  }
-
-  void patches(const Request& request, const std::vector<std::int32_t>& numbers, Response& response) {
-    const auto shown = model_.shown();
-    if (numbers.size() != 1 || !shown || !shown->version.contains(IslandId{numbers[0]}))
-      return refuse(response, 404, "no such island");
-    const IslandId island{numbers[0]};
-    const std::int64_t version = shown->version.at(island);
-    if (request.get_header_value("Accept-Encoding").find("deflate") == std::string::npos) {
-      answer(response, std::make_shared<const std::string>(patch_arrays(*shown, island)),
-             "application/octet-stream");
-    } else {
-      answer(response, packed_patches(*shown, island), "application/octet-stream");
-      response.set_header("Content-Encoding", "deflate");
-    }
-    if (version == version_of(request, "v")) keep_forever(response);
-  }
-
-  /// Made once for each version.
-  Text packed_patches(const ShownMap& shown, IslandId island) {
-    const std::int64_t version = shown.version.at(island);
-    const std::lock_guard lock(packing_);
-    std::erase_if(packed_, [&](const auto& kept) { return !shown.version.contains(kept.first); });
-    auto& [kept_version, text] = packed_[island];
-    if (!text || kept_version < version) {
-      text = deflated(patch_arrays(shown, island));
-      kept_version = version;
-    }
-    return text;
+  /// A list of what was, a map as it was, or what belongs to that.
+  void past(const Request& request, Response& response) {
+    const std::string_view path = std::string_view(request.path).substr(std::string_view("/past").size());
+    if (path.empty())
+      return answer(response, std::make_shared<const std::string>(model_.past_list()), json_type);
+    const std::string_view rest = path.substr(std::min(path.find('/', 1), path.size()));
+    std::int32_t snapshot = 0;
+    if (!read_number(path.substr(1, path.size() - rest.size() - 1), snapshot))
+      return refuse(response, 404, "/past/SNAPSHOT");
+    const PastMaps::Found found = model_.past().find(snapshot);
+    if (found.status == 503) response.set_header("Retry-After", "1");
+    if (!found.map) return refuse(response, found.status, found.why);
+    if (rest.empty()) return answer(response, found.map->text, json_type);
+    if (!get_of_map({&found.map->shown, found.map->tiles, found.map->packed}, rest, request, response))
+      refuse(response, 404, "nothing here");
   }
 
   /// One at a time: what is made for them is large.
@@ -384,8 +289,7 @@ class PageServer::Site {
   Orders orders_;
   std::atomic<std::size_t> taken_seats_ = 0;
   std::mutex downloading_;
-  std::mutex packing_;
-  std::map<IslandId, std::pair<std::int64_t, Text>> packed_;
+  PackedPatches packed_;
   std::shared_ptr<ConnectionPool> pool_;
   httplib::Server http_;
   int port_ = 0;

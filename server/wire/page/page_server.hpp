@@ -15,9 +15,10 @@ struct PageOptions {
   std::string address = "127.0.0.1";
   int port = 0;       ///< 0: any that is free
   std::string token;  ///< see Access; must not be empty where the address is not of this machine alone
-  bool orders_signed = false;    ///< keys are configured: orders must be in an envelope
-  std::size_t viewers = 16;      ///< streams of events at once; further ones are refused
-  std::size_t connections = 48;  ///< at once; further ones wait in the kernel, and take no descriptor
+  std::string journal_directory;  ///< whose snapshots show the past; empty: none do
+  bool orders_signed = false;     ///< keys are configured: orders must be in an envelope
+  std::size_t viewers = 16;       ///< streams of events at once; further ones are refused
+  std::size_t connections = 48;   ///< at once; further ones wait in the kernel, and take no descriptor
   std::chrono::milliseconds transfer_time{
       5000};                                   ///< to read some of a request, or to write some of an answer
   std::chrono::milliseconds order_time{5000};  ///< to wait for what becomes of an order

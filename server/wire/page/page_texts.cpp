@@ -18,10 +18,11 @@ constexpr std::size_t max_sightings = 60;
 std::string line(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 /// To the millimetre and the milliradian; what is no number is no place.
-double rounded(double value) { return std::isfinite(value) ? std::round(value * 1e3) / 1e3 : 0; }
+double to_millimetres(double value) { return std::isfinite(value) ? std::round(value * 1e3) / 1e3 : 0; }
 
 Json pose_json(IslandId island, const Pose& pose) {
-  return Json::array({island.value, rounded(pose.x), rounded(pose.y), rounded(pose.yaw)});
+  return Json::array(
+      {island.value, to_millimetres(pose.x), to_millimetres(pose.y), to_millimetres(pose.yaw)});
 }
 
 Json pose_json(const ShownMap& shown, const ManifoldPose& pose) {
@@ -42,18 +43,18 @@ Json ray_json(const Trails& trails, const ShownMap& shown, const SightingEvent& 
   if (!at || !shown.has(at->patch) || !std::isfinite(sighting.range_m)) return nullptr;
   const Pose from = shown.project(*at);
   const double bearing = from.yaw + sighting.bearing_rad;
-  return Json::array({shown.island(at->patch).value, rounded(from.x), rounded(from.y),
-                      rounded(from.x + sighting.range_m * std::cos(bearing)),
-                      rounded(from.y + sighting.range_m * std::sin(bearing))});
+  return Json::array({shown.island(at->patch).value, to_millimetres(from.x), to_millimetres(from.y),
+                      to_millimetres(from.x + sighting.range_m * std::cos(bearing)),
+                      to_millimetres(from.y + sighting.range_m * std::sin(bearing))});
 }
 
 Json robot_json(const robot_status_t& robot) {
   return {{"name", robot.robot},
           {"heard", as_seconds(robot.last_heard_utime)},
-          {"message_hz", rounded(robot.message_rate_hz)},
-          {"scan_hz", rounded(robot.scan_rate_hz)},
+          {"message_hz", to_millimetres(robot.message_rate_hz)},
+          {"scan_hz", to_millimetres(robot.scan_rate_hz)},
           {"scans", robot.scans},
-          {"matched", rounded(robot.share_matched)},
+          {"matched", to_millimetres(robot.share_matched)},
           {"dropped", counts_json(robot.dropped)}};
 }
 
@@ -90,8 +91,8 @@ std::set<std::string> left_out_robots(const MapCopy& map) {
 }
 
 Json box_json(const MapBox& box) {
-  return Json::array(
-      {rounded(box.low.x()), rounded(box.low.y()), rounded(box.high.x()), rounded(box.high.y())});
+  return Json::array({to_millimetres(box.low.x()), to_millimetres(box.low.y()), to_millimetres(box.high.x()),
+                      to_millimetres(box.high.y())});
 }
 
 Json closure_json(const ClosureRecord& closure, int relations) {
@@ -131,7 +132,8 @@ std::string trails_text(const Trails& trails, const ShownMap& shown) {
     for (const ManifoldPose& pose : robot.trail) {
       if (!shown.has(pose.patch)) continue;
       const Pose at = shown.project(pose);
-      steps.push_back(Json::array({shown.island(pose.patch).value, rounded(at.x), rounded(at.y)}));
+      steps.push_back(
+          Json::array({shown.island(pose.patch).value, to_millimetres(at.x), to_millimetres(at.y)}));
     }
   }
   return line(all);
@@ -178,7 +180,7 @@ std::string annotations_text(const ShownMap& shown) {
     for (const ManifoldPose& point : annotation.points) {
       if (annotation.lost || !shown.has(point.patch)) continue;
       const Pose at = shown.project(point);
-      points.push_back(Json::array({rounded(at.x), rounded(at.y), rounded(at.yaw)}));
+      points.push_back(Json::array({to_millimetres(at.x), to_millimetres(at.y), to_millimetres(at.yaw)}));
     }
     annotations.push_back({{"kind", std::string(word(annotation.kind))},
                            {"name", annotation.name},
@@ -237,7 +239,7 @@ std::string status_text(const ShownMap& shown) {
                {"journal_bytes", status.journal_bytes},
                {"journal_waiting", status.journal_waiting},
                {"dropped", counts_json(status.dropped)},
-               {"latency_p99_ms", rounded(1e3 * shown.view.latency_p99_s)},
+               {"latency_p99_ms", to_millimetres(1e3 * shown.view.latency_p99_s)},
                {"frozen", shown.view.frozen},
                {"robots", robots_json(shown)},
                {"left_out", left_out_robots(shown.map())},

@@ -12,7 +12,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr double still_m = 1e-3;
+constexpr double looks_still_m = 1e-3;
 
 /// Order matters; for telling changes only.
 void mix(std::uint64_t& sum, std::int64_t value) {
@@ -29,7 +29,7 @@ std::map<IslandId, std::uint64_t> looks(const ShownMap& shown) {
     const Pose& pose = map.poses[i];
     mix(sum, static_cast<std::int64_t>(i));
     for (const double part : {pose.x, pose.y, pose.yaw})
-      mix(sum, std::isfinite(part) ? std::llround(part / still_m) : 0);
+      mix(sum, std::isfinite(part) ? std::llround(part / looks_still_m) : 0);
   }
   for (const auto& [id, relation] : map.graph.relations()) mix(sums[shown.island(relation.a)], id.value);
   return sums;

@@ -10,11 +10,12 @@ namespace {
 
 /// A patch that moved by less leaves the same cells, but for those whose centres it just reaches: half a
 /// cell, at 5 m from the patch.
-constexpr double still_m = 0.5 * finest_cell_m;
-constexpr double still_rad = still_m / 5;
+constexpr double tiles_still_m = 0.5 * finest_cell_m;
+constexpr double tiles_still_rad = tiles_still_m / 5;
 
-bool is_still(const Pose& a, const Pose& b) {
-  return std::hypot(a.x - b.x, a.y - b.y) < still_m && std::abs(wrap_angle(a.yaw - b.yaw)) < still_rad;
+bool leaves_the_same_cells(const Pose& a, const Pose& b) {
+  return std::hypot(a.x - b.x, a.y - b.y) < tiles_still_m &&
+         std::abs(wrap_angle(a.yaw - b.yaw)) < tiles_still_rad;
 }
 
 template <class Visit>
@@ -36,7 +37,8 @@ void TileStore::update(const MapCopy& map) {
       const PlacedPatch placed{*map.patches[i], map.poses[i]};
       if (!is_on_grid(placed) || std::ranges::binary_search(map.left_out, id)) {
         hide(id);
-      } else if (shown_[i].island != island.front() || !is_still(shown_[i].map_from_patch, map.poses[i])) {
+      } else if (shown_[i].island != island.front() ||
+                 !leaves_the_same_cells(shown_[i].map_from_patch, map.poses[i])) {
         hide(id);
         show(id, placed, map.patches[i], island.front());
       }

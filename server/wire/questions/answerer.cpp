@@ -8,28 +8,15 @@
 #include "server/engine/annotations/annotations.hpp"
 #include "server/paths/frontiers.hpp"
 #include "server/paths/relative_pose.hpp"
+#include "server/wire/message/path_pose.hpp"
 
 namespace isthmus {
 namespace {
 
 Pose pose_of(const double (&components)[3]) { return {components[0], components[1], components[2]}; }
 
-void set_pose(double (&components)[3], const Pose& pose) {
-  components[0] = pose.x;
-  components[1] = pose.y;
-  components[2] = pose.yaw;
-}
-
 const Pose& pose_of_patch(const MapCopy& map, PatchId patch) {
   return map.poses[static_cast<std::size_t>(patch.value)];
-}
-
-path_pose_t path_pose(const MapCopy& map, const ManifoldPose& pose) {
-  path_pose_t message{};
-  message.patch = pose.patch.value;
-  set_pose(message.patch_from_robot, pose.patch_from_object);
-  set_pose(message.map_from_robot, pose_of_patch(map, pose.patch) * pose.patch_from_object);
-  return message;
 }
 
 bool is_on_map(const MapCopy& map, PatchId patch) { return check(map, {patch, {}}) == Refusal::none; }

@@ -7,18 +7,18 @@
 #include "server/engine/input/robot_name.hpp"
 #include "server/wire/message/byte_check.hpp"
 #include "server/wire/message/channel.hpp"
+#include "server/wire/message/members.hpp"
 #include "server/wire/message/read_message.hpp"
 #include "server/wire/trust/envelope.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr Member number = fixed(8);
-constexpr Member integer = fixed(4);
-constexpr Member pose = fixed(3 * 8);
-constexpr Member name = text(64);
-constexpr std::array members = {number, number, name,    name, number,  name,   integer, pose,  name,
-                                name,   name,   integer, pose, integer, number, number,  number};
+constexpr Member planar_pose = fixed(3 * 8);
+constexpr std::array request_members = {
+    members::number,  members::number,  members::name,   members::name,   members::number, members::name,
+    members::integer, planar_pose,      members::name,   members::name,   members::name,   members::integer,
+    planar_pose,      members::integer, members::number, members::number, members::number};
 
 bool are_finite(const double (&values)[3]) {
   return std::all_of(std::begin(values), std::end(values), [](double value) { return std::isfinite(value); });
@@ -40,7 +40,7 @@ bool are_believable(const request_t& request) {
 }  // namespace
 
 std::optional<request_t> read_request(std::span<const std::uint8_t> bytes) {
-  if (check_bytes(request_t::getHash(), members, bytes) != DropReason::none) return std::nullopt;
+  if (check_bytes(request_t::getHash(), request_members, bytes) != DropReason::none) return std::nullopt;
   request_t request;
   const int size = static_cast<int>(bytes.size());
   if (request.decode(bytes.data(), 0, size) != size) return std::nullopt;

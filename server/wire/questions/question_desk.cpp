@@ -7,6 +7,7 @@
 #include "server/engine/input/robot_name.hpp"
 #include "server/wire/message/channel.hpp"
 #include "server/wire/message/encoded.hpp"
+#include "server/wire/message/wall_clock.hpp"
 #include "server/wire/questions/low_priority.hpp"
 
 namespace isthmus {
@@ -15,11 +16,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* answered = "answered";
-
-std::int64_t wall_clock_utime() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
-}
 
 }  // namespace
 

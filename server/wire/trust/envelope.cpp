@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::size_t mac_bytes = 32;
 constexpr std::int32_t max_payload_bytes = 1024 * 1024;
-constexpr std::array members = {text(64), text(64), fixed(8), array(1, max_payload_bytes),
-                                fixed(static_cast<std::int32_t>(mac_bytes))};
+constexpr std::array envelope_members = {text(64), text(64), fixed(8), array(1, max_payload_bytes),
+                                         fixed(static_cast<std::int32_t>(mac_bytes))};
 
 }  // namespace
 
@@ -34,7 +34,7 @@ Message seal(const AuthKey& key, const std::string& sender, std::int64_t counter
 }
 
 DropReason read_envelope(std::span<const std::uint8_t> bytes, Envelope& envelope) {
-  const DropReason reason = check_bytes(signed_t::getHash(), members, bytes);
+  const DropReason reason = check_bytes(signed_t::getHash(), envelope_members, bytes);
   if (reason != DropReason::none) return reason;
   signed_t message;
   const int size = static_cast<int>(bytes.size());

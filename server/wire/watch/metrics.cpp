@@ -25,9 +25,9 @@ std::string label(std::string_view name, const std::string& value) {
   return std::string(name) + "=\"" + escaped(value) + "\"";
 }
 
-std::string number(std::int64_t value) { return std::to_string(value); }
+std::string decimal(std::int64_t value) { return std::to_string(value); }
 
-std::string number(double value) {
+std::string decimal(double value) {
   char text[32];
   const auto [end, error] = std::to_chars(text, text + sizeof text, value);
   return {text, end};
@@ -42,7 +42,7 @@ class MetricsText {
   }
   template <class Value>
   void add(Value value, const std::string& labels = "") {
-    text_ += name_ + (labels.empty() ? "" : "{" + labels + "}") + " " + number(value) + "\n";
+    text_ += name_ + (labels.empty() ? "" : "{" + labels + "}") + " " + decimal(value) + "\n";
   }
   template <class Value>
   void counter(std::string_view name, std::string_view help, Value value) {

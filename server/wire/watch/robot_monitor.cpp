@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/wire/message/path_pose.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -42,12 +44,6 @@ void count_meetings(const MapCopy& map, status_t& status) {
   status.sightings_accepted = map.sightings.count(Verdict::accepted);
   status.sightings_refused = map.sightings.count(Verdict::refused);
   status.sightings_waiting = map.sightings.count(Verdict::waiting);
-}
-
-void set_pose(double (&components)[3], const Pose& pose) {
-  components[0] = pose.x;
-  components[1] = pose.y;
-  components[2] = pose.yaw;
 }
 
 }  // namespace

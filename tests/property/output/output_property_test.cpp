@@ -15,18 +15,18 @@ namespace isthmus {
 namespace {
 
 /// A number in [low, high), to 2^-20 of the way.
-rc::Gen<double> between(double low, double high) {
+rc::Gen<double> any_between(double low, double high) {
   return rc::gen::map(rc::gen::inRange(0, 1 << 20),
                       [=](int step) { return low + (high - low) * step / (1 << 20); });
 }
 
 Pose arbitrary_pose(double reach_m) {
-  return {*between(-reach_m, reach_m), *between(-reach_m, reach_m), *between(-3.1, 3.1)};
+  return {*any_between(-reach_m, reach_m), *any_between(-reach_m, reach_m), *any_between(-3.1, 3.1)};
 }
 
 Eigen::Matrix3d arbitrary_information() {
   Eigen::Matrix3d root;
-  for (int i = 0; i < 9; ++i) root(i / 3, i % 3) = *between(-30, 30);
+  for (int i = 0; i < 9; ++i) root(i / 3, i % 3) = *any_between(-30, 30);
   return root.transpose() * root + Eigen::Matrix3d::Identity();
 }
 
@@ -70,7 +70,7 @@ TEST(Csv, AQuotedFieldReadsBackAsItWas) {
 TEST(Latency, QuantilesRiseAndLieBetweenZeroAndTheMaximum) {
   EXPECT_TRUE(rc::check([] {
     LatencyHistogram latency;
-    const auto exponents = *rc::gen::container<std::vector<double>>(between(-8, 5));
+    const auto exponents = *rc::gen::container<std::vector<double>>(any_between(-8, 5));
     for (const double exponent : exponents) latency.add(std::pow(10, exponent));
     double previous = 0;
     for (double q = 0; q <= 1; q += 0.125) {
@@ -87,7 +87,7 @@ TEST(GraphG2o, CostsTheSameAsTheMeasuredPoseAtAnyPose) {
     const Pose measured = arbitrary_pose(10);
     Relation relation;
     relation.measurement = RelativePose{measured, arbitrary_information()};
-    const Pose at = measured * Pose{*between(-1, 1), *between(-1, 1), *between(-0.5, 0.5)};
+    const Pose at = measured * Pose{*any_between(-1, 1), *any_between(-1, 1), *any_between(-0.5, 0.5)};
     const G2oEdge edge = g2o_edge(relation, measured);
     const Eigen::Vector3d error = to_vector(inverse(edge.measured_a_from_b) * at);
     const double wanted = cost(relation.measurement, at);
@@ -109,7 +109,7 @@ TEST(GraphG2o, AnEdgeReadBackIsTheMeasurement) {
 /// A map of one patch: a star of 24 beams of any lengths, some without return.
 MapCopy arbitrary_star_map() {
   Scan scan{1, -3, 0.25, {}};
-  for (int beam = 0; beam < 24; ++beam) scan.ranges_m.push_back(static_cast<float>(*between(-0.5, 5)));
+  for (int beam = 0; beam < 24; ++beam) scan.ranges_m.push_back(static_cast<float>(*any_between(-0.5, 5)));
   MapCopy map;
   map.patches = {make_patch(PatchId{0}, "R1", scan, Laser{{0.2, 0.1, 0.4}, 0.05, 4.5}, {})};
   map.poses = {arbitrary_pose(50)};

@@ -26,7 +26,7 @@ PatchId any_patch(const Manifold& manifold) {
   return PatchId{*rc::gen::inRange(0, static_cast<int>(manifold.size()))};
 }
 
-void expect_same(const Pose& a, const Pose& b) {
+void expect_same_pose(const Pose& a, const Pose& b) {
   RC_ASSERT(std::hypot(a.x - b.x, a.y - b.y) < 1e-9);
   RC_ASSERT(std::abs(wrap_angle(a.yaw - b.yaw)) < 1e-9);
 }
@@ -36,8 +36,8 @@ TEST(ManifoldProperty, TransformKeepsTheProjectionAndIsUndoneByItsReturn) {
     const Manifold manifold = any_manifold();
     const ManifoldPose here{any_patch(manifold), any_pose(5)};
     const ManifoldPose there = manifold.transform(here, any_patch(manifold));
-    expect_same(manifold.project(there), manifold.project(here));
-    expect_same(manifold.transform(there, here.patch).patch_from_object, here.patch_from_object);
+    expect_same_pose(manifold.project(there), manifold.project(here));
+    expect_same_pose(manifold.transform(there, here.patch).patch_from_object, here.patch_from_object);
   }));
 }
 
@@ -81,7 +81,7 @@ TEST(ManifoldProperty, BackProjectionKeepsThePoseAndNoCandidateIsBetter) {
     const Pose object = any_pose(10);
     const auto back = manifold.project_back(object, candidates);
     RC_ASSERT(back.has_value());
-    expect_same(manifold.project(*back), object);
+    expect_same_pose(manifold.project(*back), object);
     const auto holds = [&](PatchId id) {
       const Pose r = ominus(object, manifold.pose(id));
       return std::hypot(r.x, r.y) <= Manifold::footprint_m || manifold.patch(id).star.contains({r.x, r.y});

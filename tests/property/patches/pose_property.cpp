@@ -1,17 +1,15 @@
 #include <gtest/gtest.h>
-#include <rapidcheck.h>
 
 #include <functional>
 #include <numbers>
 
 #include "patches/pose.hpp"
+#include "random_solids.hpp"
 
 namespace isthmus {
 namespace {
 
-double between(double low, double high) {
-  return low + (high - low) * (*rc::gen::inRange(0, 1'000'001)) / 1e6;
-}
+using testing::between;
 
 Pose any_pose() { return {between(-50, 50), between(-50, 50), between(-3.2, 3.2)}; }
 

@@ -1,15 +1,15 @@
 #include <gtest/gtest.h>
-#include <rapidcheck.h>
 
 #include <cmath>
 #include <map>
 
+#include "random_numbers.hpp"
 #include "scanmatch/correlative.hpp"
 
 namespace isthmus {
 namespace {
 
-double between(double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 10001) / 10000.0; }
+using testing::between;
 
 /// A map of points, the beams' ends of a robot in it, and where to look for it.
 struct Scene {

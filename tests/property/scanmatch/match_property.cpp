@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
-#include <rapidcheck.h>
 
+#include "random_numbers.hpp"
 #include "scanmatch/match.hpp"
 #include "tests/support/walls.hpp"
 
@@ -8,8 +8,6 @@ namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
-
-double between(double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 10001) / 10000.0; }
 
 // A prediction within 15 cm and 0.1 rad: as far off as odometry may be from one scan to the next.
 Pose off(const Pose& truth) {

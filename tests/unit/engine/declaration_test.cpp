@@ -4,6 +4,7 @@
 
 #include "server/engine/engine.hpp"
 #include "tests/support/solids.hpp"
+#include "tests/support/start_utime.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
@@ -11,7 +12,6 @@ namespace {
 
 using namespace isthmus::testing;
 
-constexpr std::int64_t start_utime = 1'000'000'000;
 constexpr std::int64_t period_us = 200'000;
 
 RobotEvent with_laser(double range_max_m) {

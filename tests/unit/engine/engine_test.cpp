@@ -7,14 +7,13 @@
 #include "server/engine/engine_state.hpp"
 #include "server/engine/record/counters.hpp"
 #include "server/engine/robot/session.hpp"
+#include "tests/support/start_utime.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
-
-constexpr std::int64_t start_utime = 1'000'000'000;
 
 Event at(std::int64_t utime, decltype(Event::body) body) { return {utime, std::move(body)}; }
 

@@ -5,14 +5,13 @@
 #include <cmath>
 
 #include "server/engine/engine.hpp"
+#include "tests/support/start_utime.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
-
-constexpr std::int64_t start_utime = 1'000'000'000;
 
 // Two robots that drive towards one another in a room, each with odometry of its own.
 //

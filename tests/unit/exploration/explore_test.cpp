@@ -9,7 +9,7 @@
 namespace isthmus {
 namespace {
 
-constexpr Footprint slim{0.2, 0.1};
+using testing::slim;
 
 /// A corridor along x of which a robot saw 6 m each way: frontiers at both ends.
 struct Corridor {
@@ -86,6 +86,22 @@ TEST(Explore, TheViewpointFitsAndLooksAtTheFrontier) {
   EXPECT_GT(goal.gain_m2, 0.3);
   const Pose at = corridor.planner.project(goal.viewpoint);
   EXPECT_GT(at.x * std::cos(at.yaw), 0);  // outwards
+}
+
+TEST(Explore, WhereTheFirstIsShutInTheOthersStillHaveFrontiers) {
+  Map map;
+  testing::Walls walls = testing::corridor();
+  testing::add_box(walls, -8, -0.5, -7, 0.5);  // the first robot's cell
+  map.add(testing::round_patch(walls, PatchId{0}, {-7.5, 0, 0}, 6), {-7.5, 0, 0});
+  map.add(testing::round_patch(walls, PatchId{1}, {}, 6), {});
+  map.relate(testing::odometry_relation(PatchId{0}, PatchId{1}, {7.5, 0, 0}));
+  Planner planner;
+  planner.update(testing::shared_copy(map));
+  const std::map<std::string, Explorer> team = {{"R1", {{PatchId{0}, {}}, slim, std::nullopt, {}}},
+                                                {"R2", {{PatchId{1}, {}}, slim, std::nullopt, {}}}};
+  const auto goals = share_frontiers(planner, team);
+  EXPECT_FALSE(goals.contains("R1"));
+  EXPECT_TRUE(goals.contains("R2"));
 }
 
 TEST(Explore, ARobotThatStandsNowhereHasNoGoal) {

@@ -44,7 +44,7 @@ std::vector<Body> all_of(const std::vector<Event>& events) {
 }
 
 /// "R1 T63 O1@1000.2" in the order of events, with receive times in tenths of a second.
-std::string shape(const std::vector<Event>& events) {
+std::string names_and_times(const std::vector<Event>& events) {
   std::ostringstream text;
   for (const Event& event : events) {
     if (const auto* e = std::get_if<RobotEvent>(&event.body)) text << e->robot;
@@ -100,7 +100,7 @@ TEST(MrclamOdometry, AStampThatRunsBackMovesNothing) {
 TEST(Mrclam, RobotsAndTagsComeFirstAndTheRestMergedByTime) {
   const TemporaryDirectory set;
   write_set(set);
-  EXPECT_EQ(shape(import_mrclam(import_of(set))),
+  EXPECT_EQ(names_and_times(import_mrclam(import_of(set))),
             "R1@10000 R3@10000 T63@10000 T81@10000 OR1@10000 OR3@10001 SR3@10001 SR1@10005 SR1@10006 "
             "OR1@10010 ");
 }

@@ -74,6 +74,8 @@ MapCopy map_of(const std::vector<Wall>& walls, const std::vector<Pose>& map_from
   return map;
 }
 
+MapCopy room() { return map_of(rectangle(0.025, 0.025, 4.025, 3.025), {{1, 1, 0}, {2, 1, 0.2}, {3, 2, 1}}); }
+
 Relation relative_pose(PatchId a, PatchId b, const Pose& a_from_b, const Eigen::Matrix3d& information) {
   Relation relation;
   relation.a = a;

@@ -26,6 +26,9 @@ Scan scan_at(const std::vector<Wall>& walls, const Pose& map_from_robot, std::in
 MapCopy map_of(const std::vector<Wall>& walls, const std::vector<Pose>& map_from_patches,
                const PatchOptions& options = {});
 
+/// Of a room of 4 m by 3 m, with three patches.
+MapCopy room();
+
 /// A relation that measures a pose.
 Relation relative_pose(PatchId a, PatchId b, const Pose& a_from_b, const Eigen::Matrix3d& information);
 

@@ -19,7 +19,7 @@ using testing::rectangle;
 using testing::TemporaryDirectory;
 
 /// Two islands: patches 0 | 1 - 2 - 3 (of R1).
-MapCopy two_islands() {
+MapCopy split_map() {
   MapCopy map = map_of(rectangle(0, 0, 4, 4), {{1, 1, 0}, {2, 2, 0.5}, {3, 2, 0}, {3, 3, -0.25}});
   map.graph.remove(map.graph.between(PatchId{0}, PatchId{1}).front());
   return map;
@@ -100,7 +100,7 @@ TEST(Numbers, SecondsAreExactMicroseconds) {
 }
 
 TEST(Tables, RobotsHaveARowPerSessionTheLastOneCurrent) {
-  MapCopy map = two_islands();
+  MapCopy map = split_map();
   map.sessions = {{"R2", 0, 1'000'000, 1'500'000, PatchId{0}},
                   {"R1", 1, 2'000'000, 3'000'001, PatchId{1}},
                   {"R2", 2, 5'000'000, 6'000'000, PatchId{}}};
@@ -112,7 +112,7 @@ TEST(Tables, RobotsHaveARowPerSessionTheLastOneCurrent) {
 }
 
 TEST(Tables, PatchesHavePoseCovarianceAndFreeSpaceInTheIslandsFrame) {
-  const MapCopy map = two_islands();
+  const MapCopy map = split_map();
   const TemporaryDirectory directory;
   write_patches(map, rank_islands(map), directory.file("patches.csv"));
   const auto rows = lines(directory.file("patches.csv"));
@@ -131,7 +131,7 @@ TEST(Tables, PatchesHavePoseCovarianceAndFreeSpaceInTheIslandsFrame) {
 }
 
 TEST(Tables, ThePatchesCovarianceIsTheExactOneRelativeToTheFirst) {
-  const MapCopy map = two_islands();
+  const MapCopy map = split_map();
   const TemporaryDirectory directory;
   write_patches(map, rank_islands(map), directory.file("patches.csv"));
   const std::vector<PatchId> others = {PatchId{3}};

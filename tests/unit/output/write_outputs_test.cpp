@@ -23,9 +23,8 @@ using testing::content;
 using testing::lines;
 using testing::map_of;
 using testing::rectangle;
+using testing::room;
 using testing::TemporaryDirectory;
-
-MapCopy room() { return map_of(rectangle(0.025, 0.025, 4.025, 3.025), {{1, 1, 0}, {2, 1, 0.2}, {3, 2, 1}}); }
 
 std::set<std::string> names_in(const std::string& directory) {
   std::set<std::string> names;

@@ -12,12 +12,11 @@ namespace {
 using testing::area_m2;
 using testing::full_turn;
 using testing::half_turn;
+using testing::infinite_range;
 using testing::look_at;
+using testing::nan_range;
 using testing::reversed;
 using testing::shared_area_m2;
-
-constexpr float inf = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 FreeSpaceOptions exact() {
   FreeSpaceOptions options;
@@ -68,7 +67,7 @@ TEST(FreeSpace, NegativeStepIsTheSameFreeSpace) {
 }
 
 TEST(FreeSpace, IgnoredBeamClosesItsWedgesToTheLaser) {
-  for (const float ignored : {nan, 0.0F, -1.0F, -inf, 0.01F}) {
+  for (const float ignored : {nan_range, 0.0F, -1.0F, -infinite_range, 0.01F}) {
     Scan scan = half_turn(181, 5);
     scan.ranges_m[100] = ignored;
     const Polysolid free = free_space_of(scan, {}, exact());
@@ -81,17 +80,17 @@ TEST(FreeSpace, IgnoredBeamClosesItsWedgesToTheLaser) {
 
 TEST(FreeSpace, GapInAFullTurnMayLieAcrossItsFirstBeam) {
   Scan scan = full_turn(360, 5);
-  scan.ranges_m[0] = scan.ranges_m[359] = nan;
+  scan.ranges_m[0] = scan.ranges_m[359] = nan_range;
   const Polysolid free = free_space_of(scan, {}, exact());
   ASSERT_EQ(free.polygons().size(), 1U);
   EXPECT_NEAR(area_m2(free), fan_area_m2(357, 5, scan.bearing_step_rad), 1e-4);
   Scan middle = full_turn(360, 5);
-  middle.ranges_m[200] = nan;
+  middle.ranges_m[200] = nan_range;
   EXPECT_EQ(free_space_of(middle, {}, exact()).polygons().size(), 1U) << "beam 359 and beam 0 are neighbours";
 }
 
 TEST(FreeSpace, NoReturnOpensOnlyAsFarAsAllowed) {
-  Scan scan = half_turn(181, inf);
+  Scan scan = half_turn(181, infinite_range);
   EXPECT_TRUE(free_space_of(scan, {}, exact()).empty());
   FreeSpaceOptions options = exact();
   options.no_return_range_m = 2;
@@ -123,10 +122,10 @@ TEST(FreeSpace, DegenerateScansOpenNothing) {
   EXPECT_EQ(open_m2(scan), 0) << "no beams";
   scan.ranges_m = {5};
   EXPECT_EQ(open_m2(scan), 0) << "one beam";
-  EXPECT_EQ(open_m2(half_turn(181, nan)), 0);
+  EXPECT_EQ(open_m2(half_turn(181, nan_range)), 0);
   EXPECT_EQ(open_m2(half_turn(181, 0)), 0);
   Scan alternating = half_turn(181, 5);
-  for (std::size_t i = 0; i < 181; i += 2) alternating.ranges_m[i] = nan;
+  for (std::size_t i = 0; i < 181; i += 2) alternating.ranges_m[i] = nan_range;
   EXPECT_EQ(open_m2(alternating), 0) << "no two neighbouring beams";
   for (const double step : {0.0, std::nan(""), 1e-300, -1e-300, 4.0, -1e300}) {
     scan = half_turn(181, 5);

@@ -7,12 +7,14 @@
 #include <stdexcept>
 
 #include "tests/support/patch_scenes.hpp"
+#include "tests/support/poses.hpp"
 #include "tests/support/solids.hpp"
 
 namespace isthmus {
 namespace {
 
 using testing::area_m2;
+using testing::expect_near;
 using testing::full_turn;
 
 PatchPtr disc(int id, float range_m) {
@@ -26,12 +28,6 @@ Manifold three_discs() {
   manifold.add(disc(1, 4), {5, 0, 1.0});
   manifold.add(disc(2, 4), {20, 0, -2.0});
   return manifold;
-}
-
-void expect_near(const Pose& a, const Pose& b) {
-  EXPECT_NEAR(a.x, b.x, 1e-9);
-  EXPECT_NEAR(a.y, b.y, 1e-9);
-  EXPECT_NEAR(wrap_angle(a.yaw - b.yaw), 0, 1e-9);
 }
 
 TEST(Manifold, RelativePoseIsTheSecondPatchSeenFromTheFirst) {

@@ -10,11 +10,10 @@ namespace isthmus {
 namespace {
 
 using testing::half_turn;
+using testing::infinite_range;
 using testing::look_at;
+using testing::nan_range;
 using testing::reversed;
-
-constexpr float inf = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(Scan, RangesAreClassifiedByRep117) {
   Laser laser;
@@ -25,8 +24,8 @@ TEST(Scan, RangesAreClassifiedByRep117) {
   EXPECT_EQ(classify(9.99F, laser), BeamKind::hit);
   EXPECT_EQ(classify(10, laser), BeamKind::no_return);
   EXPECT_EQ(classify(11, laser), BeamKind::no_return);
-  EXPECT_EQ(classify(inf, laser), BeamKind::no_return);
-  for (const float range_m : {0.49F, 0.0F, -0.0F, -5.0F, -inf, nan}) {
+  EXPECT_EQ(classify(infinite_range, laser), BeamKind::no_return);
+  for (const float range_m : {0.49F, 0.0F, -0.0F, -5.0F, -infinite_range, nan_range}) {
     EXPECT_EQ(classify(range_m, laser), BeamKind::ignored) << range_m;
   }
 }
@@ -41,7 +40,7 @@ TEST(Scan, ZeroRangeIsIgnoredEvenWithoutAMinimum) {
 TEST(Scan, InfinityIsNoReturnAlsoForALaserWithoutAMaximum) {
   Laser laser;
   laser.range_max_m = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(classify(inf, laser), BeamKind::no_return);
+  EXPECT_EQ(classify(infinite_range, laser), BeamKind::no_return);
   EXPECT_EQ(classify(1e6F, laser), BeamKind::hit);
 }
 
@@ -57,7 +56,7 @@ TEST(Scan, PointsAreTheHitsInTheRobotsFrame) {
   Scan scan;
   scan.bearing0_rad = 0;
   scan.bearing_step_rad = std::numbers::pi / 2;
-  scan.ranges_m = {1, inf, 3, nan, 2};
+  scan.ranges_m = {1, infinite_range, 3, nan_range, 2};
   Laser laser;
   laser.robot_from_laser = {0.5, 0.25, std::numbers::pi / 2};
   const auto points = to_points(scan, laser, {});
@@ -138,7 +137,7 @@ TEST(Scan, NormalsEndAtAJumpThatIsNearerThanTheirArcReaches) {
 }
 
 TEST(Scan, LonePointsHaveNoNormal) {
-  Scan scan = half_turn(181, inf);
+  Scan scan = half_turn(181, infinite_range);
   scan.ranges_m[20] = scan.ranges_m[90] = scan.ranges_m[160] = 5;
   const auto points = to_points(scan, {}, {});
   ASSERT_EQ(points.size(), 3U);
@@ -163,8 +162,8 @@ TEST(Scan, DegenerateScansGivePointsWithoutNormalsOrNone) {
   Scan scan = half_turn(181, 5);
   scan.ranges_m.clear();
   EXPECT_TRUE(to_points(scan, {}, {}).empty());
-  EXPECT_TRUE(to_points(half_turn(181, nan), {}, {}).empty());
-  EXPECT_TRUE(to_points(half_turn(181, inf), {}, {}).empty());
+  EXPECT_TRUE(to_points(half_turn(181, nan_range), {}, {}).empty());
+  EXPECT_TRUE(to_points(half_turn(181, infinite_range), {}, {}).empty());
   scan = half_turn(181, 5);
   scan.bearing_step_rad = 0;
   for (const ScanPoint& point : to_points(scan, {}, {}))

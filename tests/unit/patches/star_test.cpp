@@ -11,9 +11,8 @@ namespace {
 
 using testing::full_turn;
 using testing::half_turn;
-
-constexpr float inf = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+using testing::infinite_range;
+using testing::nan_range;
 
 Eigen::Vector2d polar(double bearing_rad, double range_m) {
   return {range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad)};
@@ -48,8 +47,8 @@ TEST(Star, FullTurnHasNoSeam) {
 
 TEST(Star, IgnoredBeamsAndNoReturnsOpenOnlyWhatIsAllowed) {
   Scan scan = half_turn(181, 4);
-  scan.ranges_m[90] = nan;
-  scan.ranges_m[120] = inf;
+  scan.ranges_m[90] = nan_range;
+  scan.ranges_m[120] = infinite_range;
   const double bearing = testing::bearing_rad(scan, 120);
   const Star strict(scan, {}, 20, 0);
   EXPECT_FALSE(strict.contains(polar(0, 1)));
@@ -88,8 +87,8 @@ TEST(Star, DegenerateScansContainNothing) {
   Scan scan = half_turn(181, 5);
   scan.ranges_m.clear();
   EXPECT_TRUE(empty(scan));
-  EXPECT_TRUE(empty(half_turn(181, nan)));
-  EXPECT_TRUE(empty(half_turn(181, inf)));
+  EXPECT_TRUE(empty(half_turn(181, nan_range)));
+  EXPECT_TRUE(empty(half_turn(181, infinite_range)));
   for (const double step : {0.0, std::nan("")}) {
     scan = half_turn(181, 5);
     scan.bearing_step_rad = step;

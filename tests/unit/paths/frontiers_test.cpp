@@ -12,7 +12,7 @@ namespace {
 using testing::node_at;
 using testing::Seen;
 
-constexpr Footprint slim{0.1, 0.05};
+constexpr Footprint narrow_footprint{0.1, 0.05};
 
 /// A room of 5 m with walls all round, but for a doorway of so many cells in the wall at x = 5 m.
 std::shared_ptr<const Ground> room_with_door(int door_cells) {
@@ -24,7 +24,7 @@ std::shared_ptr<const Ground> room_with_door(int door_cells) {
 }
 
 TEST(Frontiers, ADoorwayToTheUnseenIsOne) {
-  const Roadmap roadmap(room_with_door(20), slim);
+  const Roadmap roadmap(room_with_door(20), narrow_footprint);
   const auto found = find_frontiers(roadmap, node_at(roadmap.ground(), 20, 50));
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].size_m, 20 * ground_cell_m, 0.1);
@@ -35,7 +35,7 @@ TEST(Frontiers, ADoorwayToTheUnseenIsOne) {
 }
 
 TEST(Frontiers, TheGainIsWhatWouldBeSeenThroughIt) {
-  const Roadmap narrow(room_with_door(16), slim), wide(room_with_door(40), slim);
+  const Roadmap narrow(room_with_door(16), narrow_footprint), wide(room_with_door(40), narrow_footprint);
   const NodeId from = node_at(narrow.ground(), 20, 50);
   const auto small = find_frontiers(narrow, from), large = find_frontiers(wide, from);
   ASSERT_EQ(small.size(), 1U);
@@ -47,14 +47,14 @@ TEST(Frontiers, TheGainIsWhatWouldBeSeenThroughIt) {
 
 TEST(Frontiers, AClosedRoomAndAGapBetweenBeamsHaveNone) {
   for (const int door_cells : {0, 3}) {
-    const Roadmap roadmap(room_with_door(door_cells), slim);
+    const Roadmap roadmap(room_with_door(door_cells), narrow_footprint);
     EXPECT_TRUE(find_frontiers(roadmap, node_at(roadmap.ground(), 20, 50)).empty()) << door_cells;
   }
 }
 
 TEST(Frontiers, OneThatIsNarrowerThanTheRobotIsNone) {
   const auto ground = room_with_door(9);  // .45 m
-  const Roadmap slim_road(ground, slim), wide_road(ground, {0.25, 0});
+  const Roadmap slim_road(ground, narrow_footprint), wide_road(ground, {0.25, 0});
   EXPECT_EQ(find_frontiers(slim_road, -1).size(), 1U);
   EXPECT_TRUE(find_frontiers(wide_road, -1).empty());
 }
@@ -63,7 +63,7 @@ TEST(Frontiers, AVeryLongOneIsCutInPiecesThatLieSideBySide) {
   const auto ground = testing::ground_of(120, [](int x, int y) {
     return x == 0 || y == 0 || y == 119 ? Seen::occupied : Seen::open;  // 6 m long, at x = 6 m
   });
-  const Roadmap roadmap(ground, slim);
+  const Roadmap roadmap(ground, narrow_footprint);
   FrontierOptions options;
   options.max_size_m = 2;
   const auto found = find_frontiers(roadmap, -1, options);
@@ -82,7 +82,7 @@ TEST(Frontiers, AVeryLongOneIsCutInPiecesThatLieSideBySide) {
 }
 
 TEST(Frontiers, AViewpointCloseUpDoesNotDependOnWhereTheRobotIs) {
-  const Roadmap roadmap(room_with_door(20), slim);
+  const Roadmap roadmap(room_with_door(20), narrow_footprint);
   const auto from = [&](int x, int y) { return node_at(roadmap.ground(), x, y); };
   FrontierOptions options;
   options.close_up = true;
@@ -102,14 +102,14 @@ TEST(Frontiers, OneThatCannotBeReachedCostsInfinitely) {
     const bool edge = x == 0 || y == 0 || y == 99;
     return edge || x == 50 ? Seen::occupied : Seen::open;
   });
-  const Roadmap roadmap(ground, slim);
+  const Roadmap roadmap(ground, narrow_footprint);
   const auto found = find_frontiers(roadmap, node_at(*ground, 20, 50));
   ASSERT_FALSE(found.empty());
   for (const Frontier& one : found) EXPECT_EQ(one.cost_m, std::numeric_limits<double>::infinity());
 }
 
 TEST(Frontiers, WithoutARobotCostsAreTheWayFromTheViewpoint) {
-  const Roadmap roadmap(room_with_door(20), slim);
+  const Roadmap roadmap(room_with_door(20), narrow_footprint);
   const auto found = find_frontiers(roadmap, -1);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_LE(found[0].cost_m, 0.5);

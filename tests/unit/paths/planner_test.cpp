@@ -9,9 +9,8 @@
 namespace isthmus {
 namespace {
 
+using testing::slim;
 using testing::Spiral;
-
-constexpr Footprint slim{0.2, 0.1};
 
 Path ask(const Map& map, const ManifoldPose& from, const ManifoldPose& to,
          const Footprint& footprint = slim) {
@@ -20,7 +19,7 @@ Path ask(const Map& map, const ManifoldPose& from, const ManifoldPose& to,
   return planner.path({from, to, footprint});
 }
 
-Map room() {
+Map room_map() {
   Map map;
   testing::add_round_way(map, testing::furnished_room(), {{-1, 0, 0}, {1, 0, 0}});
   return map;
@@ -67,7 +66,7 @@ TEST(Planner, APathGoesRoundAPillarAtTheDistanceAsked) {
 }
 
 TEST(Planner, APathFacesTheWayItGoesAndIsAMetreApart) {
-  const Map map = room();
+  const Map map = room_map();
   Planner planner;
   planner.update(testing::shared_copy(map));
   const Path path = planner.path({{PatchId{0}, {-1.5, -1, 2}}, {PatchId{1}, {1.5, -1, 0}}, slim});
@@ -81,7 +80,7 @@ TEST(Planner, APathFacesTheWayItGoesAndIsAMetreApart) {
 }
 
 TEST(Planner, APathMovesWithItsPatchesWhenTheMapIsRefitted) {
-  Map map = room();
+  Map map = room_map();
   Planner planner;
   planner.update(testing::shared_copy(map));
   const PathQuestion question{{PatchId{0}, {}}, {PatchId{1}, {}}, slim};
@@ -97,14 +96,14 @@ TEST(Planner, APathMovesWithItsPatchesWhenTheMapIsRefitted) {
 }
 
 TEST(Planner, ARobotThatStandsTooNearToAWallLeavesItFirst) {
-  const Path path = ask(room(), {PatchId{0}, {0, -2.85, 0}}, {PatchId{1}, {}});
+  const Path path = ask(room_map(), {PatchId{0}, {0, -2.85, 0}}, {PatchId{1}, {}});
   ASSERT_EQ(path.refusal, Refusal::none);
   EXPECT_LT(path.poses[1].patch_from_object.y, -2.5);
   EXPECT_GT(path.poses[1].patch_from_object.y, -2.75);
 }
 
 TEST(Planner, QuestionsWithoutAnAnswerAreRefusedWithTheReason) {
-  const Map map = room();
+  const Map map = room_map();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const ManifoldPose here{PatchId{0}, {}};
   EXPECT_EQ(ask(map, here, {PatchId{7}, {}}).refusal, Refusal::unknown_patch);
@@ -118,19 +117,19 @@ TEST(Planner, QuestionsWithoutAnAnswerAreRefusedWithTheReason) {
 }
 
 TEST(Planner, TwoIslandsAndTwoRoomsHaveNoPathBetweenThem) {
-  Map map = room();
+  Map map = room_map();
   map.add(testing::round_patch(testing::furnished_room(), PatchId{2}, {}), {});
   EXPECT_EQ(ask(map, {PatchId{0}, {}}, {PatchId{2}, {}}).refusal, Refusal::other_island);
   testing::Walls other;
   testing::add_box(other, 5, -3, 9, 3);
-  Map rooms = room();
+  Map rooms = room_map();
   rooms.add(testing::round_patch(other, PatchId{2}, {7, 0, 0}), {7, 0, 0});
   rooms.relate(testing::odometry_relation(PatchId{1}, PatchId{2}, {6, 0, 0}));
   EXPECT_EQ(ask(rooms, {PatchId{0}, {}}, {PatchId{2}, {}}).refusal, Refusal::unreachable);
 }
 
 TEST(Planner, PatchesThatOperatorsLeftOutAreNoGround) {
-  MapCopy copy = testing::copy_of(room());
+  MapCopy copy = testing::copy_of(room_map());
   copy.left_out = {PatchId{0}, PatchId{1}};
   Planner planner;
   planner.update(std::make_shared<const MapCopy>(copy));
@@ -139,7 +138,7 @@ TEST(Planner, PatchesThatOperatorsLeftOutAreNoGround) {
 }
 
 TEST(Planner, RoadmapsAreKeptWhileTheGroundStaysAndOfEightFootprintsAtMost) {
-  Map map = room();
+  Map map = room_map();
   Planner planner;
   planner.update(testing::shared_copy(map));
   const auto first = planner.roadmap(IslandId{0}, slim);

@@ -14,7 +14,7 @@ namespace {
 using testing::node_at;
 using testing::Seen;
 
-constexpr Footprint slim{0.1, 0.0};
+constexpr Footprint bare_footprint{0.1, 0.0};
 
 /// 6 m square; a wall at x = 3 m with a doorway at its lower end and, if `both`, one at its upper end.
 Roadmap rooms(bool both) {
@@ -23,7 +23,7 @@ Roadmap rooms(bool both) {
                                       const bool door = y < 14 || (both && y >= 106);
                                       return x == 60 && !door ? Seen::occupied : Seen::open;
                                     }),
-                 slim);
+                 bare_footprint);
 }
 
 float left_m(const Roadmap& roadmap, int from_y, int x, int y) {
@@ -50,7 +50,8 @@ TEST(Regions, AWayThatIsMuchLongerIsLeftOut) {
 
 TEST(Regions, RoomsWithoutADoorHaveNoWayAndNoSearchIsMade) {
   const Roadmap roadmap(
-      testing::ground_of(60, [](int x, int) { return x == 30 ? Seen::occupied : Seen::open; }), slim);
+      testing::ground_of(60, [](int x, int) { return x == 30 ? Seen::occupied : Seen::open; }),
+      bare_footprint);
   const NodeId from = node_at(roadmap.ground(), 10, 10), to = node_at(roadmap.ground(), 50, 10);
   EXPECT_TRUE(roadmap.regions().left_m(roadmap.square(from), roadmap.square(to)).empty());
   EXPECT_FALSE(find_route(roadmap, from, to, 100'000));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "server/paths/driven_ways.hpp"
 #include "server/paths/planner.hpp"
 #include "tests/support/ground_scenes.hpp"
@@ -11,8 +13,6 @@ namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
-
-constexpr Footprint slim{0.2, 0.1};
 
 // A hall 20 m long and 6 m wide, on which zones are drawn.
 struct Hall {
@@ -116,6 +116,103 @@ TEST(Zones, AreThoseOfTheirIsland) {
   const Eigen::Vector2d from(0, 0), to(16, 0);
   EXPECT_TRUE(hall.planner.zones().bars(PatchId{0}, from, to, 0));
   EXPECT_FALSE(hall.planner.zones().bars(PatchId{1}, from, to, 0));
+}
+
+TEST(Zones, AreNeitherPlacesNorWhatIsLost) {
+  Hall hall;
+  hall.draw(AnnotationKind::place, "dock", {{8, 0}});
+  hall.draw(AnnotationKind::keep_out, "lost", rectangle(7, -2, 9, 1));
+  hall.draw(AnnotationKind::keep_out, "there", rectangle(1, -2, 3, 1));
+  MapCopy copy = copy_of(hall.map);
+  copy.annotations = hall.annotations.records(hall.map, on_any_map);
+  copy.annotations[1].lost = true;
+  const Zones zones(copy);
+  ASSERT_EQ(zones.of(PatchId{0}).size(), 1U);
+  EXPECT_NEAR(zones.of(PatchId{0}).front().ring.front().x(), 1, 1e-9);
+}
+
+TEST(Zones, OfSpeedBarNoWayAndThoseToKeepOutOfTellNoSpeed) {
+  Hall hall;
+  const Eigen::Vector2d from(0, 0), to(16, 0);
+  hall.draw(AnnotationKind::speed, "slow", rectangle(7, -2, 9, 1));
+  hall.update();
+  EXPECT_FALSE(hall.planner.zones().bars(PatchId{0}, from, to, 0.2));
+  EXPECT_FALSE(hall.planner.zones().any_keep_out(PatchId{0}));
+  EXPECT_EQ(hall.planner.zones().max_speed_m_s(PatchId{0}, from, to, 0.2), 0.5);
+  AnnotationEvent slower = annotation(AnnotationKind::keep_out, "z", PatchId{0}, rectangle(7, -2, 9, 1));
+  slower.max_speed_m_s = 0.1;
+  ASSERT_EQ(hall.annotations.take(slower, hall.map, on_any_map), DropReason::none);
+  hall.update();
+  EXPECT_TRUE(hall.planner.zones().any_keep_out(PatchId{0}));
+  EXPECT_EQ(hall.planner.zones().max_speed_m_s(PatchId{0}, from, to, 0.2), 0.5);
+}
+
+TEST(Zones, ThatOthersHaveAreTakenOverOrGoWithThem) {
+  Hall hall;
+  hall.draw(AnnotationKind::keep_out, "z", rectangle(7, -2, 9, 1));
+  hall.update();
+  Zones zones;
+  zones.keep(PatchId{0}, hall.planner.zones());
+  ASSERT_EQ(zones.of(PatchId{0}).size(), 1U);
+  EXPECT_EQ(zones.of(PatchId{0}).front().ring, hall.planner.zones().of(PatchId{0}).front().ring);
+  zones.keep(PatchId{0}, Zones());
+  EXPECT_TRUE(zones.of(PatchId{0}).empty());
+}
+
+TEST(Zones, AreAlikeUpToHalfACell) {
+  Zone zone;
+  zone.keep_out = false;
+  zone.max_speed_m_s = 0.5;
+  zone.ring = rectangle(0, 0, 2, 2);
+  const auto is_alike = [&](const auto& change) {
+    Zone other = zone;
+    change(other);
+    return are_alike(std::span(&zone, 1), std::span(&other, 1));
+  };
+  EXPECT_TRUE(is_alike([](Zone& other) { other.ring[2].x() += 0.49 * ground_cell_m; }));
+  EXPECT_FALSE(is_alike([](Zone& other) { other.ring[2].x() += 0.51 * ground_cell_m; }));
+  EXPECT_FALSE(is_alike([](Zone& other) { other.ring.pop_back(); }));
+  EXPECT_FALSE(is_alike([](Zone& other) { other.keep_out = true; }));
+  EXPECT_FALSE(is_alike([](Zone& other) { other.max_speed_m_s = 0.4; }));
+  EXPECT_FALSE(are_alike(std::span(&zone, 1), {}));
+}
+
+// A zone that has hardly moved stays where roadmaps have it, so that it is noticed once it has come farther.
+TEST(Zones, ThatCreepAreFollowed) {
+  Hall hall;
+  hall.draw(AnnotationKind::keep_out, "z", rectangle(7, -2, 9, 1));
+  MapCopy copy = copy_of(hall.map);
+  copy.annotations = hall.annotations.records(hall.map, on_any_map);
+  const auto creep = [&] {
+    for (ManifoldPose& corner : copy.annotations.front().points)
+      corner.patch_from_object.y += 0.3 * ground_cell_m;
+    hall.planner.update(std::make_shared<const MapCopy>(copy));
+    hall.planner.path({{PatchId{0}, {0, 0, 0}}, {PatchId{0}, {16, 0, 0}}, slim});
+    return hall.planner.zones().of(PatchId{0}).front().ring.front().y();
+  };
+  const double first = creep();
+  EXPECT_DOUBLE_EQ(creep(), first);
+  EXPECT_NEAR(creep(), first + 0.6 * ground_cell_m, 1e-9);
+}
+
+TEST(KeptOutCells, AreNoneOfASpeedZone) {
+  Zone zone;
+  zone.keep_out = false;
+  zone.ring = rectangle(0, 0, 2, 2);
+  EXPECT_TRUE(KeptOutCells(std::span(&zone, 1), 0.3).empty());
+  zone.keep_out = true;
+  EXPECT_FALSE(KeptOutCells(std::span(&zone, 1), 0.3).empty());
+}
+
+TEST(KeptOutCells, OfSeveralZonesAreThoseOfEach) {
+  Zone wide, narrow;
+  wide.ring = rectangle(0, 0, 4, 1);
+  narrow.ring = rectangle(1, 0, 2, 1);  // in the midst of the other
+  const std::array<Zone, 2> zones = {wide, narrow};
+  const KeptOutCells cells(zones, 0.01);
+  for (const double x : {0.5, 1.5, 2.5, 3.5}) EXPECT_TRUE(cells.contains(cell_of({x, 0.5}))) << x;
+  EXPECT_FALSE(cells.contains(cell_of({4.5, 0.5})));
+  EXPECT_FALSE(cells.contains(cell_of({-0.5, 0.5})));
 }
 
 TEST(KeptOutCells, AreThoseInsideAndAround) {

@@ -27,7 +27,7 @@ TEST(TruthRelations, AgreeWithTheTruePoses) {
     for (const TruePose& pose : robot.poses) poses[{robot.robot, pose.utime}] = pose.world_from_robot;
   }
   std::size_t intra = 0, inter = 0, long_term = 0;
-  for (const TrueRelation& r : sample_relations(run.truth, 1)) {
+  for (const ScanRelation& r : sample_relations(run.truth, 1)) {
     const Pose a = poses.at({r.robot1, r.utime1}), b = poses.at({r.robot2, r.utime2});
     const Pose error = ominus(b, a * r.pose);
     EXPECT_LT(std::hypot(error.x, error.y), 1e-9);
@@ -43,7 +43,7 @@ TEST(TruthRelations, NoneSpansACarry) {
   const SimulatedRun run = simulate(load_scenario("kidnap"), 1);
   std::map<std::int64_t, std::size_t> stretch;
   for (const TruePose& pose : run.truth.at(0).poses) stretch[pose.utime] = pose.stretch;
-  for (const TrueRelation& r : sample_relations(run.truth, 1)) {
+  for (const ScanRelation& r : sample_relations(run.truth, 1)) {
     if (r.robot1 == "R1" && r.robot2 == "R1") {
       EXPECT_EQ(stretch.at(r.utime1), stretch.at(r.utime2));
     }

@@ -1,15 +1,18 @@
 #include "tools/export/mcap/mcap_writer.hpp"
 
 #include <zlib.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <concepts>
+#include <stdexcept>
 
 namespace isthmus {
 namespace {
 
 constexpr std::string_view magic("\x89MCAP0\r\n", 8);
-constexpr std::size_t chunk_bytes = 1 << 20;
+constexpr std::string_view compression = "zstd";
+constexpr std::size_t chunk_bytes = 1 << 20;  ///< before compression
 
 enum class Opcode : std::uint8_t {
   header = 0x01,
@@ -47,6 +50,15 @@ std::string record(Opcode opcode, std::string_view content) {
 std::uint32_t crc(std::string_view bytes, std::uint32_t before = 0) {
   return static_cast<std::uint32_t>(
       ::crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+std::string compressed(std::string_view bytes) {
+  std::string packed(::ZSTD_compressBound(bytes.size()), '\0');
+  const std::size_t size =
+      ::ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), ZSTD_CLEVEL_DEFAULT);
+  if (::ZSTD_isError(size) != 0) throw std::runtime_error(std::string("zstd: ") + ::ZSTD_getErrorName(size));
+  packed.resize(size);
+  return packed;
 }
 
 /// Where records of one kind are in the summary; nothing of a kind that has none.
@@ -111,8 +123,9 @@ void McapWriter::end_chunk() {
   if (chunk_.empty()) return;
   const std::uint64_t start = offset_, size = chunk_.size();
   const std::string times = bytes_of(chunk_times_.first_ns) + bytes_of(chunk_times_.last_ns);
-  put(record(Opcode::chunk,
-             times + bytes_of(size) + bytes_of(crc(chunk_)) + text("") + counted<std::uint64_t>(chunk_)));
+  const std::string packed = compressed(chunk_);
+  put(record(Opcode::chunk, times + bytes_of(size) + bytes_of(crc(chunk_)) + text(compression) +
+                                counted<std::uint64_t>(packed)));
   const std::uint64_t length = offset_ - start;
   std::string offsets;
   for (auto& [channel, entries] : chunk_index_) {
@@ -122,10 +135,10 @@ void McapWriter::end_chunk() {
     offsets += bytes_of(channel) + bytes_of(offset_);
     put(record(Opcode::message_index, bytes_of(channel) + counted<std::uint32_t>(list)));
   }
-  chunk_indexes_ +=
-      record(Opcode::chunk_index, times + bytes_of(start) + bytes_of(length) +
-                                      counted<std::uint32_t>(offsets) + bytes_of(offset_ - start - length) +
-                                      text("") + bytes_of(size) + bytes_of(size));
+  chunk_indexes_ += record(Opcode::chunk_index, times + bytes_of(start) + bytes_of(length) +
+                                                    counted<std::uint32_t>(offsets) +
+                                                    bytes_of(offset_ - start - length) + text(compression) +
+                                                    bytes_of(std::uint64_t{packed.size()}) + bytes_of(size));
   ++statistics_.chunks;
   chunk_.clear();
   chunk_index_.clear();

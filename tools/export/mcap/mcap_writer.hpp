@@ -10,7 +10,7 @@
 
 namespace isthmus {
 
-/// Writes an MCAP file (mcap.dev/spec): messages in chunks without compression, each with its index and CRC,
+/// Writes an MCAP file (mcap.dev/spec): messages in chunks compressed by zstd, each with its index and CRC,
 /// and a summary with schemas, channels, chunk indexes and statistics, so that players jump to any time
 /// without reading all of it. Complete or absent, as every output file; errors are std::runtime_error naming
 /// the file.

@@ -40,6 +40,7 @@ void add_rendezvous_command(CLI::App& app);
 void add_floor_plans_command(CLI::App& app);
 void add_paths_command(CLI::App& app);
 void add_explore_command(CLI::App& app);
+void add_home_command(CLI::App& app);
 /// @}
 
 }  // namespace isthmus

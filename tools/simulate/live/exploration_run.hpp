@@ -5,17 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "server/exploration/explore.hpp"
+#include "server/exploration/expedition.hpp"
 #include "tools/simulate/run/simulation.hpp"
 
 namespace isthmus {
 
 struct ExplorationRunOptions {
   std::size_t robots = 1;  ///< the first of the scenario's; they start beside one another
-  ExplorationOptions exploration;
+  ExpeditionOptions expedition;
   double clearance_m = 0.1;  ///< asked of paths
   double max_s = 3600;       ///< the run is given up then
-  double plan_period_s = 4;  ///< goals and paths are looked at anew
+  double plan_period_s = 1;  ///< goals and paths are looked at anew
   double measure_period_s = 20;
   double found_share = 0.99;  ///< of the reachable ground: the time of this is told
 };
@@ -32,7 +32,7 @@ struct ExplorationScore {
   std::size_t islands = 0;         ///< with a robot on them, in the end
   std::size_t touched_walls = 0;   ///< times that a robot came to touch one
   std::size_t touched_robots = 0;  ///< pairs that came to touch
-  std::size_t back_offs = 0;       ///< times that one made way for another
+  std::size_t gave_way = 0;        ///< times that one made way for another
   std::size_t goals = 0;           ///< that were driven to
   std::size_t goals_given_up = 0;
   double plan_cpu_ms = 0;  ///< of the dearest look at goals and paths, the ground's update included
@@ -47,7 +47,7 @@ struct ExplorationView {
 };
 using WatchExploration = std::function<void(const ExplorationView&)>;
 
-/// Robots in the scenario's building, in a closed loop with the engine, the planner and `share_frontiers`, in
+/// Robots in the scenario's building, in a closed loop with the engine, the planner and `Expedition`, in
 /// one process: they drive along the paths that they are given by what their own lasers see, and what they
 /// send is what the map is made of. The same for the same arguments. `watch` is called after each
 /// measurement; it may be empty. Throws std::runtime_error where there is no room for the robots to start.

@@ -7,7 +7,7 @@
 namespace isthmus {
 namespace {
 
-constexpr double turn_acceleration_rps2 = 4;
+constexpr double wheel_turn_acceleration_rps2 = 4;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ LiveRobot::LiveRobot(const RobotPlan& plan, const Pose& world_from_robot, std::u
 std::int64_t LiveRobot::utime(double time_s) const { return start_utime_ + std::llround(1e6 * time_s); }
 
 bool LiveRobot::move(const Motion& wanted, double dt_s, const RayCaster& caster) {
-  const double push = plan_.drive.acceleration_mps2 * dt_s, twist = turn_acceleration_rps2 * dt_s;
+  const double push = plan_.drive.acceleration_mps2 * dt_s, twist = wheel_turn_acceleration_rps2 * dt_s;
   motion_.speed_mps = std::clamp(wanted.speed_mps, motion_.speed_mps - 2 * push, motion_.speed_mps + push);
   motion_.turn_rate_rps =
       std::clamp(wanted.turn_rate_rps, motion_.turn_rate_rps - twist, motion_.turn_rate_rps + twist);

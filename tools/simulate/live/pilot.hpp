@@ -20,8 +20,8 @@ class Pilot {
   /// Where the frame of the map that its path is in lies now.
   void localise(const Pose& odom_from_map) { odom_from_map_ = odom_from_map; }
 
-  /// From where it is on; at the end it turns to a heading. In the map's frame.
-  void follow(std::vector<Eigen::Vector2d> map_path, double map_heading_rad);
+  /// From where it is on; at the end it turns to a heading, where there is one. In the map's frame.
+  void follow(std::vector<Eigen::Vector2d> map_path, std::optional<double> map_heading_rad);
   /// Back along the way that it came, so far; then it stands for a while.
   void back_off(double metres, double stand_s);
   void halt();
@@ -39,6 +39,7 @@ class Pilot {
 
  private:
   Eigen::Vector2d in_odometry(const Eigen::Vector2d& point) const;
+  bool is_past_leg(const Eigen::Vector2d& here) const;
   Eigen::Vector2d target();
   void end_path();
 

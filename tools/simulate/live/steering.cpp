@@ -15,9 +15,9 @@ constexpr int steps_ahead = 6;
 constexpr int turn_rates = 6;  // each way
 constexpr double speed_shares[] = {0, 0.1, 0.2, 0.4, 0.7, 1};
 constexpr double heading_m_per_rad = 0.25;  // what facing the target is worth
-constexpr double room_m = 0.2;              // beyond the margin: more of it is worth nothing
+constexpr double wanted_room_m = 0.2;       // beyond the margin: more of it is worth nothing
 constexpr double room_worth = 0.2;
-constexpr double turn_on_spot_rad = 1;
+constexpr double face_on_spot_rad = 1;
 
 double nearest(const Eigen::Vector2d& point, std::span<const Eigen::Vector2d> obstacles) {
   double least = std::numeric_limits<double>::infinity();
@@ -54,9 +54,9 @@ Motion steer(const DrivePlan& drive, double radius_m, const Eigen::Vector2d& tar
              std::span<const Eigen::Vector2d> obstacles, double margin_m) {
   const double error = bearing({}, target);
   const double most = drive.turn_rate_rps;
-  if (std::abs(error) > turn_on_spot_rad) return {0, std::clamp(2 * error, -most, most)};
+  if (std::abs(error) > face_on_spot_rad) return {0, std::clamp(2 * error, -most, most)};
   std::vector<Eigen::Vector2d> near;
-  const double reach_m = drive.speed_mps * ahead_s + radius_m + margin_m + room_m;
+  const double reach_m = drive.speed_mps * ahead_s + radius_m + margin_m + wanted_room_m;
   for (const Eigen::Vector2d& obstacle : obstacles)
     if (obstacle.norm() <= reach_m) near.push_back(obstacle);
   const double now_m = nearest({0, 0}, near);
@@ -70,7 +70,7 @@ Motion steer(const DrivePlan& drive, double radius_m, const Eigen::Vector2d& tar
       if (share > 0 && clear_m < 0 && trial.clearance_m <= now_m) continue;
       const double worth = target.norm() - (target - position(trial.end)).norm() -
                            heading_m_per_rad * std::abs(bearing(trial.end, target)) +
-                           room_worth * std::clamp(clear_m, 0.0, room_m);
+                           room_worth * std::clamp(clear_m, 0.0, wanted_room_m);
       if (worth <= best_worth) continue;
       best_worth = worth;
       best = motion;

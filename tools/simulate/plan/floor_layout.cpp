@@ -12,10 +12,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double min_block_m = 4.5;          // between two corridors
-constexpr double min_room_m = 2.4;           // side of a room
-constexpr double min_ring_m = 17;            // side of a floor with a ring of corridors
-constexpr double door_from_corner_m = 0.85;  // its middle
+constexpr double min_block_m = 4.5;                 // between two corridors
+constexpr double min_room_side_m = 2.4;             // side of a room
+constexpr double min_ring_m = 17;                   // side of a floor with a ring of corridors
+constexpr double door_middle_from_corner_m = 0.85;  // its middle
 
 // A rectangle that is yet to be divided, and on which sides a corridor runs along it.
 struct Region {
@@ -24,9 +24,9 @@ struct Region {
 };
 
 // Divides a floor by corridors into blocks, and those into rooms.
-class Planner {
+class FloorPlanner {
  public:
-  explicit Planner(const FloorStyle& style) : style_(style), random_(style.seed, "floor layout") {
+  explicit FloorPlanner(const FloorStyle& style) : style_(style), random_(style.seed, "floor layout") {
     corridor_m_ = style.corridor_m > 0 ? style.corridor_m : random_.uniform(1.9, 2.8);
     room_m_ = style.room_m > 0 ? style.room_m : random_.uniform(4.2, 7);
     block_m_ = random_.uniform(1.8, 2.3) * room_m_;
@@ -115,13 +115,14 @@ class Planner {
     const double longer = size.maxCoeff(), shorter = size.minCoeff();
     if (shorter < 0.1) return;
     const bool hall = shorter > 5 && size.prod() < 130 && random_.chance(style_.hall_share);
-    if (hall || longer <= room_m_ || longer < 2 * min_room_m) {
+    if (hall || longer <= room_m_ || longer < 2 * min_room_side_m) {
       layout_.cells.push_back({low, high});
       return;
     }
     const int across = size.x() >= size.y() ? 0 : 1;
     const double at =
-        std::clamp(random_.uniform(0.3, 0.7) * longer, min_room_m, longer - min_room_m) + low[across];
+        std::clamp(random_.uniform(0.3, 0.7) * longer, min_room_side_m, longer - min_room_side_m) +
+        low[across];
     Vector2d middle_high = high, middle_low = low;
     middle_high[across] = middle_low[across] = at;
     rooms(low, middle_high);
@@ -174,12 +175,13 @@ class Joiner {
  private:
   bool fits(const FloorBorder& border) const {
     const bool both = layout_.cells[border.a].corridor && layout_.cells[border.b].corridor;
-    return !both && border.length() > 2 * door_from_corner_m + 0.1;
+    return !both && border.length() > 2 * door_middle_from_corner_m + 0.1;
   }
 
   void open(std::size_t i) {
     const FloorBorder& border = layout_.borders[i];
-    const double along = random_.uniform(border.from + door_from_corner_m, border.to - door_from_corner_m);
+    const double along =
+        random_.uniform(border.from + door_middle_from_corner_m, border.to - door_middle_from_corner_m);
     layout_.doors.push_back({i, along, random_.uniform(1.0, 1.3)});
   }
 
@@ -214,7 +216,7 @@ void find_borders(FloorLayout& layout) {
 }
 
 FloorLayout lay_out_floor(const FloorStyle& style) {
-  FloorLayout layout = Planner(style).plan();
+  FloorLayout layout = FloorPlanner(style).plan();
   find_borders(layout);
   Joiner(layout, style).join();
   return layout;

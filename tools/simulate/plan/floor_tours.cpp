@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double nearest_wall_m = 0.75;  // of waypoints in rooms
-constexpr double first_stop_m = 1.1;     // from the door
+constexpr double stop_from_wall_m = 0.75;  // of waypoints in rooms
+constexpr double stop_from_door_m = 1.1;   // from the door
 constexpr int robots_in_a_group = 4;
 constexpr double row_m = 0.9;    // between two pairs that gather in a room
 constexpr double aside_m = 0.7;  // of each of a pair, from the door's axis
@@ -23,11 +23,11 @@ constexpr int candidates = 5;
 constexpr double visit_costs_m = 40;  // a room seen before counts as so much farther
 
 // Makes one robot's legs.
-class Traveller {
+class FloorVisitor {
  public:
-  Traveller(const FloorLayout& layout, const FloorRoutes& routes, Random& random, const FloorStop& home)
+  FloorVisitor(const FloorLayout& layout, const FloorRoutes& routes, Random& random, const FloorStop& home)
       : layout_(layout), routes_(routes), random_(random), at_(home.node) {
-    start_ = home.door + std::min(deepest(home), random_.uniform(first_stop_m, 2.5)) * home.inward;
+    start_ = home.door + std::min(deepest(home), random_.uniform(stop_from_door_m, 2.5)) * home.inward;
     const Vector2d out = -home.inward;
     tour_.start = {start_.x(), start_.y(), std::atan2(out.y(), out.x())};
     add(start_, routes_.position(at_), 0);
@@ -54,7 +54,8 @@ class Traveller {
       const FloorCell& room = layout_.cells[stop.room];
       const int across = std::abs(stop.inward.x()) > 0.5 ? 1 : 0;
       Vector2d aside = inside;
-      aside[across] = random_.uniform(room.low[across] + nearest_wall_m, room.high[across] - nearest_wall_m);
+      aside[across] =
+          random_.uniform(room.low[across] + stop_from_wall_m, room.high[across] - stop_from_wall_m);
       if (std::abs(aside[across] - inside[across]) > 0.4) {
         add(inside, aside, 0);
         add(aside, inside, 0);
@@ -66,7 +67,7 @@ class Traveller {
   // Into the room to stay, in the pair nearest the door or in one `rows` behind it.
   void gather(const FloorStop& stop, int rows, bool left) {
     go_to(stop.node);
-    const Vector2d inside = stop.door + (first_stop_m + rows * row_m) * stop.inward;
+    const Vector2d inside = stop.door + (stop_from_door_m + rows * row_m) * stop.inward;
     const Vector2d side(-stop.inward.y(), stop.inward.x());
     add(routes_.position(stop.node), inside, 0);
     add(inside, inside + (left ? aside_m : -aside_m) * side, 0);
@@ -80,7 +81,7 @@ class Traveller {
  private:
   double deepest(const FloorStop& stop) const {
     const FloorCell& room = layout_.cells[stop.room];
-    return std::abs(stop.inward.dot(room.size())) - nearest_wall_m;
+    return std::abs(stop.inward.dot(room.size())) - stop_from_wall_m;
   }
 
   void add(const Vector2d& from, const Vector2d& to, double lane_m) {
@@ -109,21 +110,21 @@ class Team {
         random_(style.seed, "floor tours"),
         visits_(layout.cells.size(), 0) {
     for (const FloorStop& stop : routes_.stops()) {
-      if (std::abs(stop.inward.dot(layout.cells[stop.room].size())) > first_stop_m + nearest_wall_m)
+      if (std::abs(stop.inward.dot(layout.cells[stop.room].size())) > stop_from_door_m + stop_from_wall_m)
         stops_.push_back(stop);
     }
     choose_hubs(robots);
   }
 
   std::vector<FloorTour> plan(int robots, double tour_m) {
-    std::vector<Traveller> travellers;
+    std::vector<FloorVisitor> travellers;
     for (const std::size_t home : homes(robots)) {
       ++visits_[stops_[home].room];
       travellers.emplace_back(layout_, routes_, random_, stops_[home]);
     }
     for (bool any = true; any;) {
       any = false;
-      for (Traveller& traveller : travellers) {
+      for (FloorVisitor& traveller : travellers) {
         if (traveller.length_m() > tour_m) continue;
         travel(traveller);
         any = true;
@@ -172,7 +173,7 @@ class Team {
   }
 
   // To two rooms and past a busy crossing.
-  void travel(Traveller& traveller) {
+  void travel(FloorVisitor& traveller) {
     for (int i = 0; i < 2; ++i) {
       const FloorStop& stop = next_stop(traveller.at());
       ++visits_[stop.room];
@@ -207,7 +208,7 @@ class Team {
       const double deep = std::abs(stop.inward.dot(room.size()));
       const double beside =
           std::min(stop.door[across] - room.low[across], room.high[across] - stop.door[across]);
-      if (deep < first_stop_m + rows * row_m + nearest_wall_m || beside < aside_m + 0.4) continue;
+      if (deep < stop_from_door_m + rows * row_m + stop_from_wall_m || beside < aside_m + 0.4) continue;
       const double cost = ways.distance_m[stop.node] + visit_costs_m * visits_[stop.room];
       if (best != nullptr && cost >= best_cost) continue;
       best = &stop;

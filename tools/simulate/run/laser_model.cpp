@@ -2,33 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace isthmus {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // The range at which a ray meets a disc from outside.
 double ray_meets(const Vector2d& from, const Vector2d& direction, const Body& body) {
   const Vector2d to_centre = body.centre - from;
   const double along = to_centre.dot(direction);
   const double squared = body.radius_m * body.radius_m - (to_centre.squaredNorm() - along * along);
-  if (along <= 0 || squared < 0 || to_centre.norm() <= body.radius_m) return infinity;
+  if (along <= 0 || squared < 0 || to_centre.norm() <= body.radius_m) return no_hit_m;
   return along - std::sqrt(squared);
 }
 
 // The true range along a beam; infinite where nothing comes back. A body hides the wall behind it.
 double true_range(const LaserPlan& plan, const RayCaster& caster, const Vector2d& from,
                   const Vector2d& direction, const std::vector<Body>& bodies) {
-  double nearest_body = infinity;
+  double nearest_body = no_hit_m;
   for (const Body& body : bodies) nearest_body = std::min(nearest_body, ray_meets(from, direction, body));
   const auto hit = caster.cast(from, direction, plan.laser.range_max_m);
   if (!hit || nearest_body < hit->range_m) return nearest_body;
   const double limit = std::min(plan.return_limit_rad, hit->return_limit_rad);
-  return hit->incidence_rad <= limit ? hit->range_m : infinity;
+  return hit->incidence_rad <= limit ? hit->range_m : no_hit_m;
 }
 
 }  // namespace
@@ -49,7 +46,7 @@ Scan take_scan(const LaserPlan& plan, const RayCaster& caster, const Pose& world
   scan.bearing_step_rad = plan.beams > 1 ? plan.field_of_view_rad / (plan.beams - 1) : 0;
   if (plan.beams == 1) scan.bearing0_rad = 0;
   scan.bearing0_rad += shift_rad;
-  const auto nothing = static_cast<float>(plan.no_return_is_infinite ? infinity : plan.laser.range_max_m);
+  const auto nothing = static_cast<float>(plan.no_return_is_infinite ? no_hit_m : plan.laser.range_max_m);
   for (int i = 0; i < plan.beams; ++i) {
     const double bearing =
         scan.bearing0_rad + i * scan.bearing_step_rad + random.normal(plan.bearing_sigma_rad);

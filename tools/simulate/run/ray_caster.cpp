@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace isthmus {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double max_cells = 4e6;
 
 // Where from + t direction meets the segment, if ahead. A hair beyond the ends counts, so that no ray slips
@@ -18,11 +16,11 @@ constexpr double max_cells = 4e6;
 double ray_meets(const Vector2d& from, const Vector2d& direction, const Segment& segment) {
   const Vector2d along = segment.b - segment.a;
   const double denominator = direction.x() * along.y() - direction.y() * along.x();
-  if (std::abs(denominator) < 1e-14) return infinity;
+  if (std::abs(denominator) < 1e-14) return no_hit_m;
   const Vector2d to_a = segment.a - from;
   const double t = (to_a.x() * along.y() - to_a.y() * along.x()) / denominator;
   const double share = (to_a.x() * direction.y() - to_a.y() * direction.x()) / denominator;
-  return t >= 0 && share >= -1e-9 && share <= 1 + 1e-9 ? t : infinity;
+  return t >= 0 && share >= -1e-9 && share <= 1 + 1e-9 ? t : no_hit_m;
 }
 
 double incidence(const Vector2d& direction, const Segment& segment) {
@@ -64,8 +62,8 @@ struct CellWalk {
       step[axis] = direction[i] > 0 ? 1 : -1;
       const bool still = std::abs(direction[i]) < 1e-15;
       const double at = grid.low[i] + grid.cell_m * (cell[axis] + (step[axis] > 0 ? 1 : 0));
-      next[axis] = still ? infinity : (at - from[i]) / direction[i];
-      stride[axis] = still ? infinity : grid.cell_m / std::abs(direction[i]);
+      next[axis] = still ? no_hit_m : (at - from[i]) / direction[i];
+      stride[axis] = still ? no_hit_m : grid.cell_m / std::abs(direction[i]);
     }
   }
 
@@ -128,7 +126,7 @@ std::optional<RayHit> RayCaster::cast(const Vector2d& from, const Vector2d& dire
 
   const std::array<int, 2> count = {columns_, rows_};
   CellWalk walk(from, direction, enter, {low_, cell_m_, count});
-  double best = infinity;
+  double best = no_hit_m;
   const Segment* surface = nullptr;
   while (true) {
     const std::size_t index = static_cast<std::size_t>(walk.cell[1]) * static_cast<std::size_t>(columns_) +

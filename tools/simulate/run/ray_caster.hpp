@@ -1,12 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "tools/simulate/plan/floor_plan.hpp"
 
 namespace isthmus {
+
+/// The range of a ray that meets nothing.
+inline constexpr double no_hit_m = std::numeric_limits<double>::infinity();
 
 /// Where a ray first meets a surface.
 struct RayHit {

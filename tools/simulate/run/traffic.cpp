@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t steps_in_tick = 10;
 constexpr double tick_s = steps_in_tick * TruePath::step_s;
 constexpr std::size_t max_delay = 1000;  // ticks
-constexpr double apart_m = 0.1;          // between two robots' hulls
+constexpr double min_gap_m = 0.1;        // between two robots' hulls
 constexpr double cell_m = 1;
 
 using Delays = std::bitset<max_delay + 1>;
@@ -64,7 +64,7 @@ class Timetable {
     for (std::size_t other = 0; other < robot_; ++other) {
       const auto pose = paths_[other].at(start_s_ + static_cast<double>(tick) * tick_s);
       if (!pose) continue;
-      const double min_m = radii_m_[robot_] + radii_m_[other] + apart_m;
+      const double min_m = radii_m_[robot_] + radii_m_[other] + min_gap_m;
       for (const auto& [right, up] :
            {Cell{-1, -1}, {0, -1}, {1, -1}, {-1, 0}, {0, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}}) {
         const auto near = ticks_in_.find(cell_of(*pose, right, up));

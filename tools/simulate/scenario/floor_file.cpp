@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int first_barcode = 101;
+constexpr int first_floor_barcode = 101;
 constexpr double wait_at_end_s = 8;
 
 struct FloorOrder {
@@ -51,7 +51,7 @@ FloorOrder read_floor(const Setting& setting) {
 RobotPlan robot_of(const FloorTour& tour, int number, const RobotPlan& common) {
   RobotPlan plan = common;
   plan.name = "R" + std::to_string(number);
-  plan.barcode = first_barcode + number - 1;
+  plan.barcode = first_floor_barcode + number - 1;
   plan.start = tour.start;
   for (const Vector2d& point : tour.waypoints) plan.tour.push_back(Waypoint{point});
   plan.tour.push_back(Wait{wait_at_end_s});

@@ -20,7 +20,7 @@ TrajectoryErrors::TrajectoryErrors(const MapCopy& map) {
   for (auto& [robot, rows] : rows_) std::ranges::stable_sort(rows, {}, &Row::utime);
 }
 
-std::optional<double> TrajectoryErrors::error_m(const TrueRelation& relation) const {
+std::optional<double> TrajectoryErrors::error_m(const ScanRelation& relation) const {
   const Row *a = nearest(relation.robot1, relation.utime1), *b = nearest(relation.robot2, relation.utime2);
   if (a == nullptr || b == nullptr || a->island != b->island) return std::nullopt;
   const Pose estimate = ominus(b->map_from_robot, a->map_from_robot);

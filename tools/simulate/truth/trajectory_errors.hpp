@@ -17,7 +17,7 @@ class TrajectoryErrors {
 
   /// By how much the relation's translation is off; nothing where the map has no opinion: no pose, or poses
   /// on two islands.
-  std::optional<double> error_m(const TrueRelation& relation) const;
+  std::optional<double> error_m(const ScanRelation& relation) const;
   /// The island that a robot was on.
   std::optional<IslandId> island(const std::string& robot, std::int64_t utime) const;
 

@@ -1,9 +1,5 @@
 #include "tools/simulate/truth/truth_files.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "server/output/format/atomic_file.hpp"
 #include "server/output/format/csv.hpp"
 #include "server/output/format/number.hpp"
@@ -11,6 +7,7 @@
 #include "server/output/pictures/map_sheet.hpp"
 #include "server/output/pictures/marks.hpp"
 #include "server/output/pictures/way_pen.hpp"
+#include "tools/simulate/truth/plan_picture.hpp"
 
 namespace isthmus {
 namespace {
@@ -27,9 +24,9 @@ std::string tum(const RobotTruth& truth) {
   return text;
 }
 
-std::string relations_csv(const std::vector<TrueRelation>& relations) {
+std::string relations_csv(const std::vector<ScanRelation>& relations) {
   std::string text = "robot1,utime1_us,robot2,utime2_us,x_m,y_m,yaw_rad,kind\n";
-  for (const TrueRelation& r : relations) {
+  for (const ScanRelation& r : relations) {
     text += r.robot1 + ',' + std::to_string(r.utime1) + ',' + r.robot2 + ',' + std::to_string(r.utime2) +
             ',' + fixed(r.pose.x, 6) + ',' + fixed(r.pose.y, 6) + ',' + fixed(r.pose.yaw, 6) +
             (r.robot1 == r.robot2 ? ",intra\n" : ",inter\n");
@@ -57,21 +54,6 @@ void write_walls(const FloorPlan& plan, const std::string& path) {
   csv.commit();
 }
 
-/// The building as a grid without any wall: walls are drawn on it as lines.
-OccupancyGrid empty_grid(const FloorPlan& plan) {
-  constexpr double margin_m = 0.5, max_cells_a_side = 4000;
-  const Eigen::Vector2d size = plan.high - plan.low + Eigen::Vector2d::Constant(2 * margin_m);
-  OccupancyGrid grid;
-  grid.resolution_m = std::max(grid.resolution_m, size.maxCoeff() / max_cells_a_side);
-  grid.origin_x_m = plan.low.x() - margin_m;
-  grid.origin_y_m = plan.low.y() - margin_m;
-  grid.width = static_cast<int>(std::ceil(size.x() / grid.resolution_m));
-  grid.height = static_cast<int>(std::ceil(size.y() / grid.resolution_m));
-  grid.pixels.assign(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height),
-                     OccupancyGrid::free);
-  return grid;
-}
-
 void draw_way(MapSheet& sheet, const RobotTruth& truth, const WayStyle& style) {
   WayPen pen(sheet.canvas(), sheet.window(), style);
   for (std::size_t i = 0; i < truth.poses.size(); ++i) {
@@ -85,10 +67,9 @@ void write_floor_plan(const FloorPlan& plan, const std::vector<RobotTruth>& trut
   for (const RobotTruth& robot : truth) legend.push_back(way_entry(robot.robot, way_style(legend.size())));
   legend.push_back(start_entry());
   legend.push_back(end_entry());
-  MapSheet sheet(empty_grid(plan), {"The simulated building", "the robots' true ways"}, legend);
-  for (const Segment& segment : plan.segments)
-    sheet.canvas().line(std::array{sheet.window().pixels(segment.a), sheet.window().pixels(segment.b)},
-                        {.colour = ink::wall, .width_px = 1.5});
+  MapSheet sheet(plain_grid(plan, OccupancyGrid::free), {"The simulated building", "the robots' true ways"},
+                 legend);
+  draw_walls(sheet, plan);
   for (std::size_t i = 0; i < truth.size(); ++i) draw_way(sheet, truth[i], way_style(i));
   for (std::size_t i = 0; i < truth.size(); ++i) {
     if (truth[i].poses.empty()) continue;
@@ -101,7 +82,7 @@ void write_floor_plan(const FloorPlan& plan, const std::vector<RobotTruth>& trut
 }  // namespace
 
 void write_truth(const Scenario& scenario, const SimulatedRun& run,
-                 const std::vector<TrueRelation>& relations, const std::string& directory) {
+                 const std::vector<ScanRelation>& relations, const std::string& directory) {
   make_directory(directory);
   for (const RobotTruth& robot : run.truth) write_file(directory + '/' + robot.robot + ".tum", tum(robot));
   write_file(directory + "/relations.csv", relations_csv(relations));

@@ -30,7 +30,7 @@ Keys keys_of(const RobotTruth& truth) {
   return keys;
 }
 
-TrueRelation relation(const std::string& robot1, const TruePose& a, const std::string& robot2,
+ScanRelation relation(const std::string& robot1, const TruePose& a, const std::string& robot2,
                       const TruePose& b) {
   return {robot1, a.utime, robot2, b.utime, ominus(b.world_from_robot, a.world_from_robot)};
 }
@@ -39,7 +39,7 @@ double distance(const TruePose& a, const TruePose& b) {
   return std::hypot(a.world_from_robot.x - b.world_from_robot.x, a.world_from_robot.y - b.world_from_robot.y);
 }
 
-void add_short_term(const std::string& robot, const Keys& keys, std::vector<TrueRelation>& relations) {
+void add_short_term(const std::string& robot, const Keys& keys, std::vector<ScanRelation>& relations) {
   for (std::size_t i = 1; i < keys.size(); ++i) {
     if (keys[i].stretch == keys[i - 1].stretch)
       relations.push_back(relation(robot, keys[i - 1], robot, keys[i]));
@@ -59,10 +59,10 @@ std::optional<std::pair<TruePose, TruePose>> pick(const Keys& a, const Keys& b, 
 
 }  // namespace
 
-std::vector<TrueRelation> sample_relations(const std::vector<RobotTruth>& truth, std::uint64_t seed) {
+std::vector<ScanRelation> sample_relations(const std::vector<RobotTruth>& truth, std::uint64_t seed) {
   Random random(seed, "relations");
   std::vector<Keys> keys;
-  std::vector<TrueRelation> relations;
+  std::vector<ScanRelation> relations;
   for (const RobotTruth& robot : truth) keys.push_back(keys_of(robot));
   for (std::size_t i = 0; i < truth.size(); ++i) {
     add_short_term(truth[i].robot, keys[i], relations);

@@ -13,7 +13,7 @@
 namespace isthmus {
 namespace {
 
-struct Arguments {
+struct WildArguments {
   std::uint64_t seeds = 100;
   std::uint64_t first_seed = 1;
   unsigned jobs = 1;
@@ -53,7 +53,7 @@ void summarise(const std::vector<WildTrial>& trials) {
     std::printf("%-18s %8.0f %8.0f\n", trait.name.c_str(), 100 * trait.of_failed, 100 * trait.of_others);
 }
 
-void wild_campaign(const Arguments& arguments) {
+void wild_campaign(const WildArguments& arguments) {
   if (!arguments.output.empty()) std::filesystem::create_directories(arguments.output);
   std::printf("%-6s %7s %9s %8s %4s %6s %7s %7s  %s\n", "seed", "islands", "mean m", "max m", "", "wrong",
               "missed", "CPU s", "drawn");
@@ -75,7 +75,7 @@ void wild_campaign(const Arguments& arguments) {
 }  // namespace
 
 void add_wild_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WildArguments>();
   CLI::App* wild = app.add_subcommand(
       "wild",
       "Maps runs in buildings that nobody has seen: building, furniture, people, lasers, wheels, tours and "

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "tools/simulate/plan/random.hpp"
+#include "tools/simulate/wild/degree.hpp"
 #include "tools/text/printed.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
 constexpr double longest_corridor_m = 200;
 constexpr double longest_drive_m = 900;  // all laps
 constexpr double max_scans = 8000;

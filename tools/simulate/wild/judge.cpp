@@ -13,9 +13,9 @@
 namespace isthmus {
 namespace {
 
-constexpr double key_spacing_m = 0.5;
-constexpr double key_spacing_rad = 0.5;
-constexpr double near_m = 3;
+constexpr double wild_key_spacing_m = 0.5;
+constexpr double wild_key_spacing_rad = 0.5;
+constexpr double wild_near_m = 3;
 constexpr std::int64_t apart_us = 30'000'000;
 constexpr double shared_m = 15;  // of two ways: from then on they must be known to be one place
 
@@ -32,7 +32,8 @@ std::vector<Key> keys_of(const std::vector<RobotTruth>& truth) {
     for (const TruePose& pose : truth[robot].poses) {
       if (last != nullptr) {
         const Pose moved = ominus(pose.world_from_robot, last->world_from_robot);
-        if (std::hypot(moved.x, moved.y) < key_spacing_m && std::abs(moved.yaw) < key_spacing_rad) continue;
+        if (std::hypot(moved.x, moved.y) < wild_key_spacing_m && std::abs(moved.yaw) < wild_key_spacing_rad)
+          continue;
       }
       last = &pose;
       keys.push_back({robot, pose});
@@ -71,13 +72,14 @@ class Neighbours {
  private:
   static Cell cell_of(const Key& key) {
     const Pose& pose = key.pose.world_from_robot;
-    return {static_cast<int>(std::floor(pose.x / near_m)), static_cast<int>(std::floor(pose.y / near_m))};
+    return {static_cast<int>(std::floor(pose.x / wild_near_m)),
+            static_cast<int>(std::floor(pose.y / wild_near_m))};
   }
   Eigen::Vector2d at(std::size_t i) const { return position(keys_[i].pose.world_from_robot); }
   double distance_m(std::size_t i, std::size_t k) const { return (at(i) - at(k)).norm(); }
 
   bool may_pair(std::size_t i, std::size_t other) const {
-    if (other >= i || distance_m(i, other) > near_m) return false;
+    if (other >= i || distance_m(i, other) > wild_near_m) return false;
     const bool same = keys_[i].robot == keys_[other].robot;
     if (same && keys_[i].pose.utime - keys_[other].pose.utime < apart_us) return false;
     return caster_.line_of_sight(at(i), at(other));
@@ -88,28 +90,28 @@ class Neighbours {
   std::map<Cell, std::vector<std::size_t>> cells_;
 };
 
-TrueRelation relation(const std::vector<RobotTruth>& truth, const Key& a, const Key& b) {
+ScanRelation relation(const std::vector<RobotTruth>& truth, const Key& a, const Key& b) {
   return {truth[a.robot].robot, a.pose.utime, truth[b.robot].robot, b.pose.utime,
           ominus(b.pose.world_from_robot, a.pose.world_from_robot)};
 }
 
 // Ways by robot and island; how much of one lies where another was.
-std::size_t count_missed_merges(const std::vector<TrueRelation>& relations, const TrajectoryErrors& errors) {
-  using Way = std::pair<std::string, IslandId>;
-  std::map<std::pair<Way, Way>, double> shared;
-  for (const TrueRelation& r : relations) {
+std::size_t count_missed_merges(const std::vector<ScanRelation>& relations, const TrajectoryErrors& errors) {
+  using RobotOnIsland = std::pair<std::string, IslandId>;
+  std::map<std::pair<RobotOnIsland, RobotOnIsland>, double> shared;
+  for (const ScanRelation& r : relations) {
     const auto a = errors.island(r.robot1, r.utime1), b = errors.island(r.robot2, r.utime2);
     if (!a || !b || *a == *b) continue;
-    const Way first{r.robot1, *a}, second{r.robot2, *b};
-    shared[std::minmax(first, second)] += key_spacing_m;
+    const RobotOnIsland first{r.robot1, *a}, second{r.robot2, *b};
+    shared[std::minmax(first, second)] += wild_key_spacing_m;
   }
   return static_cast<std::size_t>(
       std::ranges::count_if(shared, [](const auto& one) { return one.second > shared_m; }));
 }
 
-void judge_relations(const std::vector<TrueRelation>& relations, const TrajectoryErrors& errors,
+void judge_relations(const std::vector<ScanRelation>& relations, const TrajectoryErrors& errors,
                      WildScore& score) {
-  for (const TrueRelation& relation : relations) {
+  for (const ScanRelation& relation : relations) {
     const auto error_m = errors.error_m(relation);
     ++(error_m ? score.relations : score.missing);
     score.mean_m += error_m.value_or(0);
@@ -120,10 +122,10 @@ void judge_relations(const std::vector<TrueRelation>& relations, const Trajector
 
 }  // namespace
 
-std::vector<TrueRelation> wild_relations(const Scenario& scenario, const std::vector<RobotTruth>& truth) {
+std::vector<ScanRelation> wild_relations(const Scenario& scenario, const std::vector<RobotTruth>& truth) {
   const std::vector<Key> keys = keys_of(truth);
   const Neighbours neighbours(scenario, keys);
-  std::vector<TrueRelation> relations;
+  std::vector<ScanRelation> relations;
   for (std::size_t i = 1; i < keys.size(); ++i) {
     if (keys[i].robot == keys[i - 1].robot) relations.push_back(relation(truth, keys[i - 1], keys[i]));
     for (const auto& [robot, other] : neighbours.of(i))
@@ -134,7 +136,7 @@ std::vector<TrueRelation> wild_relations(const Scenario& scenario, const std::ve
 
 WildScore judge_wild(const Scenario& scenario, const SimulatedRun& run, const MapCopy& map) {
   WildScore score;
-  const std::vector<TrueRelation> relations = wild_relations(scenario, run.truth);
+  const std::vector<ScanRelation> relations = wild_relations(scenario, run.truth);
   const TrajectoryErrors errors(map);
   judge_relations(relations, errors, score);
   score.missed_merges = count_missed_merges(relations, errors);

@@ -10,7 +10,7 @@ namespace isthmus {
 /// Pairs of times to judge a map by, as those of the benchmark logs: neighbours along each robot's way, and
 /// two robots' or one robot's times half a minute and more apart at which it was within 3 m of where it had
 /// been, with nothing in between.
-std::vector<TrueRelation> wild_relations(const Scenario& scenario, const std::vector<RobotTruth>& truth);
+std::vector<ScanRelation> wild_relations(const Scenario& scenario, const std::vector<RobotTruth>& truth);
 
 /// What became of a run. Plain data: it goes from one process to another.
 struct WildScore {

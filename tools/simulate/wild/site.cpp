@@ -12,14 +12,14 @@
 namespace isthmus {
 namespace {
 
-constexpr int first_barcode = 101;
+constexpr int first_wild_barcode = 101;
 
 RobotPlan robot_of(const WildDraw& draw, std::size_t i, WildTourPlan tour) {
   const WildRobot& drawn = draw.robots[std::min(i, draw.robots.size() - 1)];
   RobotPlan robot;
   robot.name = "R" + std::to_string(i + 1);
   robot.silent = i >= draw.robots.size();
-  robot.barcode = robot.silent ? -1 : first_barcode + static_cast<int>(i);
+  robot.barcode = robot.silent ? -1 : first_wild_barcode + static_cast<int>(i);
   robot.start = tour.start;
   robot.start_s = robot.silent ? 0 : drawn.start_s;
   robot.tour = std::move(tour.steps);

@@ -6,13 +6,13 @@
 #include "tools/simulate/plan/clutter.hpp"
 #include "tools/simulate/plan/floor_furniture.hpp"
 #include "tools/simulate/plan/random.hpp"
+#include "tools/simulate/wild/degree.hpp"
 
 namespace isthmus {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double degree = std::numbers::pi / 180;
 // Beams farther than this off its normal do not come back from a surface.
 constexpr double glass_limit_rad = 5 * degree;
 constexpr double dark_limit_rad = 40 * degree;

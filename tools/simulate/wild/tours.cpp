@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 constexpr double nearest_wall_m = 0.8;  // of waypoints in rooms
 constexpr double first_stop_m = 1.1;    // behind a door
 constexpr double clearance_m = 0.4;     // of every way: what walls and furniture leave
-constexpr double wait_at_end_s = 3;
+constexpr double pause_at_end_s = 3;
 constexpr double longest_person_m = 2500;
 
 /// What one robot or person does.
@@ -29,9 +29,9 @@ struct Order {
   double spins_per_m = 0;
 };
 
-class Traveller {
+class WildTraveller {
  public:
-  Traveller(const WildLayout& layout, const FloorRoutes& routes, const Bend& bend, Random random)
+  WildTraveller(const WildLayout& layout, const FloorRoutes& routes, const Bend& bend, Random random)
       : layout_(layout), routes_(routes), bend_(bend), random_(random) {}
 
   WildTourPlan travel(const Order& order) {
@@ -47,7 +47,7 @@ class Traveller {
     for (std::size_t i = 1; i <= corners.size() && left_m > 0; ++i)
       left_m -= go_to(corners[i % corners.size()], order, left_m);
     flush();
-    plan_.steps.emplace_back(Wait{wait_at_end_s});
+    plan_.steps.emplace_back(Wait{pause_at_end_s});
     return std::move(plan_);
   }
 
@@ -183,7 +183,7 @@ std::vector<WildTourPlan> plan_wild_tours(const WildDraw& draw, const WildLayout
       order.laps = std::clamp(static_cast<int>(longest_person_m / draw.tour.loop_m), 1, 4 * draw.tour.laps);
       order.spins_per_m = 0;
     }
-    plans.push_back(Traveller(layout, routes, bend, random).travel(order));
+    plans.push_back(WildTraveller(layout, routes, bend, random).travel(order));
   }
   return plans;
 }

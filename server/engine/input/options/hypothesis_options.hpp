@@ -19,7 +19,6 @@ struct HypothesisOptions {
   std::int64_t max_credit_us = 10'000;
   std::size_t max_finds = 64;
   std::size_t min_finds = 3;
-  double min_way_m = 3;
   std::size_t agreement_patches = 200;
   double known_sigma_m = 4;
   double rival_m = 6;
@@ -41,7 +40,6 @@ struct HypothesisOptions {
     option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
     option(max_finds, "max_finds", "count", "that wait for others that agree; the oldest goes");
     option(min_finds, "min_finds", "count", "of agreeing finds that are proposed");
-    option(min_way_m, "min_way_m", "m", "of way between two of them");
     option(agreement_patches, "agreement_patches", "count",
            "of patches, nearest in the graph, to know how ends of finds lie to each other");
     option(known_sigma_m, "known_sigma_m", "m",

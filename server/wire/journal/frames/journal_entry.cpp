@@ -12,11 +12,11 @@
 namespace isthmus {
 namespace {
 
-constexpr std::string_view channel = "ISTHMUS_ENTRY";
-constexpr std::size_t data_bytes = 52;
-constexpr std::size_t check_bytes = 16;
-constexpr std::size_t data_offset = log_header_bytes + channel.size();
-static_assert(entry_frame_bytes == data_offset + data_bytes);
+constexpr std::string_view entry_channel = "ISTHMUS_ENTRY";
+constexpr std::size_t entry_data_bytes = 52;
+constexpr std::size_t entry_check_bytes = 16;
+constexpr std::size_t data_offset = log_header_bytes + entry_channel.size();
+static_assert(entry_frame_bytes == data_offset + entry_data_bytes);
 
 std::array<std::uint8_t, 8> digest_of(std::span<const std::uint8_t> frames) {
   return first_bytes<8>(sha256(frames));
@@ -33,23 +33,23 @@ void append_entry(std::vector<std::uint8_t>& out, std::int64_t number, std::int6
   const auto content = digest_of(frames);
   std::memcpy(message.content, content.data(), content.size());
   std::vector<std::uint8_t> data = encoded(message);
-  const std::size_t checked = data.size() - check_bytes;
-  const auto check = first_bytes<check_bytes>(hmac_sha256(secret, std::span(data).first(checked)));
+  const std::size_t checked = data.size() - entry_check_bytes;
+  const auto check = first_bytes<entry_check_bytes>(hmac_sha256(secret, std::span(data).first(checked)));
   std::memcpy(data.data() + checked, check.data(), check.size());
-  append_log_frame(out, number, {utime, std::string(channel), std::move(data)});
+  append_log_frame(out, number, {utime, std::string(entry_channel), std::move(data)});
   out.insert(out.end(), frames.begin(), frames.end());
 }
 
 std::optional<JournalEntry> parse_entry(std::span<const std::uint8_t> frame, const Bytes16& secret) {
   const std::optional<LogHeader> header = parse_log_header(frame);
   if (!header || frame.size() != static_cast<std::size_t>(entry_frame_bytes) ||
-      header->channel_bytes != static_cast<std::int32_t>(channel.size()) ||
-      header->data_bytes != static_cast<std::int32_t>(data_bytes) ||
-      !std::equal(channel.begin(), channel.end(), frame.begin() + log_header_bytes))
+      header->channel_bytes != static_cast<std::int32_t>(entry_channel.size()) ||
+      header->data_bytes != static_cast<std::int32_t>(entry_data_bytes) ||
+      !std::equal(entry_channel.begin(), entry_channel.end(), frame.begin() + log_header_bytes))
     return std::nullopt;
   const auto data = frame.subspan(data_offset);
-  const auto checked = data.first(data.size() - check_bytes);
-  if (!begins_with(hmac_sha256(secret, checked), data.last(check_bytes))) return std::nullopt;
+  const auto checked = data.first(data.size() - entry_check_bytes);
+  if (!begins_with(hmac_sha256(secret, checked), data.last(entry_check_bytes))) return std::nullopt;
   entry_t message{};
   if (message.decode(data.data(), 0, static_cast<int>(data.size())) != static_cast<int>(data.size()) ||
       message.bytes <= 0)

@@ -12,10 +12,11 @@
 namespace isthmus {
 namespace {
 
-constexpr std::string_view channel = "ISTHMUS_JOURNAL";
-constexpr std::size_t data_bytes = 100;
-constexpr std::size_t check_offset = data_bytes - sizeof(Bytes16);
-static_assert(header_copy_bytes == log_header_bytes + channel.size() + data_bytes);
+constexpr std::string_view segment_header_channel = journal_channel;
+constexpr std::size_t segment_header_data_bytes = 100;
+constexpr std::size_t check_offset = segment_header_data_bytes - sizeof(Bytes16);
+static_assert(header_copy_bytes ==
+              log_header_bytes + segment_header_channel.size() + segment_header_data_bytes);
 
 void copy(const Bytes16& from, std::uint8_t* to) { std::memcpy(to, from.data(), from.size()); }
 
@@ -37,7 +38,7 @@ Message message_of(SegmentHeader& header) {
   std::vector<std::uint8_t> bytes = encoded(message);
   header.check = first_bytes<16>(sha256(std::span(bytes).first(check_offset)));
   copy(header.check, bytes.data() + check_offset);
-  return {header.utime, std::string(channel), std::move(bytes)};
+  return {header.utime, std::string(segment_header_channel), std::move(bytes)};
 }
 
 /// A whole copy, in its LCM log frame.
@@ -45,10 +46,10 @@ std::optional<SegmentHeader> parse_copy(std::span<const std::uint8_t> frame) {
   const std::optional<LogHeader> log_header = parse_log_header(frame);
   if (!log_header || frame.size() != header_copy_bytes || log_header->frame_bytes() != header_copy_bytes)
     return std::nullopt;
-  const auto name = frame.subspan(log_header_bytes, channel.size());
-  const auto data = frame.subspan(log_header_bytes + channel.size());
+  const auto name = frame.subspan(log_header_bytes, segment_header_channel.size());
+  const auto data = frame.subspan(log_header_bytes + segment_header_channel.size());
   journal_t message{};
-  if (!std::equal(name.begin(), name.end(), channel.begin()) ||
+  if (!std::equal(name.begin(), name.end(), segment_header_channel.begin()) ||
       message.decode(data.data(), 0, static_cast<int>(data.size())) != static_cast<int>(data.size()))
     return std::nullopt;
   if (!begins_with(sha256(data.first(check_offset)), message.check) || message.utime != log_header->utime)
@@ -90,7 +91,7 @@ bool can_begin_header(std::span<const std::uint8_t> bytes) {
   append_segment_header(copies, any);
   // The sync word, the lengths, the channel and the fingerprint are known beforehand.
   const auto known = [](std::size_t i) {
-    return i < 4 || (i >= 20 && i < log_header_bytes + channel.size() + 8);
+    return i < 4 || (i >= 20 && i < log_header_bytes + segment_header_channel.size() + 8);
   };
   for (std::size_t i = 0; i < std::min(bytes.size(), copies.size()); ++i) {
     if (known(i) && bytes[i] != copies[i]) return false;

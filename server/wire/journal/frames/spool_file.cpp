@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* header_channel = "ISTHMUS_SPOOL";
 constexpr const char* receipt_channel = "ISTHMUS_RECEIPT";
-constexpr std::string_view prefix = "received-";
-constexpr std::string_view extension = ".spool";
+constexpr std::string_view spool_prefix = "received-";
+constexpr std::string_view spool_extension = ".spool";
 constexpr std::array header_members = {fixed(4)};
 constexpr std::array receipt_members = {text(64), text(64), fixed(8), fixed(4)};
 constexpr std::size_t checksum_bytes = 4;
@@ -96,24 +96,24 @@ std::span<const std::uint8_t> spooled_bytes_at(FileBytes& file, std::int64_t off
   return file.at(offset, receipt + message);
 }
 
-struct Header {
+struct SpoolHeader {
   spool_t content{};
   std::int64_t bytes = 0;
 };
 
-std::optional<Header> read_header(FileBytes& file) {
+std::optional<SpoolHeader> read_spool_header(FileBytes& file) {
   const std::optional<Frame> frame = frame_of(frame_bytes_at(file, 0));
   if (!frame) return std::nullopt;
   const auto content = decoded<spool_t>(*frame, header_channel, header_members);
   if (!content) return std::nullopt;
-  return Header{*content, frame->header.frame_bytes()};
+  return SpoolHeader{*content, frame->header.frame_bytes()};
 }
 
 /// The number in received-000000000012.spool; nothing where the name is not of that form.
 std::optional<std::int64_t> number_of(const std::string& name) {
-  if (!name.starts_with(prefix) || !name.ends_with(extension)) return std::nullopt;
+  if (!name.starts_with(spool_prefix) || !name.ends_with(spool_extension)) return std::nullopt;
   std::int64_t number = -1;
-  std::from_chars(name.data() + prefix.size(), name.data() + name.size(), number);
+  std::from_chars(name.data() + spool_prefix.size(), name.data() + name.size(), number);
   const bool same = number >= 0 && fs::path(spool_path("", number)).filename() == name;
   return same ? std::optional(number) : std::nullopt;
 }
@@ -134,7 +134,7 @@ std::map<std::int64_t, std::string> list_spool(const std::string& directory) {
 std::string spool_path(const std::string& directory, std::int64_t first_number) {
   char digits[24];
   std::snprintf(digits, sizeof digits, "%012lld", static_cast<long long>(first_number));
-  return (fs::path(directory) / (std::string(prefix) + digits + std::string(extension))).string();
+  return (fs::path(directory) / (std::string(spool_prefix) + digits + std::string(spool_extension))).string();
 }
 
 void append_spool_header(std::vector<std::uint8_t>& out, std::int64_t first_number, int journal_segment) {
@@ -163,7 +163,7 @@ SpoolFileEnd read_spool_file(const std::string& path,
                              const std::function<void(Message&&, std::span<const std::uint8_t>)>& take) {
   FileBytes file(path);
   SpoolFileEnd end;
-  if (const std::optional<Header> header = read_header(file)) {
+  if (const std::optional<SpoolHeader> header = read_spool_header(file)) {
     end.journal_segment = header->content.journal_segment;
     end.intact_bytes = header->bytes;
     while (end.intact_bytes < file.size()) {
@@ -180,7 +180,7 @@ SpoolFileEnd read_spool_file(const std::string& path,
 
 int spool_journal_segment(const std::string& path) {
   FileBytes file(path);
-  const std::optional<Header> header = read_header(file);
+  const std::optional<SpoolHeader> header = read_spool_header(file);
   return header ? header->content.journal_segment : 0;
 }
 

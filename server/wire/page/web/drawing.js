@@ -55,6 +55,7 @@ export class Drawing {
 
   /** kind: place, keep_out, speed or pose; `more`: what else the order says, and of a zone its corners so far. */
   begin(kind, more = {}) {
+    this.page.history.now(); // what is drawn is held by the map as it is
     document.activeElement?.blur(); // Enter is for the drawing, not for the button that began it
     const corners = kind === "keep_out" || kind === "speed";
     this.now = { kind, corners, island: null, points: [], ...more };

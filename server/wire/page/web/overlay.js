@@ -48,7 +48,7 @@ export const Overlay = L.Layer.extend({
         return void this.askFrame();
       }
       const begun = performance.now();
-      if (!this.still.isWhole) this.still.work(this.world.scene.offsets);
+      if (!this.still.isWhole) this.still.work(this.world.view.scene.offsets);
       if (this.movingIsOld) this.drawMoving();
       this.movingIsOld = false;
       this.frame_ms = performance.now() - begun;
@@ -57,24 +57,25 @@ export const Overlay = L.Layer.extend({
   },
 
   * drawStill(view) {
-    const { show } = this.world;
-    const isPast = this.world.history.until !== null;
-    for (const island of isPast || show.patches || show.relations ? this.world.scene.islands : []) {
-      const data = this.world.patches.of(island.id);
+    const { show, history } = this.world;
+    const { scene } = this.world.view;
+    const isPart = history.until !== null;
+    for (const island of isPart || show.patches || show.relations ? scene.islands : []) {
+      const data = this.world.patches.of(island.id, scene.base);
       const at = view.place(island.id);
       if (!data || !at) continue;
       if (show.relations) yield* this.drawRelations(view, data, at);
-      if (isPast || show.patches) yield* this.drawPatches(view, data, at);
+      if (isPart || show.patches) yield* this.drawPatches(view, data, at);
     }
-    if (show.trails && !isPast) yield* this.drawTrails(view);
+    if (show.trails && !isPart) yield* this.drawTrails(view);
     if (show.annotations) yield* this.drawAnnotations(view);
-    if (show.asked && !isPast) yield* this.drawAsked(view);
+    if (show.asked && history.isNow) yield* this.drawAsked(view);
   },
 
   /** Zones as areas, hatched where nobody may go; places as pins. */
   * drawAnnotations({ context, place }) {
     context.font = FONT;
-    for (const { kind, name, island, points, max_speed, lost } of this.world.annotations) {
+    for (const { kind, name, island, points, max_speed, lost } of this.world.view.annotations) {
       yield;
       const at = place(island);
       if (!at || lost || points.length === 0) continue;
@@ -171,15 +172,14 @@ export const Overlay = L.Layer.extend({
   },
 
   drawMoving() {
-    const view = this.moving.begin(this.world.scene.offsets);
-    const { show } = this.world;
-    const isPast = this.world.history.until !== null;
+    const view = this.moving.begin(this.world.view.scene.offsets);
+    const { show, history } = this.world;
     view.context.font = FONT;
     this.drawNames(view);
     if (show.tags) this.drawTags(view);
-    if (show.sightings && !isPast) this.drawSightings(view);
-    if (!isPast) this.drawMeeting(view);
-    this.drawRobots(view, isPast ? this.world.history.robots() : this.world.robots);
+    if (show.sightings && history.isNow) this.drawSightings(view);
+    if (history.isNow) this.drawMeeting(view);
+    this.drawRobots(view, history.robots());
     this.drawDrawing(view, this.world.drawing?.now ?? this.world.drawn);
   },
 
@@ -205,15 +205,16 @@ export const Overlay = L.Layer.extend({
 
   /** Islands' names, where there are several. */
   drawNames({ context, place }) {
-    if (this.world.scene.islands.length < 2) return;
-    for (const island of this.world.scene.islands) {
+    const { islands } = this.world.view.scene;
+    if (islands.length < 2) return;
+    for (const island of islands) {
       const [x, y] = place(island.id)(island.box[0], island.box[3]);
       label(context, `island ${island.id}`, x, y - 6, "#5b6770");
     }
   },
 
   * drawTrails({ context, place }) {
-    for (const [name, steps] of Object.entries(this.world.trails)) {
+    for (const [name, steps] of Object.entries(this.world.view.trails)) {
       context.lineWidth = 2;
       context.globalAlpha = 0.75;
       context.strokeStyle = ofRobot(name, this.world.names);
@@ -238,7 +239,7 @@ export const Overlay = L.Layer.extend({
   },
 
   drawTags({ context, place }) {
-    for (const { barcode, at: [island, x, y] } of this.world.tags) {
+    for (const { barcode, at: [island, x, y] } of this.world.view.tags) {
       const [px, py] = place(island)?.(x, y) ?? [NaN, NaN];
       context.fillStyle = INK;
       context.fillRect(px - 4, py - 4, 8, 8);

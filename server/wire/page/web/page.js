@@ -11,7 +11,7 @@ import { Patches } from "./patches.js";
 import { listen } from "./stream.js";
 import { IslandTiles } from "./tiles.js";
 
-const TOPICS = ["about", "islands", "robots", "trails", "tags", "annotations", "asked", "closures", "sightings", "status", "meeting"];
+const TOPICS = ["about", "islands", "robots", "trails", "tags", "annotations", "asked", "closures", "sightings", "status", "meeting", "past"];
 /** How long what is on the screen may stay while the next is loaded. */
 const PREPARE_MS = 3000;
 /** A click so near a robot is meant for it. */
@@ -32,10 +32,7 @@ class Page {
       tileSize: about.tile_cells, minNativeZoom: about.coarsest_zoom, maxNativeZoom: 0, minZoom: about.coarsest_zoom,
       maxZoom: 4, noWrap: true, keepBuffer: 1,
     }).addTo(this.map);
-    this.history = new History(this, () => {
-      this.updatePatches();
-      this.overlay.redraw(true);
-    });
+    this.history = new History(this, (past) => this.openPast(past), () => this.showView());
     this.overlay = new Overlay(this).addTo(this.map);
     this.drawn = null; // what is being asked about
     this.drawing = new Drawing(this, (drawn) => this.askDrawn(drawn));
@@ -56,11 +53,38 @@ class Page {
     this.names = [];
     this.status = null;
     this.next = null;
-    this.scene = { islands: [], offsets: new Map(), cell_m: about.cell_m };
+    this.scene = { islands: [], offsets: new Map(), cell_m: about.cell_m, base: "" };
     if (!this.map) return;
+    this.history.forget();
     this.images.clear();
     this.patches.clear();
     this.tiles.scene = this.scene;
+  }
+
+  /** What is looked at: the map as it is, or as it was. */
+  get view() { return this.history?.map ?? this; }
+
+  /** What is looked at is another. */
+  showView() {
+    const isOther = this.tiles.scene !== this.view.scene;
+    this.tiles.scene = this.view.scene;
+    this.tiles.repaint();
+    if (isOther && this.fits) this.fit();
+    this.updatePatches();
+    this.overlay.redraw(true);
+  }
+
+  /** A map as it was, as the server tells of it, with a scene to be drawn. */
+  async openPast(past) {
+    const base = `past/${past.snapshot}/`;
+    const islands = await Promise.all(past.islands.map((island) => this.withVersions(island, base)));
+    return { ...past, scene: this.sceneOf(islands, base) };
+  }
+
+  /** `base`: before the paths of what belongs to its islands. */
+  sceneOf(islands, base) {
+    const { cell_m } = this.about;
+    return { islands, offsets: placeIslands(islands, 64 * cell_m), cell_m, base };
   }
 
   makeMap(about) {
@@ -142,7 +166,7 @@ class Page {
 
   /** Follows the robot at a point of the screen, if there is one. */
   followAt(point) {
-    const at = this.robots.map((robot) => [robot.name, this.placeOf(robot)]).filter(([, place]) => place);
+    const at = this.history.robots().map((robot) => [robot.name, this.placeOf(robot)]).filter(([, place]) => place);
     const distances = at.map(([name, place]) => [this.map.latLngToContainerPoint(place).distanceTo(point), name]);
     const [distance, name] = distances.sort(([a], [b]) => a - b)[0] ?? [Infinity];
     if (distance < NEAR_PIXELS) this.follow(name);
@@ -150,19 +174,20 @@ class Page {
 
   /** Where a robot is on the screen's plane; null where its island is not shown. */
   placeOf(robot) {
-    const offset = this.scene.offsets.get(robot.at[0]);
+    const offset = this.view.scene.offsets.get(robot.at[0]);
     return offset ? [robot.at[2] + offset[1], robot.at[1] + offset[0]] : null;
   }
 
   keepInView() {
-    const robot = this.robots.find(({ name }) => name === this.followed);
+    const robot = this.history.robots().find(({ name }) => name === this.followed);
     const place = robot && this.placeOf(robot);
     if (place) this.map.panTo(place, { animate: false });
     this.overlay.redraw();
   }
 
   fit() {
-    const box = extent(this.scene.islands, this.scene.offsets);
+    const { scene } = this.view;
+    const box = extent(scene.islands, scene.offsets);
     if (!box) return;
     this.map.fitBounds([[box[1], box[0]], [box[3], box[2]]], { animate: false, padding: [30, 48], maxZoom: 1 });
   }
@@ -176,7 +201,7 @@ class Page {
   }
 
   updatePatches() {
-    if (this.show.patches || this.show.relations || this.history.until !== null) this.patches.update(this.scene.islands);
+    if (this.show.patches || this.show.relations || this.history.until !== null) this.patches.update(this.view.scene);
   }
 
   /** Shows other islands, once what is needed of them is there; of those that come meanwhile only the newest. */
@@ -197,12 +222,13 @@ class Page {
   }
 
   async change(list, about) {
-    const islands = await Promise.all(list.map((island) => this.withVersions(island)));
-    const scene = { islands, offsets: placeIslands(islands, 64 * about.cell_m), cell_m: about.cell_m };
+    const islands = await Promise.all(list.map((island) => this.withVersions(island, "")));
+    const scene = this.sceneOf(islands, "");
     const shownBefore = extent(this.scene.islands, this.scene.offsets);
     await Promise.race([this.tiles.prepare(scene), new Promise((resolve) => { setTimeout(resolve, PREPARE_MS); })]);
     if (this.about !== about) return;
-    this.scene = this.tiles.scene = scene;
+    this.scene = scene;
+    this.tiles.scene = this.view.scene;
     this.tiles.repaint();
     if (this.fits && String(shownBefore) !== String(extent(islands, scene.offsets))) this.fit();
     this.history.update();
@@ -212,10 +238,10 @@ class Page {
   }
 
   /** An island with the versions of all its tiles, of which only those that changed are asked for. */
-  async withVersions(island) {
-    const before = this.scene.islands.find(({ id }) => id === island.id);
+  async withVersions(island, base) {
+    const before = base === "" ? this.scene.islands.find(({ id }) => id === island.id) : undefined;
     if (before?.tiles === island.tiles) return { ...island, versions: before.versions };
-    const answer = await fetch(`tiles/${island.id}?since=${before?.tiles ?? 0}`);
+    const answer = await fetch(`${base}tiles/${island.id}?since=${before?.tiles ?? 0}`);
     const versions = new Map(before?.versions);
     for (const [zoom, x, y, version] of answer.ok ? await answer.json() : []) versions.set(`${zoom}/${x}/${y}`, version);
     return { ...island, versions };
@@ -251,6 +277,7 @@ const handlers = {
     page.asked = asked;
     page.overlay.redraw(true);
   },
+  past: () => page.history.list(),
   meeting: (meeting) => { page.meeting = meeting; },
   closures(closures) {
     page.closures = closures;

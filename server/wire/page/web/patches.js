@@ -40,31 +40,37 @@ export function readPatches(buffer) {
 export class Patches {
   constructor(onLoaded) {
     this.onLoaded = onLoaded;
-    this.islands = new Map(); // {version, data} by id
+    this.islands = new Map(); // {version, data} by the scene's base and the island's id
     this.busy = false;
   }
 
   clear() { this.islands.clear(); }
 
-  of(island) { return this.islands.get(island)?.data; }
+  of(island, base = "") { return this.islands.get(base + island)?.data; }
 
   /** Fetches what is not as new as the islands are, one island after the other. */
-  async update(islands) {
+  async update(scene) {
+    this.next = scene;
     if (this.busy) return;
     this.busy = true;
     try {
-      for (const island of islands) {
-        if (this.islands.get(island.id)?.version === island.map) continue;
-        const answer = await fetch(`patches/${island.id}?v=${island.map}`);
-        if (!answer.ok) continue;
-        this.islands.set(island.id, { version: island.map, data: readPatches(await answer.arrayBuffer()) });
-      }
-      for (const id of this.islands.keys()) if (!islands.some((island) => island.id === id)) this.islands.delete(id);
+      while (this.next) await this.fetch(this.next);
       this.onLoaded();
     } catch {
       // The server is away.
     } finally {
       this.busy = false;
     }
+  }
+
+  async fetch(scene) {
+    const { islands, base } = scene;
+    for (const { id, map } of islands) {
+      if (this.islands.get(base + id)?.version === map) continue;
+      const answer = await fetch(`${base}patches/${id}?v=${map}`);
+      if (answer.ok) this.islands.set(base + id, { version: map, data: readPatches(await answer.arrayBuffer()) });
+    }
+    for (const key of this.islands.keys()) if (!islands.some(({ id }) => base + id === key)) this.islands.delete(key);
+    if (this.next === scene) this.next = null;
   }
 }

@@ -5,12 +5,12 @@ const SIZE = 256;
 /** New tiles that are painted in one frame: a screen's worth at once would take longer than a frame may. */
 const AT_ONCE = 4;
 
-/** The path of an island's tile, as the server has it. */
-export const tilePath = (island, zoom, x, y) => `tile/${island}/${zoom}/${x}/${y}`;
+/** The path of an island's tile, as the server has it; `base`: of the scene. */
+export const tilePath = (base, island, zoom, x, y) => `${base}tile/${island}/${zoom}/${x}/${y}`;
 
 /**
  * The islands' tiles under a tile of the screen: {path, version, dx, dy}, to be painted at dx, dy. `scene`: islands
- * with their versions by "zoom/x/y", offsets, and the size of a cell.
+ * with their versions by "zoom/x/y", offsets, the size of a cell, and what comes before the paths of its tiles.
  */
 export function* tilesUnder(coords, scene) {
   const perMetre = 2 ** coords.z / scene.cell_m;
@@ -22,7 +22,7 @@ export function* tilesUnder(coords, scene) {
       for (let x = Math.floor(left / SIZE); x * SIZE < left + SIZE; ++x) {
         const version = island.versions.get(`${coords.z}/${x}/${y}`);
         if (version === undefined) continue;
-        yield { path: tilePath(island.id, coords.z, x, y), version, dx: x * SIZE - left, dy: y * SIZE - top };
+        yield { path: tilePath(scene.base, island.id, coords.z, x, y), version, dx: x * SIZE - left, dy: y * SIZE - top };
       }
     }
   }

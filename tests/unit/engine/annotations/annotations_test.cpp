@@ -16,7 +16,7 @@ namespace {
 using namespace isthmus::testing;
 using Kind = AnnotationKind;
 
-void expect_near(const std::vector<Eigen::Vector2d>& points, const std::vector<Eigen::Vector2d>& expected) {
+void expect_points(const std::vector<Eigen::Vector2d>& points, const std::vector<Eigen::Vector2d>& expected) {
   ASSERT_EQ(points.size(), expected.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     EXPECT_LT((points[i] - expected[i]).norm(), 1e-9) << i << ": " << points[i].transpose();
@@ -53,9 +53,9 @@ TEST(Annotations, MoveWithTheMap) {
   const auto records = on.annotations.records(on.map, on.is_on_map);
   ASSERT_EQ(records.size(), 2U);
   EXPECT_EQ(records[0].name, "Dock 1") << "by name";
-  expect_near(placed(on.map, records[0]), {moved * Eigen::Vector2d(5, 1)});
+  expect_points(placed(on.map, records[0]), {moved * Eigen::Vector2d(5, 1)});
   EXPECT_NEAR(on.map.manifold().project(records[0].points[0]).yaw, 0.5 + std::numbers::pi / 2, 1e-9);
-  expect_near(placed(on.map, records[1]), {{9, -1}, {9, 1}, {8, 1}, {8, -1}});
+  expect_points(placed(on.map, records[1]), {{9, -1}, {9, 1}, {8, 1}, {8, -1}});
   EXPECT_EQ(records[1].moved, 0);
 }
 
@@ -68,13 +68,48 @@ TEST(Annotations, HoldOnToTheNearestPatches) {
   EXPECT_EQ(patches, (std::vector<PatchId>{on.line[1], on.line[7], on.line[7], on.line[1]}));
 }
 
+TEST(Annotations, MidwayBetweenTwoPatchesAreHeldByTheOlder) {
+  Drawn on;
+  on.draw(Kind::place, "p", {{2.5, 1}});
+  EXPECT_EQ(on.only().points.front().patch, on.line[2]);
+}
+
+TEST(Annotations, MayBeDrawnEitherWayRound) {
+  Drawn on;
+  EXPECT_EQ(on.draw(Kind::keep_out, "a", {{0, 0}, {1, 0}, {1, 1}}), DropReason::none);
+  EXPECT_EQ(on.draw(Kind::keep_out, "b", {{0, 0}, {1, 1}, {1, 0}}), DropReason::none);
+}
+
+TEST(Annotations, OfAnIslandWhosePatchIsNotOnTheMapAreRefused) {
+  Drawn on;
+  on.is_on_map = [&](PatchId id) { return id != on.line.front(); };
+  EXPECT_EQ(on.draw(Kind::place, "p", {{2, 1}}), DropReason::unknown_patch);
+}
+
+// Half of its corners are on each of two islands: it stays with the older, and of the others' corners each is
+// told from the nearest of those that stayed.
+TEST(Annotations, StayWithTheOlderIslandWhereHalfOfTheCornersPart) {
+  Drawn on;
+  on.draw(Kind::keep_out, "z", {{0, 1}, {9, 1}, {9, 2}, {3, 2}});
+  std::vector<RelationId> gone;
+  for (const RelationId id : on.map.graph().between(on.line[6], on.line[7])) gone.push_back(id);
+  on.map.remove(gone);
+  on.map.move_island(on.line[7], {100, 0, 1});
+  on.map.move_island(on.line.front(), {0, 3, 0});
+  const AnnotationRecord zone = on.only();
+  EXPECT_EQ(zone.island, on.line.front());
+  EXPECT_EQ(zone.moved, 2);
+  EXPECT_EQ(zone.points[1].patch, on.line[3]) << "the nearer of the corners that stayed";
+  expect_points(placed(on.map, zone), {{0, 4}, {9, 4}, {9, 5}, {3, 5}});
+}
+
 TEST(Annotations, MayBeGivenInTheFramesOfPatches) {
   Drawn on;
   on.map.move_island(on.line.front(), {0, 0, std::numbers::pi / 2});
   AnnotationEvent event = annotation(Kind::place, "p", IslandId{}, {{0, 1}});
   event.points.front().patch = on.line[4];
   EXPECT_EQ(on.take(event), DropReason::none);
-  expect_near(on.points(), {{-1, 4}});
+  expect_points(on.points(), {{-1, 4}});
   event = annotation(Kind::keep_out, "z", IslandId{}, rectangle(0, 0, 1, 1));
   const auto other = add_line(on.map, 2);
   for (auto& point : event.points) point.patch = on.line[4];
@@ -88,6 +123,7 @@ TEST(Annotations, AreRefusedWithTheReason) {
   Drawn on;
   EXPECT_EQ(on.draw(Kind::keep_out, "bow", {{0, 0}, {2, 2}, {2, 0}, {0, 2}}), DropReason::bad_polygon);
   EXPECT_EQ(on.draw(Kind::speed, "flat", {{0, 0}, {1, 0}, {2, 0}}), DropReason::bad_polygon);
+  EXPECT_EQ(on.draw(Kind::speed, "tiny", {{0, 0}, {0.05, 0}, {0, 0.05}}), DropReason::bad_polygon);
   EXPECT_EQ(on.draw(Kind::place, "far", {{0, 51}}), DropReason::off_the_map);
   EXPECT_EQ(on.take(annotation(Kind::place, "p", on.line[1], {{0, 0}})), DropReason::unknown_patch)
       << "no island's lowest patch";
@@ -159,7 +195,7 @@ TEST(Annotations, KeepTheirShapeWhereTheirIslandParts) {
   EXPECT_EQ(zone.island, on.line.front());
   EXPECT_EQ(zone.moved, 2);
   EXPECT_FALSE(zone.lost);
-  expect_near(placed(on.map, zone), {{0, 1}, {4, 1}, {9, 1}, {9, 2}, {4, 2}, {0, 2}});
+  expect_points(placed(on.map, zone), {{0, 1}, {4, 1}, {9, 1}, {9, 2}, {4, 2}, {0, 2}});
 }
 
 // R2 mapped the middle: what its patches hold is held by R1's from then on.
@@ -180,7 +216,7 @@ TEST(Annotations, LeaveARobotWhoseDataIsDropped) {
   const AnnotationRecord zone = annotations.records(map, without_r2).front();
   EXPECT_FALSE(zone.lost);
   EXPECT_EQ(zone.points.front().patch, line[2]);
-  expect_near(placed(map, zone), rectangle(4, 8, 5, 9));
+  expect_points(placed(map, zone), rectangle(4, 8, 5, 9));
 }
 
 TEST(Annotations, AreHeldByNoTags) {
@@ -228,7 +264,7 @@ TEST(Annotations, AreOnTheIslandThatTheirsMergedInto) {
   const auto records = on.annotations.records(on.map, on.is_on_map);
   ASSERT_EQ(records.size(), 2U);
   for (const AnnotationRecord& record : records) EXPECT_EQ(record.island, on.line.front());
-  expect_near(placed(on.map, records[1]), rectangle(21, 6, 22, 7));
+  expect_points(placed(on.map, records[1]), rectangle(21, 6, 22, 7));
   EXPECT_EQ(on.take(annotation(Kind::place, "p", other.front(), {{1, 1}})), DropReason::unknown_patch)
       << "an island that is no more";
 }

@@ -10,8 +10,8 @@ namespace {
 
 using namespace isthmus::testing;
 
-constexpr ClosureId id{3};
-constexpr std::int64_t now = 70'000'000;
+constexpr ClosureId closure_id{3};
+constexpr std::int64_t drafted_utime = 70'000'000;
 
 Relation start_between(PatchId a, PatchId b) {
   Relation relation = odometry_relation(a, b, {0.5, -1, 0.2});
@@ -24,12 +24,13 @@ TEST(ClosureDraft, OfAMeasuredStartPutsTheYoungerIslandWhereItIsMeasured) {
     SideBySide scene;
     const PatchId a = from_the_younger ? scene.second[1] : scene.first[1];
     const PatchId b = from_the_younger ? scene.first[2] : scene.second[2];
-    const ClosureDraft draft = draft_of_start(scene.map, id, start_between(a, b), {"R1", "R2"}, now);
+    const ClosureDraft draft =
+        draft_of_start(scene.map, closure_id, start_between(a, b), {"R1", "R2"}, drafted_utime);
     EXPECT_TRUE(draft.proposal.merge);
     EXPECT_TRUE(draft.proposal.measured);
     EXPECT_EQ(draft.proposal.older, scene.first[0]);
     EXPECT_EQ(draft.proposal.younger, scene.second[0]);
-    EXPECT_EQ(draft.proposal.relations.at(0).origin, (Origin{OriginKind::start, id}));
+    EXPECT_EQ(draft.proposal.relations.at(0).origin, (Origin{OriginKind::start, closure_id}));
     scene.map.move_island(draft.proposal.younger, draft.proposal.older_from_younger);
     const Pose a_from_b = scene.map.relative_pose(a, b);
     EXPECT_NEAR(a_from_b.x, 0.5, 1e-9);
@@ -41,14 +42,15 @@ TEST(ClosureDraft, OfAMeasuredStartPutsTheYoungerIslandWhereItIsMeasured) {
 TEST(ClosureDraft, RecordsThatItWaitsSinceNow) {
   SideBySide scene;
   const Relation start = start_between(scene.first[0], scene.second[0]);
-  const ClosureRecord record = draft_of_start(scene.map, id, start, {"R2", "R1"}, now).record;
-  EXPECT_EQ(record.id, id);
+  const ClosureRecord record =
+      draft_of_start(scene.map, closure_id, start, {"R2", "R1"}, drafted_utime).record;
+  EXPECT_EQ(record.id, closure_id);
   EXPECT_EQ(record.kind, ClosureKind::merge);
   EXPECT_EQ(record.state, ClosureState::waiting);
   EXPECT_EQ(record.reason, Reason::measured_start);
   EXPECT_EQ(record.robots, (std::vector<std::string>{"R2", "R1"}));
-  EXPECT_EQ(record.start_utime, now);
-  EXPECT_EQ(record.end_utime, now);
+  EXPECT_EQ(record.start_utime, drafted_utime);
+  EXPECT_EQ(record.end_utime, drafted_utime);
 }
 
 TEST(ClosureDraft, OfFindsOnOneIslandIsALoopByScans) {
@@ -60,12 +62,14 @@ TEST(ClosureDraft, OfFindsOnOneIslandIsALoopByScans) {
   finds.relations = {odometry_relation(finds.first, finds.second, finds.first_from_second)};
   finds.finds = 4;
   finds.cautious = true;
-  const ClosureDraft draft = draft_of_finds(scene.map, id, finds, now, {});
+  finds.look_alikes = 3;
+  const ClosureDraft draft = draft_of_finds(scene.map, closure_id, finds, drafted_utime, {});
   EXPECT_FALSE(draft.proposal.merge);
   EXPECT_TRUE(draft.proposal.from_scans);
   EXPECT_TRUE(draft.proposal.cautious);
   EXPECT_EQ(draft.proposal.supporters, 4);
-  EXPECT_EQ(draft.proposal.relations.at(0).origin, (Origin{OriginKind::hypothesis, id}));
+  EXPECT_EQ(draft.proposal.look_alikes, 3);
+  EXPECT_EQ(draft.proposal.relations.at(0).origin, (Origin{OriginKind::hypothesis, closure_id}));
   EXPECT_EQ(draft.record.kind, ClosureKind::loop);
   EXPECT_EQ(draft.record.reason, Reason::on_trial);
   EXPECT_EQ(draft.joining.first_from_second, finds.first_from_second);
@@ -79,9 +83,10 @@ TEST(ClosureDraft, OfSightingsHasARelationForEach) {
   GroupAgreement agreement;
   agreement.older_from_younger = inverse(scene.second_from_world);
   agreement.two_way = true;
-  const ClosureDraft draft = draft_of_sightings(scene.map, id, group, agreement, supporters, now, {});
+  const ClosureDraft draft =
+      draft_of_sightings(scene.map, closure_id, group, agreement, supporters, drafted_utime, {});
   ASSERT_EQ(draft.proposal.relations.size(), 2U);
-  EXPECT_EQ(draft.proposal.relations[1].origin, (Origin{OriginKind::sighting, id, 5}));
+  EXPECT_EQ(draft.proposal.relations[1].origin, (Origin{OriginKind::sighting, closure_id, 5}));
   EXPECT_TRUE(draft.proposal.two_way);
   EXPECT_EQ(draft.proposal.supporters, 2);
   EXPECT_EQ(draft.proposal.older_from_younger, agreement.older_from_younger);

@@ -26,7 +26,7 @@ Relation match(int a, int b, const Pose& a_from_b) {
   return pose_relation(a, b, a_from_b, {OriginKind::match, {}}, RelationKind::point_to_line);
 }
 
-constexpr ClosureId closure{3};
+constexpr ClosureId bending_closure{3};
 
 /// Closure 3 says that patch 11 lies beside patch 0.
 Map bent_way() {
@@ -38,14 +38,14 @@ Map bent_way() {
     if (i > 0)
       map.relate(pose_relation(i - 1, i, {1, 0, 0}, {OriginKind::odometry, {}}, RelationKind::odometry));
   }
-  map.relate(
-      pose_relation(0, 11, {0, 1, 3.1}, {OriginKind::hypothesis, closure}, RelationKind::point_to_line));
+  map.relate(pose_relation(0, 11, {0, 1, 3.1}, {OriginKind::hypothesis, bending_closure},
+                           RelationKind::point_to_line));
   map.refit_island(PatchId{0});
   return map;
 }
 
 std::vector<RelationId> gone_without(const Map& map) {
-  const Rejudging judged(map, Dependencies(map.graph()), {closure}, EngineOptions{});
+  const Rejudging judged(map, Dependencies(map.graph()), {bending_closure}, EngineOptions{});
   std::vector<RelationId> gone;
   for (const Relation& relation : judged.gone()) gone.push_back(relation.id);
   return gone;
@@ -75,8 +75,8 @@ TEST(Rejudging, WhatItsClosureAloneConnectedGoes) {
     map.add(patch, {1.0 * i, 0, 0});
   }
   map.relate(pose_relation(12, 13, {1, 0, 0}, {OriginKind::odometry, {}}, RelationKind::odometry));
-  const RelationId joined =
-      map.relate(pose_relation(2, 12, {0, 1, 0}, {OriginKind::sighting, closure}, RelationKind::range));
+  const RelationId joined = map.relate(
+      pose_relation(2, 12, {0, 1, 0}, {OriginKind::sighting, bending_closure}, RelationKind::range));
   const RelationId across = map.relate(match(3, 13, {0, 1, 0}));
   const std::vector<RelationId> gone = gone_without(map);
   EXPECT_EQ(gone, (std::vector<RelationId>{RelationId{11}, joined, across}));
@@ -84,7 +84,7 @@ TEST(Rejudging, WhatItsClosureAloneConnectedGoes) {
 
 TEST(Rejudging, TheMapThatIsLeftIsFitted) {
   const Map map = bent_way();
-  const Rejudging judged(map, Dependencies(map.graph()), {closure}, EngineOptions{});
+  const Rejudging judged(map, Dependencies(map.graph()), {bending_closure}, EngineOptions{});
   const Manifold& manifold = judged.rest().manifold();
   EXPECT_NEAR(manifold.relative_pose(PatchId{0}, PatchId{11}).x, 11, 1e-6);
   EXPECT_TRUE(judged.changed().contains(PatchId{0}));

@@ -9,44 +9,46 @@ namespace {
 
 using namespace isthmus::testing;
 
-constexpr ClosureId id{0};
+constexpr ClosureId merging_closure{0};
 
 /// Closure 0 has joined the islands of R1 and R2.
-struct Merged {
+struct JoinedIslands {
   SideBySide scene;
   ClosureLedger ledger;
   MutualObservations observations;
   TagPlacer tags;
 
-  Merged() {
+  JoinedIslands() {
     scene.map.move_island(scene.second.front(), inverse(scene.second_from_world));
     Relation relation = odometry_relation(scene.first[0], scene.second[0], {0, 1.5, 0});
-    relation.origin = {OriginKind::sighting, id, 0};
+    relation.origin = {OriginKind::sighting, merging_closure, 0};
     scene.map.relate(relation);
     ClosureDraft draft;
     draft.record.id = ledger.take_id();
     draft.joining = {scene.first[0], scene.second[0], {0, 1.4, 0}, Eigen::Matrix3d::Zero()};
     ledger.enter(draft);
   }
-  std::vector<PatchId> taken_back() { return take_back(scene.world(20), id, ledger, observations, tags); }
+  std::vector<PatchId> taken_back() {
+    return take_back(scene.world(20), merging_closure, ledger, observations, tags);
+  }
 };
 
 TEST(TakingBack, PartsIslandsAndNamesThem) {
-  Merged its;
+  JoinedIslands its;
   EXPECT_EQ(its.taken_back(), (std::vector<PatchId>{its.scene.first[0], its.scene.second[0]}));
   EXPECT_EQ(its.scene.map.graph().islands().size(), 2U);
 }
 
 TEST(TakingBack, KeepsHowTheMapHadWhatWasJoined) {
-  Merged its;
+  JoinedIslands its;
   its.taken_back();
-  EXPECT_NEAR(its.ledger.at(id).joining.first_from_second.y, 1.5, 1e-6);
-  EXPECT_GT(its.ledger.at(id).joining.covariance(0, 0), 0);
+  EXPECT_NEAR(its.ledger.at(merging_closure).joining.first_from_second.y, 1.5, 1e-6);
+  EXPECT_GT(its.ledger.at(merging_closure).joining.covariance(0, 0), 0);
 }
 
 // The map was sure of the sighting by the closure alone.
 TEST(TakingBack, ReopensSightingsThatTheMapHadTakenInByIt) {
-  Merged its;
+  JoinedIslands its;
   its.observations.take(SideBySide::r1_sees_r2(15), "R2", false, 0);
   its.observations.place(its.scene.world(16), {});
   ASSERT_EQ(its.observations.log()[0].verdict, Verdict::accepted);

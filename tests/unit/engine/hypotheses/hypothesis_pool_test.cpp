@@ -12,14 +12,13 @@ namespace {
 
 using namespace isthmus::testing;
 
-/// Finds of R2's way beside R1's, 2.5 m long; two metres of it are enough.
+/// Finds of R2's way beside R1's, 2.5 m long.
 struct Pooling {
   SideBySide scene;
   HypothesisPool pool;
   Closures closures;
   HypothesisCounts counts;
 
-  Pooling() { scene.options.hypotheses.min_way_m = 2; }
   World world() { return scene.world(20); }
   /// So short a way is to be enough for the trial too.
   void believe_little() {
@@ -28,12 +27,11 @@ struct Pooling {
     its.min_width_m = its.min_own_m = 0;
   }
   /// That R2's patch lies so beside R1's.
-  void find(std::size_t i, const Pose& first_from_second = {0, 1.5, 0}) {
+  void find(std::size_t i, const Pose& first_from_second = {0, 1.5, 0}, int look_alikes = 1) {
     const PatchId query = scene.second[i];
     const PatchId anchor = scene.first[i];
-    pool.take(world(), "R2",
-              {query, anchor, first_from_second, 0, 1, {odometry_relation(anchor, query, first_from_second)}},
-              counts);
+    const Relation relation = odometry_relation(anchor, query, first_from_second);
+    pool.take(world(), "R2", {query, anchor, first_from_second, 0, 1, {relation}, look_alikes}, counts);
   }
   bool propose() { return pool.propose(world(), closures, counts); }
   /// What is on trial is tried out, and heard of.
@@ -44,7 +42,7 @@ struct Pooling {
   }
 };
 
-TEST(HypothesisPool, ProposesFindsThatAgreeOnEnoughOfTheWay) {
+TEST(HypothesisPool, ProposesFindsThatAgree) {
   Pooling its;
   its.find(0);
   its.find(4);
@@ -55,6 +53,17 @@ TEST(HypothesisPool, ProposesFindsThatAgreeOnEnoughOfTheWay) {
   EXPECT_EQ(its.counts.proposed, 1);
   ASSERT_EQ(its.closures.closures().size(), 1U);
   EXPECT_EQ(its.closures.closures()[0].robots, (std::vector<std::string>{"R1", "R2"}));
+}
+
+// The three that are found most surely would be enough.
+TEST(HypothesisPool, CountsThePlacesThatLookAlikeByTheFindsItNeeds) {
+  Pooling its;
+  const int look_alikes[] = {9, 1, 4, 2, 7};
+  for (std::size_t i = 0; i < 5; ++i) its.find(i, {0, 1.5, 0}, look_alikes[i]);
+  ASSERT_TRUE(its.propose());
+  its.take_outcomes();
+  ASSERT_EQ(its.closures.closures().size(), 1U);
+  EXPECT_EQ(its.closures.closures()[0].account.look_alikes, 4);
 }
 
 // Half a metre further on, whichever of the two asks.
@@ -78,10 +87,11 @@ TEST(HypothesisPool, SaysWhereToLookForWhatIsNearAFindThatWaits) {
   EXPECT_TRUE(its.pool.hints(map, its.scene.second[1], its.scene.options).empty()) << "too far on";
 }
 
-TEST(HypothesisPool, ProposesNothingOfOnePlace) {
+// A robot that looks into a corridor and turns says as much; how much matches is for the trial.
+TEST(HypothesisPool, ProposesFindsOfOnePlaceToo) {
   Pooling its;
   for (const std::size_t i : {0U, 1U, 2U}) its.find(i);
-  EXPECT_FALSE(its.propose()) << "a metre of way";
+  EXPECT_TRUE(its.propose()) << "a metre of way";
 }
 
 TEST(HypothesisPool, ProposesNothingThatAsManyFindsContradict) {
@@ -104,9 +114,12 @@ TEST(HypothesisPool, KeepsAFindOnceHoweverOftenItIsMade) {
 TEST(HypothesisPool, LetsTheOldestFindGoWhenItIsFull) {
   Pooling its;
   its.scene.options.hypotheses.max_finds = 3;
-  for (const std::size_t i : {0U, 2U, 4U, 5U}) its.find(i);
+  its.find(0, {0, 1.5, 0}, 9);
+  for (const std::size_t i : {2U, 4U, 5U}) its.find(i, {0, 1.5, 0}, 4);
   EXPECT_EQ(its.pool.waiting(), 3U);
-  EXPECT_FALSE(its.propose()) << "a metre and a half of way is left";
+  ASSERT_TRUE(its.propose());
+  its.take_outcomes();
+  EXPECT_EQ(its.closures.closures()[0].account.look_alikes, 4) << "that of nine places is gone";
 }
 
 TEST(HypothesisPool, ProposesAgainOnlyWithMoreUnlessAllIsTriedAgain) {

@@ -19,9 +19,9 @@ namespace isthmus {
 namespace {
 
 template <class Enum>
-class Words : public testing::Test {};
+class Words : public ::testing::Test {};
 
-using Worded = testing::Types<Verb, Reason, Verdict, ClosureKind, ClosureState, DropReason, Unmatched>;
+using Worded = ::testing::Types<Verb, Reason, Verdict, ClosureKind, ClosureState, DropReason, Unmatched>;
 TYPED_TEST_SUITE(Words, Worded);
 
 TYPED_TEST(Words, EachIsThatOfOneValue) {

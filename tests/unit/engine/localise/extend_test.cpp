@@ -7,6 +7,7 @@
 
 #include "server/engine/localise/follow.hpp"
 #include "tests/support/patch_scenes.hpp"
+#include "tests/support/poses.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {
@@ -15,12 +16,6 @@ namespace {
 using namespace isthmus::testing;
 
 constexpr double half_turn_rad = std::numbers::pi;
-
-void expect_near(const Pose& a, const Pose& b, double tolerance = 1e-9) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(wrap_angle(a.yaw - b.yaw), 0, tolerance);
-}
 
 // A robot in a room whose first scan, from the world's origin, has begun an island.
 struct InARoom {

@@ -2,23 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "server/engine/robot/robot_pose.hpp"
+#include "tests/support/poses.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
-
-constexpr double quarter_turn = std::numbers::pi / 2;
-
-void expect_near(const Pose& a, const Pose& b) {
-  EXPECT_NEAR(a.x, b.x, 1e-9);
-  EXPECT_NEAR(a.y, b.y, 1e-9);
-  EXPECT_NEAR(wrap_angle(a.yaw - b.yaw), 0, 1e-9);
-}
 
 // A robot on patch 0, and patches whose poses are known to a millimetre, all in one room.
 struct OnPatches {

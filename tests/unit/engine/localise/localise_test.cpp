@@ -3,23 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <numbers>
 
 #include "server/engine/localise/expectation.hpp"
+#include "tests/support/poses.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
-
-constexpr double quarter_turn = std::numbers::pi / 2;
-
-void expect_near(const Pose& a, const Pose& b, double tolerance_m = 1e-9, double tolerance_rad = 1e-9) {
-  EXPECT_NEAR(a.x, b.x, tolerance_m);
-  EXPECT_NEAR(a.y, b.y, tolerance_m);
-  EXPECT_NEAR(wrap_angle(a.yaw - b.yaw), 0, tolerance_rad);
-}
 
 // A robot at r on patch 0, with its odometry at time 0.
 Robot robot_at(const Pose& patch_from_robot, const Pose& odom_from_robot = {}) {

@@ -168,6 +168,88 @@ TEST(HeldByOdometry, NotWhereOneThingFillsTheView) {
   EXPECT_FALSE(step_of(shelf, shelf, {}, {0, 0.1, 0.2}).held());
 }
 
+// A corridor with a pillar on either side each half metre.
+//  |_'_'_'_'_'_'_'
+//    robot ->
+//  |_._._._._._._.
+Walls corridor_of_pillars(double to_x) {
+  Walls walls;
+  for (const double side : {-1.0, 1.0}) walls.push_back({{-3, side}, {to_x, side}});
+  for (double x = -2.85; x < to_x; x += 0.5) {
+    add_box(walls, x, 0.8, x + 0.2, 1);
+    add_box(walls, x, -1, x + 0.2, -0.8);
+  }
+  return walls;
+}
+
+// Found where the pillars fit half a metre off.
+Match matched_off(const Step& step, const Pose& start) {
+  MatchOptions near = EngineOptions{}.match;
+  near.start_kernel_m = near.kernel_m;
+  return match_scan(step.before, step.now, {start, Eigen::Matrix3d::Zero()}, near);
+}
+
+// Odometry whose yaw froze while the robot turned has counted its way all the same.
+TEST(HeldByOdometry, WhereOnlyTurnsAreCountedWrong) {
+  const Pose truth{0.2, 0, 0.4};
+  const Step step = step_of(corridor_of_pillars(8), corridor_of_pillars(8), truth, {0.2, 0, 0});
+  const Match off = matched_off(step, {-0.3, 0, 0.4});
+  ASSERT_NEAR(off.local_from_robot.x, -0.3, 0.05);
+  const auto held = held_by_odometry(step.before, step.now, step.expectation, off, EngineOptions{}.match, {});
+  ASSERT_TRUE(held);
+  EXPECT_NEAR(held->local_from_robot.x, truth.x, 0.02);
+  EXPECT_NEAR(held->local_from_robot.yaw, truth.yaw, 0.01);
+}
+
+// But where the way that was counted does not fit at the heading that scans show, it is not believed.
+TEST(HeldByOdometry, NotWhereTurnsAndWayAreCountedWrong) {
+  EXPECT_FALSE(step_of(furnished_room(), furnished_room(), {-0.2, 0.1, 0.3}, {0.2, 0, 0}).held());
+}
+
+// A corridor of which the robot has seen a metre ahead. Half a metre back more of what it sees lies on walls
+// that it knows.
+TEST(HeldByOdometry, WhereTheMatchOnlyHasMoreOfTheScanOnKnownGround) {
+  const auto corridor_to_x = [](double x) { return Walls{{{-3, -1}, {x, -1}}, {{-3, 1}, {x, 1}}}; };
+  const Step step = step_of(corridor_to_x(1), corridor_to_x(8), {0.2, 0, 0}, {0.2, 0, 0});
+  const Match back = matched_off(step, {-0.3, 0, 0});
+  ASSERT_NEAR(back.local_from_robot.x, -0.3, 0.05);
+  const auto held =
+      held_by_odometry(step.before, step.now, step.expectation, back, EngineOptions{}.match, {});
+  ASSERT_TRUE(held);
+  EXPECT_NEAR(held->local_from_robot.x, 0.2, 0.02);
+}
+
+// Few returns, as in a hall beyond the laser's range: all of them are on ground that nobody has seen, but for
+// a shelf that is elsewhere in the map too.
+TEST(HeldByOdometry, ByNoMatchAtAllWhereAllOfTheScanIsOnUnknownGround) {
+  Walls shelf_at_start;
+  add_box(shelf_at_start, 1, -0.5, 1.4, 0.5);
+  Walls shelf_farther_on;
+  add_box(shelf_farther_on, 7, -0.5, 7.4, 0.5);
+  const Step step = step_of(shelf_at_start, shelf_farther_on, {6, 0, 0}, {6, 0, 0});
+  const Match at_start = matched_off(step, {});
+  ASSERT_TRUE(at_start.ok);
+  const auto held =
+      held_by_odometry(step.before, step.now, step.expectation, at_start, EngineOptions{}.match, {});
+  ASSERT_TRUE(held);
+  EXPECT_FALSE(held->ok) << "where odometry has the robot there is nothing to match with";
+  EXPECT_EQ(held->local_from_robot, step.expectation.local_from_robot);
+}
+
+// However few points a scan has, each says one log-odds at most.
+TEST(HeldByOdometry, IsWeighedTheLessTheFewerPointsThereAre) {
+  const Step step = step_of(corridor_to(2), corridor_to(2), {}, {0.2, 0, 0});
+  Step sparse = step;
+  sparse.now.clear();
+  for (std::size_t i = 0; i < step.now.size(); i += step.now.size() / 12) sparse.now.push_back(step.now[i]);
+  MatchOptions few = EngineOptions{}.match;
+  few.min_pairs = 5;
+  const Match match = match_scan(sparse.before, sparse.now, {{}, Eigen::Matrix3d::Identity()}, few);
+  ASSERT_TRUE(match.ok);
+  EXPECT_FALSE(step.held());
+  EXPECT_TRUE(held_by_odometry(sparse.before, sparse.now, sparse.expectation, match, few, {}));
+}
+
 TEST(Surprise, IsAsManySigmasAsOdometryAndMatchingErrBy) {
   const Step step = step_of(corridor(), corridor(), {}, {0.2, 0, 0}, 0.03);
   LocaliseOptions options;

@@ -16,12 +16,6 @@ double contradiction_of(const Walls& a, const Walls& b, const Pose& a_from_b = {
   return share.value_or(-1);
 }
 
-Walls box(double half_m) {
-  Walls walls;
-  add_box(walls, -half_m, -half_m, half_m, half_m);
-  return walls;
-}
-
 TEST(Contradiction, IsNoneWhereBothSeeTheSame) {
   EXPECT_EQ(contradiction_of(furnished_room(), furnished_room()), 0);
   const PatchPtr here = patch_from(furnished_room(), PatchId{0}, {});

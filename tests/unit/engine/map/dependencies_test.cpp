@@ -27,9 +27,9 @@ Relation relation(int a, int b, Origin origin) {
   return relation;
 }
 
-constexpr Origin odometry{OriginKind::odometry, {}};
-constexpr Origin match{OriginKind::match, {}};
-constexpr Origin sighting{OriginKind::sighting, {}};
+constexpr Origin by_odometry{OriginKind::odometry, {}};
+constexpr Origin by_match{OriginKind::match, {}};
+constexpr Origin by_sighting{OriginKind::sighting, {}};
 
 Origin sighting_of(int closure) { return {OriginKind::sighting, ClosureId{closure}}; }
 Origin propagation_of(int closure) { return {OriginKind::propagation, ClosureId{closure}}; }
@@ -38,7 +38,7 @@ RelationGraph two_chains() {
   RelationGraph graph;
   for (int i = 0; i < 2 * per_robot; ++i) graph.add_patch(PatchId{i});
   for (int i = 0; i < 2 * per_robot; ++i)
-    if (i % per_robot > 0) graph.add(relation(i - 1, i, odometry));
+    if (i % per_robot > 0) graph.add(relation(i - 1, i, by_odometry));
   return graph;
 }
 
@@ -51,9 +51,9 @@ std::vector<int> of(const RelationGraph& graph, RelationId id) {
 
 TEST(Dependencies, WhatRobotsDoOnTheirOwnDependsOnNothing) {
   RelationGraph graph = two_chains();
-  const RelationId before = graph.add(relation(3, 1, match));
+  const RelationId before = graph.add(relation(3, 1, by_match));
   graph.add(relation(1, 9, sighting_of(4)));
-  const RelationId after = graph.add(relation(4, 2, match));
+  const RelationId after = graph.add(relation(4, 2, by_match));
   const RelationId along = graph.add(relation(8, 0, {OriginKind::start, {}}));
   for (const RelationId id : {before, after, along, RelationId{0}})
     EXPECT_EQ(of(graph, id), std::vector<int>{});
@@ -70,8 +70,8 @@ TEST(Dependencies, AClosuresOwnDependOnIt) {
 TEST(Dependencies, AMatchOrSightingAcrossTheBorderDependsOnWhatJoinedTheTwo) {
   RelationGraph graph = two_chains();
   graph.add(relation(1, 9, sighting_of(4)));
-  const RelationId matched = graph.add(relation(2, 10, match));
-  const RelationId seen = graph.add(relation(5, 13, sighting));
+  const RelationId matched = graph.add(relation(2, 10, by_match));
+  const RelationId seen = graph.add(relation(5, 13, by_sighting));
   EXPECT_EQ(of(graph, matched), std::vector<int>{4});
   EXPECT_EQ(of(graph, seen), std::vector<int>{4});
   EXPECT_TRUE(Dependencies(graph).has(seen, ClosureId{4}));
@@ -88,26 +88,26 @@ TEST(Dependencies, ALaterClosureOnWhatAnotherJoinedDependsOnBoth) {
 TEST(Dependencies, OfAMatchOverALoopThatAClosureClosedAreOnThatClosure) {
   RelationGraph graph = two_chains();
   graph.add(relation(0, 8, sighting_of(2)));
-  const RelationId over = graph.add(relation(1, 8, match));
+  const RelationId over = graph.add(relation(1, 8, by_match));
   EXPECT_EQ(of(graph, over), std::vector<int>{2});
 }
 
 TEST(KnownNear, IsByWallsForMatchesAndByAnythingForSightings) {
   RelationGraph graph = two_chains();
-  graph.add(relation(0, 8, sighting));
-  EXPECT_FALSE(known_near(graph, relation(1, 8, match)));
-  EXPECT_TRUE(known_near(graph, relation(1, 8, sighting)));
-  EXPECT_TRUE(known_near(graph, relation(1, 5, match)));
-  EXPECT_FALSE(known_near(graph, relation(1, 6, match)));
+  graph.add(relation(0, 8, by_sighting));
+  EXPECT_FALSE(known_near(graph, relation(1, 8, by_match)));
+  EXPECT_TRUE(known_near(graph, relation(1, 8, by_sighting)));
+  EXPECT_TRUE(known_near(graph, relation(1, 5, by_match)));
+  EXPECT_FALSE(known_near(graph, relation(1, 6, by_match)));
 }
 
 // What came later is no reason for what was there.
 TEST(Dependencies, AreOnWhatWasThereBefore) {
   RelationGraph graph = two_chains();
   graph.add(relation(1, 9, sighting_of(4)));
-  const RelationId first = graph.add(relation(2, 10, match));
+  const RelationId first = graph.add(relation(2, 10, by_match));
   graph.add(relation(1, 9, {OriginKind::start, {}}));
-  const RelationId second = graph.add(relation(3, 11, match));
+  const RelationId second = graph.add(relation(3, 11, by_match));
   EXPECT_EQ(of(graph, first), std::vector<int>{4});
   EXPECT_NE(of(graph, second), std::vector<int>{});  // a start says nothing of walls
 }

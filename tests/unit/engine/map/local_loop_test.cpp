@@ -11,7 +11,7 @@ namespace {
 
 using namespace isthmus::testing;
 
-constexpr PatchId newest{2};
+constexpr PatchId new_patch{2};
 
 // A robot that has come back to where patch 0 was made. It stands on patch 1, which lies there too, by
 // odometry that errs by `sigma`; its scan was in truth taken at `off` from there.
@@ -27,7 +27,7 @@ struct CameBack {
     Surroundings surroundings;
     surroundings.update(map, PatchId{1}, options, Surroundings::By::scans);
     return find_local_loop(map, surroundings, {}, to_points(scan_from(walls, off), laser_of(), {}), unpaired,
-                           newest, options);
+                           new_patch, options);
   }
   LocalLoop found(const Pose& off) const { return found(furnished_room(), off); }
 
@@ -35,16 +35,16 @@ struct CameBack {
   Map map;
 };
 
-const Eigen::Vector3d loose(0.3, 0.3, 0.05);
-const Eigen::Vector3d well_known(0.05, 0.05, 0.02);
+const Eigen::Vector3d loose_sigma(0.3, 0.3, 0.05);
+const Eigen::Vector3d well_known_sigma(0.05, 0.05, 0.02);
 
 TEST(FindLocalLoop, RelatesAScanToTheLooselyKnownPatchThatItCameBackTo) {
   const Pose truth{0.5, -0.4, 0.08};
-  const LocalLoop found = CameBack(furnished_room(), loose).found(truth);
+  const LocalLoop found = CameBack(furnished_room(), loose_sigma).found(truth);
   ASSERT_EQ(found.relations.size(), 1U);
   const Relation& relation = found.relations.front();
   EXPECT_EQ(relation.a, PatchId{0});
-  EXPECT_EQ(relation.b, newest);
+  EXPECT_EQ(relation.b, new_patch);
   EXPECT_EQ(relation.origin.kind, OriginKind::match);
   const Pose error = ominus(minimiser(relation.measurement, truth), truth);
   EXPECT_LT(std::hypot(error.x, error.y), 0.02);
@@ -58,7 +58,7 @@ TEST(FindLocalLoop, RelatesAScanToTheLooselyKnownPatchThatItCameBackTo) {
 
 // Firm patches are the local map's, with which every scan is matched; here, only where it was not found.
 TEST(FindLocalLoop, LooksForWellDeterminedPatchesOnlyWhereTheScanWasNotPairedWithThem) {
-  const CameBack back(furnished_room(), well_known);
+  const CameBack back(furnished_room(), well_known_sigma);
   const Pose truth{0.2, -0.1, 0.02};
   const LocalLoop paired = back.found(truth);
   EXPECT_TRUE(paired.relations.empty());
@@ -71,14 +71,14 @@ TEST(FindLocalLoop, LooksForWellDeterminedPatchesOnlyWhereTheScanWasNotPairedWit
 TEST(FindLocalLoop, FindsNothingAmongOtherWalls) {
   Walls others;
   add_box(others, -0.7, -1.2, 1.9, 0.8);
-  const LocalLoop found = CameBack(others, loose).found({0.1, 0, 0});
+  const LocalLoop found = CameBack(others, loose_sigma).found({0.1, 0, 0});
   EXPECT_TRUE(found.compared);
   EXPECT_TRUE(found.relations.empty());
 }
 
 // Along a corridor a scan fits anywhere.
 TEST(FindLocalLoop, TakesNoneOfManyAnswers) {
-  const LocalLoop found = CameBack(corridor(), loose).found(corridor(), {0.1, 0, 0});
+  const LocalLoop found = CameBack(corridor(), loose_sigma).found(corridor(), {0.1, 0, 0});
   EXPECT_TRUE(found.compared);
   EXPECT_TRUE(found.relations.empty());
 }
@@ -99,7 +99,7 @@ TEST(FindLocalLoop, LeavesWideWindowsToHypotheses) {
 // for slips of the past.
 TEST(FindLocalLoop, DoubtsWhatIsFarInAllThreeAtOnce) {
   const Pose sigma{std::hypot(0.3, 0.2), std::hypot(0.3, 0.2), std::hypot(0.05, 0.0316)};
-  const CameBack back(furnished_room(), loose);
+  const CameBack back(furnished_room(), loose_sigma);
   const auto sigmas_off = [&](double n) {
     return back.found({n * sigma.x, n * sigma.y, n * sigma.yaw}).relations.size();
   };
@@ -110,8 +110,8 @@ TEST(FindLocalLoop, DoubtsWhatIsFarInAllThreeAtOnce) {
 // Another find on the way: it would move the map so, seen at `x` on the way.
 LocalLoop find_at(double x, const Pose& map_from_map, bool unambiguous = false) {
   LocalLoop found;
-  found.patch = newest;
-  found.relations.push_back(odometry_relation(PatchId{0}, newest, {x, 0, 0}));
+  found.patch = new_patch;
+  found.relations.push_back(odometry_relation(PatchId{0}, new_patch, {x, 0, 0}));
   found.map_from_map = map_from_map;
   found.position = {x, 0};
   found.unambiguous = unambiguous;

@@ -49,7 +49,7 @@ std::vector<int> in_local_map(const Map& map, const Surroundings& surroundings) 
 }
 
 const std::vector<int> nobody_else = {0};
-const std::vector<int> all = {0, 1, 2, 3};
+const std::vector<int> all_four = {0, 1, 2, 3};
 
 // Eq. 12 asks for 0.25 m at 95 %: σ of 0.09 m a step is that for two steps and no more.
 TEST(Surroundings, AreWellDeterminedOnlyWhereEquation12Holds) {
@@ -76,7 +76,7 @@ TEST(Surroundings, OfSightingsAreDeterminedByAllRelationsOnly) {
     const Map map = chain_of(kind, 0.01, 0.005);
     Surroundings surroundings;
     surroundings.update(map, PatchId{0}, {}, Surroundings::By::all);
-    EXPECT_EQ(those(surroundings, &Determined::by_all_relations), all) << name(kind);
+    EXPECT_EQ(those(surroundings, &Determined::by_all_relations), all_four) << name(kind);
     EXPECT_EQ(those(surroundings, &Determined::well_determined), nobody_else) << name(kind);
     EXPECT_EQ(in_local_map(map, surroundings), nobody_else) << name(kind);
     surroundings.update(map, PatchId{0}, {}, Surroundings::By::scans);
@@ -90,8 +90,8 @@ TEST(Surroundings, OfScansAndOdometryAreWellDetermined) {
     const Map map = chain_of(kind, 0.01, 0.005);
     Surroundings surroundings;
     surroundings.update(map, PatchId{0}, {}, Surroundings::By::all);
-    EXPECT_EQ(those(surroundings, &Determined::well_determined), all) << name(kind);
-    EXPECT_EQ(in_local_map(map, surroundings), all) << name(kind);
+    EXPECT_EQ(those(surroundings, &Determined::well_determined), all_four) << name(kind);
+    EXPECT_EQ(in_local_map(map, surroundings), all_four) << name(kind);
   }
 }
 
@@ -143,7 +143,7 @@ TEST(Surroundings, LeaveOutOfTheLocalMapWhatTheScanDoesNotSee) {
   Surroundings surroundings;
   surroundings.update(map, PatchId{0}, {}, Surroundings::By::scans);
   EXPECT_EQ(those(surroundings, &Determined::well_determined).size(), 5U);
-  EXPECT_EQ(in_local_map(map, surroundings), all);
+  EXPECT_EQ(in_local_map(map, surroundings), all_four);
 }
 
 // Whatever a scan from there sees; the farther and the poorly determined not.

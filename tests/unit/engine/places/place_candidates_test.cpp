@@ -31,15 +31,15 @@ Map round_a_block(double sigma_m = 0.05, double sigma_rad = 0.016) {
   return map;
 }
 
-constexpr PatchId newest{39};
+constexpr PatchId last_of_block{39};
 
 TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
   const Map map = round_a_block();
-  const std::vector<PlaceCandidate> places = places_on_own_island(map, newest, {}, {});
+  const std::vector<PlaceCandidate> places = places_on_own_island(map, last_of_block, {}, {});
   ASSERT_FALSE(places.empty());
   for (const PlaceCandidate& place : places) {
-    const Pose r = map.relative_pose(place.anchor, newest);
-    EXPECT_EQ(place.way_m, newest.value - place.anchor.value) << "a metre a patch";
+    const Pose r = map.relative_pose(place.anchor, last_of_block);
+    EXPECT_EQ(place.way_m, last_of_block.value - place.anchor.value) << "a metre a patch";
     EXPECT_GE(place.way_m, 10);
     EXPECT_LT(std::hypot(r.x, r.y), 5 + 1 + 0.3 * place.way_m);
   }
@@ -49,16 +49,16 @@ TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
 // About where the map has the patch, as wide as three standard deviations of what map and sensors err by.
 TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
   const Map map = round_a_block();
-  const PlaceCandidate place = places_on_own_island(map, newest, {}, {}).front();
-  const Pose truth = map.relative_pose(place.anchor, newest);
+  const PlaceCandidate place = places_on_own_island(map, last_of_block, {}, {}).front();
+  const Pose truth = map.relative_pose(place.anchor, last_of_block);
   EXPECT_LE(std::abs(place.window.centre.x - truth.x), place.window.half_x_m);
   EXPECT_LE(std::abs(place.window.centre.y - truth.y), place.window.half_y_m);
   const double yaw_sigma = std::sqrt(39 * 0.016 * 0.016 + drift_variance(39, {}).z());
   EXPECT_NEAR(place.window.half_yaw_rad, 3 * yaw_sigma, 0.01);
   EXPECT_NEAR(place.window.half_x_m, 5, 1e-9) << "4 m and a margin: the next anchor has the rest";
-  EXPECT_LT(place.sigma_m, places_on_own_island(round_a_block(0.2), newest, {}, {}).front().sigma_m)
+  EXPECT_LT(place.sigma_m, places_on_own_island(round_a_block(0.2), last_of_block, {}, {}).front().sigma_m)
       << "worse odometry says less";
-  for (const PlaceCandidate& wide : places_on_own_island(round_a_block(1, 0.2), newest, {}, {})) {
+  for (const PlaceCandidate& wide : places_on_own_island(round_a_block(1, 0.2), last_of_block, {}, {})) {
     EXPECT_LE(wide.window.half_x_m, 5);
     EXPECT_LE(wide.window.half_yaw_rad, std::numbers::pi);
   }
@@ -67,7 +67,7 @@ TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
 // A slip leaves a relation as narrow as any other.
 TEST(PlacesOnOwnIsland, AreSearchedHoweverSureTheMapIs) {
   const std::vector<PlaceCandidate> places =
-      places_on_own_island(round_a_block(0.001, 0.0001), newest, {}, {});
+      places_on_own_island(round_a_block(0.001, 0.0001), last_of_block, {}, {});
   ASSERT_FALSE(places.empty());
   EXPECT_GT(places.front().window.half_x_m, 2);
   EXPECT_GT(places.front().window.half_yaw_rad, 0.3);
@@ -81,7 +81,7 @@ TEST(PlacesOnOwnIsland, LeaveOutWhatSawNoWalls) {
     map.add(blind, round_a_block().manifold().pose(PatchId{i}));
     if (i > 0) map.relate(odometry_relation(PatchId{i - 1}, PatchId{i}, {1, 0, 0}, {400, 400, 4000}));
   }
-  EXPECT_TRUE(places_on_own_island(map, newest, {}, {}).empty());
+  EXPECT_TRUE(places_on_own_island(map, last_of_block, {}, {}).empty());
 }
 
 // Of `count` patches, a metre apart.
@@ -151,8 +151,8 @@ TEST(PlacesOnOtherIslands, AreFirstThoseThatHintsName) {
 
 TEST(PlacesOnOwnIsland, AreFirstThoseThatHintsName) {
   const Map map = round_a_block();
-  const PlaceHint hint{map.graph().island(newest), map.manifold().pose(PatchId{4}), 1};
-  const std::vector<PlaceCandidate> hinted = places_on_own_island(map, newest, {&hint, 1}, {});
+  const PlaceHint hint{map.graph().island(last_of_block), map.manifold().pose(PatchId{4}), 1};
+  const std::vector<PlaceCandidate> hinted = places_on_own_island(map, last_of_block, {&hint, 1}, {});
   EXPECT_EQ(hinted.front().anchor, PatchId{4});
   std::set<PatchId> anchors;
   for (const PlaceCandidate& place : hinted) anchors.insert(place.anchor);

@@ -15,13 +15,14 @@ using namespace isthmus::testing;
 
 // A map of two ways through the same walls that nothing joins: the first of patches 0, 1, ..., the second,
 // whose frame is another, of those after.
-struct TwoWays {
+struct SeparateWays {
   Map map;
   std::vector<PatchId> second_newest_first;
 };
 
-TwoWays two_ways(const Walls& walls, const std::vector<Pose>& first, const std::vector<Pose>& second) {
-  TwoWays ways;
+SeparateWays separate_ways(const Walls& walls, const std::vector<Pose>& first,
+                           const std::vector<Pose>& second) {
+  SeparateWays ways;
   add_way(ways.map, walls, first, Pose{});
   const auto count = static_cast<std::int32_t>(first.size());
   add_way(ways.map, walls, second, Pose{20, 5, 1});
@@ -30,18 +31,18 @@ TwoWays two_ways(const Walls& walls, const std::vector<Pose>& first, const std::
   return ways;
 }
 
-const std::vector<Pose> there = {
+const std::vector<Pose> way_there = {
     {-2.5, -1.5, 0.1}, {-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 1.2}, {1.8, -0.8, 2.8}};
-const std::vector<Pose> back = {{2, 0.2, 3}, {0.8, 0.1, 3.1}, {-0.5, 0, -3.1}, {-1.2, -0.6, -2.6}};
+const std::vector<Pose> way_back = {{2, 0.2, 3}, {0.8, 0.1, 3.1}, {-0.5, 0, -3.1}, {-1.2, -0.6, -2.6}};
 
 TEST(SearchPlace, FindsWhereAWayLiesWhateverItsYaw) {
-  const TwoWays ways = two_ways(crooked_room(), there, back);
+  const SeparateWays ways = separate_ways(crooked_room(), way_there, way_back);
   const RigidPiece place = place_around(ways.map, PatchId{1}, {}, {});
   const RigidPiece piece = piece_of_way(ways.map, ways.second_newest_first, {});
   const PlaceSearch search = search_place(place, piece, {Pose{}, 4, 4, std::numbers::pi}, 0.5, {});
   ASSERT_FALSE(search.answers.empty());
   EXPECT_FALSE(search.exhausted);
-  const Pose truth = ominus(back.back(), there[1]);
+  const Pose truth = ominus(way_back.back(), way_there[1]);
   const Pose off = ominus(search.answers.front().anchor_from_piece, truth);
   EXPECT_LT(std::hypot(off.x, off.y), 0.15);
   EXPECT_LT(std::abs(off.yaw), 0.04);
@@ -49,8 +50,8 @@ TEST(SearchPlace, FindsWhereAWayLiesWhateverItsYaw) {
   const auto find = refine(place, piece, search.answers.front(), {});
   ASSERT_TRUE(find);
   EXPECT_FALSE(find->relations.empty());
-  const auto query = static_cast<std::size_t>(find->query.value) - there.size();
-  const Pose refined_off = ominus(find->anchor_from_query, ominus(back[query], there[1]));
+  const auto query = static_cast<std::size_t>(find->query.value) - way_there.size();
+  const Pose refined_off = ominus(find->anchor_from_query, ominus(way_back[query], way_there[1]));
   EXPECT_LT(std::hypot(refined_off.x, refined_off.y), 0.03);
   EXPECT_LT(std::abs(refined_off.yaw), 0.01);
 }
@@ -59,8 +60,8 @@ TEST(SearchPlace, FindsNothingElsewhere) {
   Walls other;
   add_box(other, -1.5, -9, 1.5, 9);
   add_box(other, -1.5, -3, -0.5, -2);
-  TwoWays ways = two_ways(furnished_room(), there, {});
-  const auto first_other = static_cast<std::int32_t>(there.size());
+  SeparateWays ways = separate_ways(furnished_room(), way_there, {});
+  const auto first_other = static_cast<std::int32_t>(way_there.size());
   add_way(ways.map, other, {{0, -7, 1.5}, {0.3, -5, 1.6}, {0.6, -2, 1.5}, {0, 2, 1.7}}, Pose{});
   std::vector<PatchId> newest_first;
   for (std::int32_t i = first_other + 4; i-- > first_other;) newest_first.push_back(PatchId{i});
@@ -72,8 +73,9 @@ TEST(SearchPlace, FindsNothingElsewhere) {
 
 // 0 to 4 there and 5 to 8 back; 8, the newest, was matched with 1.
 TEST(OwnPart, IsThePieceAndWhatWasMatchedWithIt) {
-  TwoWays ways = two_ways(crooked_room(), there, back);
-  ways.map.relate(odometry_relation(PatchId{1}, PatchId{8}, ominus(back.back(), there[1]), {100, 100, 100}));
+  SeparateWays ways = separate_ways(crooked_room(), way_there, way_back);
+  ways.map.relate(
+      odometry_relation(PatchId{1}, PatchId{8}, ominus(way_back.back(), way_there[1]), {100, 100, 100}));
   const std::vector<PatchId> newest = {PatchId{8}, PatchId{7}};
   EXPECT_EQ(own_part(ways.map, piece_of_way(ways.map, newest, {})),
             (std::vector<PatchId>{PatchId{1}, PatchId{6}, PatchId{7}, PatchId{8}}))
@@ -81,7 +83,7 @@ TEST(OwnPart, IsThePieceAndWhatWasMatchedWithIt) {
 }
 
 TEST(PlaceAround, LeavesOutWhatItIsTold) {
-  const TwoWays ways = two_ways(crooked_room(), there, {});
+  const SeparateWays ways = separate_ways(crooked_room(), way_there, {});
   const auto patches = [&](const std::vector<PatchId>& without) {
     std::vector<PatchId> ids;
     for (const LocalPatch& local : place_around(ways.map, PatchId{1}, without, {}).local.patches)
@@ -89,13 +91,14 @@ TEST(PlaceAround, LeavesOutWhatItIsTold) {
     std::ranges::sort(ids);
     return ids;
   };
-  EXPECT_EQ(patches({}).size(), there.size());
+  EXPECT_EQ(patches({}).size(), way_there.size());
   EXPECT_EQ(patches({PatchId{1}, PatchId{3}}), (std::vector<PatchId>{PatchId{0}, PatchId{2}, PatchId{4}}));
   EXPECT_TRUE(patches({PatchId{0}, PatchId{1}, PatchId{2}, PatchId{3}, PatchId{4}}).empty());
 }
 
 TEST(Refine, ACorridorTellsNotHowFarAlong) {
-  const TwoWays ways = two_ways(corridor(), {{0, 0, 0}, {2, 0, 0}, {4, 0, 0}}, {{1, 0.1, 0}, {3, 0, 0}});
+  const SeparateWays ways =
+      separate_ways(corridor(), {{0, 0, 0}, {2, 0, 0}, {4, 0, 0}}, {{1, 0.1, 0}, {3, 0, 0}});
   const PlaceAnswer answer{PatchId{1}, Pose{1, 0, 0}, 1, 0, 0};
   EXPECT_FALSE(refine(place_around(ways.map, PatchId{1}, {}, {}),
                       piece_of_way(ways.map, ways.second_newest_first, {}), answer, {}));
@@ -105,7 +108,7 @@ TEST(Refine, ACorridorTellsNotHowFarAlong) {
 TEST(Refine, ADoorFrameTellsHowFarAlongACorridor) {
   Walls walls = corridor();
   for (const double side : {-1.0, 1.0}) add_box(walls, 6, side - 0.3, 6.2, side + 0.3);
-  const TwoWays ways = two_ways(walls, {{0, 0, 0}, {2, 0, 0}, {4, 0, 0}}, {{1, 0.1, 0}, {3, 0, 0}});
+  const SeparateWays ways = separate_ways(walls, {{0, 0, 0}, {2, 0, 0}, {4, 0, 0}}, {{1, 0.1, 0}, {3, 0, 0}});
   const PlaceAnswer answer{PatchId{1}, Pose{1.05, 0, 0}, 1, 0, 0};
   const auto find = refine(place_around(ways.map, PatchId{1}, {}, {}),
                            piece_of_way(ways.map, ways.second_newest_first, {}), answer, {});
@@ -115,10 +118,11 @@ TEST(Refine, ADoorFrameTellsHowFarAlongACorridor) {
 }
 
 TEST(SharedPart, OneCorridorHasNoWidth) {
-  const TwoWays ways = two_ways(corridor(), {{0, 0, 0}, {4, 0.1, 0}, {8, -0.1, 0}, {12, 0, 0}}, {});
+  const SeparateWays ways = separate_ways(corridor(), {{0, 0, 0}, {4, 0.1, 0}, {8, -0.1, 0}, {12, 0, 0}}, {});
   const std::vector<PatchId> all = {PatchId{0}, PatchId{1}, PatchId{2}, PatchId{3}};
   EXPECT_LT(width_m(ways.map, all), 0.5);
-  const TwoWays room = two_ways(furnished_room(), {{-3, -2, 0}, {3, -2, 0}, {3, 2, 0}, {-3, 2, 0}}, {});
+  const SeparateWays room =
+      separate_ways(furnished_room(), {{-3, -2, 0}, {3, -2, 0}, {3, 2, 0}, {-3, 2, 0}}, {});
   EXPECT_GT(width_m(room.map, all), 2);
 }
 

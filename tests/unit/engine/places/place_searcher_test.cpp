@@ -71,6 +71,30 @@ TEST(PlaceSearcher, FindsNothingWhereTwoPlacesFitAboutAsWell) {
   EXPECT_EQ(decision.price_us, 0) << "nothing was matched";
 }
 
+// Three halls that are alike, searched at two anchors each: the best answers lie at three places.
+TEST(PlaceSearcher, TellsHowManyPlacesLookAlike) {
+  for (const int halls : {1, 2, 3}) {
+    Searched searched(halls);
+    for (int hall = 0; hall < halls; ++hall)
+      searched.searcher.add(
+          {anywhere_around(PatchId{16 * hall + 9}), anywhere_around(PatchId{16 * hall + 8})});
+    searched.decide();
+    const std::vector<PlaceAnswer>& answers = searched.searcher.best_first();
+    EXPECT_GT(answers.size(), static_cast<std::size_t>(halls));
+    EXPECT_EQ(look_alikes(searched.map, answers, searched.options), halls);
+  }
+}
+
+TEST(PlaceSearcher, CountsNoPlaceThatFitsClearlyWorseAsOneThatLooksAlike) {
+  Searched searched(2);
+  const PlaceAnswer best{PatchId{9}, Pose{}, 0.9, 0, 0};
+  PlaceAnswer worse{PatchId{16 + 9}, Pose{}, 0, 0, 0};
+  for (const double share : {0.99, 1.01}) {
+    worse.score = share * searched.options.ambiguity.share * best.score;
+    EXPECT_EQ(look_alikes(searched.map, {best, worse}, searched.options), share < 1 ? 1 : 2);
+  }
+}
+
 TEST(PlaceSearcher, PaysForEachEvaluationOfASearch) {
   const auto price_us = [](double of_an_evaluation) {
     Searched searched(1);

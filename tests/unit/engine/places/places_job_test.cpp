@@ -16,7 +16,7 @@ using namespace isthmus::testing;
 //     ...             ...
 //      |               |
 //      0 -  1 - ... - 10
-Map round_a_block() {
+Map round_a_walled_block() {
   Walls walls;
   add_box(walls, -2, -2, 12, 12);
   add_box(walls, 1.5, 1.5, 8.5, 8.5);
@@ -51,7 +51,7 @@ void expect_same(const std::vector<PlaceCandidate>& given, const std::vector<Pla
 }
 
 TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
-  Map map = round_a_block();
+  Map map = round_a_walled_block();
   const std::vector<PlaceQuestion> asked = {{PatchId{38}, {}}, {PatchId{5}, {}}, {PatchId{36}, {}}};
   std::vector<std::vector<PlaceCandidate>> expected;
   for (const PlaceQuestion& one : asked) expected.push_back(places_on_own_island(map, one.patch, {}, {}));
@@ -65,7 +65,7 @@ TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
 }
 
 TEST(PlacesJob, IsDueByTheTimeThatPassesAndTheSizeOfTheMapAlone) {
-  const Map map = round_a_block();
+  const Map map = round_a_walled_block();
   const PlacesJob job(map, {{PatchId{38}, {}}}, 5'000'000, {});
   EXPECT_FALSE(job.is_due(5'000'000));
   EXPECT_FALSE(job.is_due(5'116'999));

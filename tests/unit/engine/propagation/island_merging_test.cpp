@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/engine/propagation/trial.hpp"
+#include "tests/support/poses.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {
@@ -11,8 +12,7 @@ namespace {
 
 using namespace isthmus::testing;
 
-const Pose second_from_world{20, 5, 1};  // the plane of the younger island
-const Pose off{0.12, -0.08, 0.03};       // by which its rough alignment errs
+const Pose rough_error{0.12, -0.08, 0.03};  // by which its rough alignment errs
 
 // Two ways through one room, 0-1-2 and 3-4-5, each on an island of its own, and a sighting of 4 in 1.
 struct TwoIslands {
@@ -26,7 +26,7 @@ struct TwoIslands {
     proposal.merge = true;
     proposal.older = PatchId{0};
     proposal.younger = PatchId{3};
-    proposal.older_from_younger = off * inverse(second_from_world);
+    proposal.older_from_younger = rough_error * inverse(second_from_world);
     proposal.relations = {seen};
     proposal.supporters = 6;
     proposal.two_way = true;
@@ -49,19 +49,13 @@ struct TwoIslands {
   Proposal proposal;
 };
 
-void expect_near(const Pose& a, const Pose& b, double tolerance = 1e-9) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(wrap_angle(a.yaw - b.yaw), 0, tolerance);
-}
-
 // "Prior to merging, we treat the two islands as rigid bodies and bring them into rough alignment."
 TEST(IslandMerging, LaysTheYoungerIslandBesideTheOlderAsARigidBody) {
   const TwoIslands islands;
   const Trial trial = islands.begun();
   for (int i = 0; i < 6; ++i) {
     const Pose& truth = islands.world[static_cast<std::size_t>(i)];
-    expect_near(trial.map().manifold().pose(PatchId{i}), i < 3 ? truth : off * truth);
+    expect_near(trial.map().manifold().pose(PatchId{i}), i < 3 ? truth : rough_error * truth);
   }
 }
 

@@ -14,10 +14,10 @@ using namespace isthmus::testing;
 
 constexpr Origin of_closure{OriginKind::propagation, ClosureId{7}};
 
-const std::vector<Pose> there = {{-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 0.4}};
-const std::vector<Pose> again = {{-0.8, -1.2, 0.1}, {0.6, -1.1, 0}, {1.7, -0.8, 0.3}};
+const std::vector<Pose> first_drive = {{-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 0.4}};
+const std::vector<Pose> second_drive = {{-0.8, -1.2, 0.1}, {0.6, -1.1, 0}, {1.7, -0.8, 0.3}};
 
-Relation sighting(PatchId a, PatchId b, const Pose& a_from_b) {
+Relation sighting_relation(PatchId a, PatchId b, const Pose& a_from_b) {
   Relation relation = odometry_relation(a, b, a_from_b, {400, 400, 1600});
   relation.kind = RelationKind::relative_pose;
   relation.origin = {OriginKind::sighting, ClosureId{7}};
@@ -27,7 +27,7 @@ Relation sighting(PatchId a, PatchId b, const Pose& a_from_b) {
 // Two ways through one room, 0-1-2 and 3-4-5, on islands of their own until a relation that is a little off
 // ties 1 to 4: step 1 of IV-B.
 struct TwoWays {
-  TwoWays() : TwoWays(crooked_room(), there, crooked_room(), again) {}
+  TwoWays() : TwoWays(crooked_room(), first_drive, crooked_room(), second_drive) {}
   TwoWays(const Walls& of_first, const std::vector<Pose>& first, const Walls& of_second,
           const std::vector<Pose>& second) {
     add_way(map, of_first, first);
@@ -36,7 +36,7 @@ struct TwoWays {
     world.insert(world.end(), second.begin(), second.end());
     before = map.graph();
     const PatchId a{1}, b{4};
-    map.relate(sighting(a, b, map.relative_pose(a, b)));
+    map.relate(sighting_relation(a, b, map.relative_pose(a, b)));
   }
   Propagation begun() const { return {before, of_closure}; }
   bool stepped(Propagation& propagation) { return propagation.step(map, options); }
@@ -134,7 +134,7 @@ TEST(Propagation, GoesOnToAllThatAreRelatedUntilNothingNewIsFound) {
 TEST(Propagation, TakesAPatchOnceWhileItWaitsAndNobodyElseWhereNothingNewIsFound) {
   Walls others;
   add_box(others, -6, -6, 7, 5);
-  TwoWays ways(crooked_room(), there, others, again);
+  TwoWays ways(crooked_room(), first_drive, others, second_drive);
   Propagation propagation = ways.begun();
   propagation.enqueue(PatchId{1}, {});
   propagation.enqueue(PatchId{1}, {});  // it waits there already
@@ -157,7 +157,7 @@ TEST(Propagation, TakesPatchesInTurn) {
 TEST(Propagation, TakesAPatchFourTimesAndNoMore) {
   Walls others;
   add_box(others, -6, -6, 7, 5);
-  TwoWays ways(crooked_room(), there, others, again);
+  TwoWays ways(crooked_room(), first_drive, others, second_drive);
   Propagation propagation = ways.begun();
   for (int i = 0; i < 4; ++i) {
     propagation.enqueue(PatchId{1}, {});
@@ -175,8 +175,8 @@ TEST(Propagation, TakesAPatchFourTimesAndNoMore) {
 TEST(Propagation, RelatesNothingToOtherIslands) {
   TwoWays ways;
   Map apart;
-  add_way(apart, crooked_room(), there);
-  add_way(apart, crooked_room(), again);
+  add_way(apart, crooked_room(), first_drive);
+  add_way(apart, crooked_room(), second_drive);
   Propagation propagation{apart.graph(), of_closure};
   for (int i = 0; i < 6; ++i) propagation.enqueue(PatchId{i}, {});
   while (!propagation.done()) EXPECT_FALSE(propagation.step(apart, ways.options));
@@ -196,14 +196,15 @@ TEST(Propagation, TellsTheSidesOfTheBorderByTheGraphBefore) {
 // the second has seen a room that stands askew.
 TEST(Propagation, RemembersWhatMustFitAndDoesNot) {
   Walls askew = furnished_room();
-  const Pose turn = there[1] * Pose{0, 0, 0.25} * inverse(there[1]);
+  const Pose turn = first_drive[1] * Pose{0, 0, 0.25} * inverse(first_drive[1]);
   for (auto& [from, to] : askew) {
     from = turn * from;
     to = turn * to;
   }
-  TwoWays ways(furnished_room(), there, askew, again);
-  Relation sharp = sighting(PatchId{1}, PatchId{4}, {});
-  sharp.measurement = RelativePose{ominus(again[1], there[1]), Eigen::Vector3d(1e6, 1e6, 1e7).asDiagonal()};
+  TwoWays ways(furnished_room(), first_drive, askew, second_drive);
+  Relation sharp = sighting_relation(PatchId{1}, PatchId{4}, {});
+  sharp.measurement =
+      RelativePose{ominus(second_drive[1], first_drive[1]), Eigen::Vector3d(1e6, 1e6, 1e7).asDiagonal()};
   ways.map.relate(sharp);
   ways.map.refit_island(PatchId{0});
   Propagation propagation = ways.begun();
@@ -239,7 +240,7 @@ TEST(Propagation, OfOneRelationJoinsTwoWaysAllAlong) {
     }
   }
   const RelationGraph graph = map.graph();
-  map.relate(sighting(PatchId{0}, PatchId{16}, {0, 0.6, 0}));
+  map.relate(sighting_relation(PatchId{0}, PatchId{16}, {0, 0.6, 0}));
   const auto apart_m = [&] {
     const Pose r = map.relative_pose(PatchId{15}, PatchId{31});
     return std::hypot(r.x - 0, r.y - 0.6);

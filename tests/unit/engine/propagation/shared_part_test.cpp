@@ -3,17 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/ways.hpp"
+#include "tests/unit/relations/small_maps.hpp"
 
 namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
-
-Walls box(double half_m) {
-  Walls walls;
-  add_box(walls, -half_m, -half_m, half_m, half_m);
-  return walls;
-}
 
 // Patches at given places of the map, each in a room of its own of the given size.
 struct Placed {
@@ -25,6 +20,12 @@ struct Placed {
       island.push_back(added.back());
     }
     return added;
+  }
+  void relate_in_order(PatchId from, PatchId to) {
+    for (int i = from.value; i < to.value; ++i) {
+      const Pose step = map.relative_pose(PatchId{i}, PatchId{i + 1});
+      map.relate(small_maps::relation(i, i + 1, RelativePose{step, Eigen::Matrix3d::Identity()}));
+    }
   }
   SharedPart shared_from(PatchId second, const std::vector<PatchId>& matched) const {
     return shared_part(map, island, [&](PatchId id) { return id >= second; }, matched, {});
@@ -79,15 +80,35 @@ TEST(SharedPartOwnWay, IsOfEither) {
 
 TEST(SharedPartBorder, IsContradictedByWallsInFreeSpace) {
   Placed alike;
-  alike.add({{0, 0}});
-  EXPECT_EQ(alike.shared_from(alike.add({{0, 0}}).front(), {}).border_contradiction, 0);
+  alike.add({{0, 0}, {0, 0}});
+  EXPECT_EQ(alike.shared_from(PatchId{1}, alike.island).border_contradiction, 0);
   Placed unlike;
   unlike.add({{0, 0}}, 2);
-  EXPECT_EQ(unlike.shared_from(unlike.add({{0, 0}}, 4).front(), {}).border_contradiction, 1);
+  unlike.add({{0, 0}}, 4);
+  EXPECT_EQ(unlike.shared_from(PatchId{1}, unlike.island).border_contradiction, 1);
   Placed far;
   far.add({{0, 0}}, 2);
-  EXPECT_EQ(far.shared_from(far.add({{7, 0}}, 20).front(), {}).border_contradiction, 0)
+  far.add({{7, 0}}, 20);
+  EXPECT_EQ(far.shared_from(PatchId{1}, far.island).border_contradiction, 0)
       << "where their views do not meet";
+}
+
+// Two ways side by side, matched at 0 m; those at the far end contradict one another. A bend of a hundredth
+// lays a wall .5 m into free space within some tens of metres.
+TEST(SharedPartBorder, IsOnlyWhereWhatMatchesHoldsTheTwoTogether) {
+  for (const int length_m : {5, 100}) {
+    Placed placed;
+    std::vector<Eigen::Vector2d> way;
+    for (int x = 0; x < length_m; x += 10) way.emplace_back(x, 0);
+    placed.add(way);
+    const PatchId first_end = placed.add({{length_m, 0}}, 2).front();
+    const PatchId second = placed.add(way).front();
+    const PatchId second_end = placed.add({{length_m, 0}}, 4).front();
+    placed.relate_in_order(PatchId{0}, first_end);
+    placed.relate_in_order(second, second_end);
+    const SharedPart shared = placed.shared_from(second, {PatchId{0}, second});
+    EXPECT_EQ(shared.border_contradiction > 0, length_m == 5) << length_m;
+  }
 }
 
 // A tag or a robot without a laser sees no walls.

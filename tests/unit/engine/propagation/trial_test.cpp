@@ -15,8 +15,6 @@ namespace {
 
 using namespace isthmus::testing;
 
-const Pose second_from_world{20, 5, 1};  // the frame of the island that merges
-
 Relation tie(PatchId a, PatchId b, const Pose& a_from_b, double sigma_m = 0.02, double sigma_rad = 0.01) {
   const double by_m = 1 / (sigma_m * sigma_m);
   Relation relation;
@@ -84,11 +82,11 @@ Case loop_of(const Seen& of_first, const std::vector<Pose>& first, const Seen& o
   return made;
 }
 
-const std::vector<Pose> there = {{-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 1.2}};
-const std::vector<Pose> back = {{2, 0.2, 3}, {0.8, 0.1, 3.1}, {-0.5, 0, -3.1}};
+const std::vector<Pose> outward = {{-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 1.2}};
+const std::vector<Pose> homeward = {{2, 0.2, 3}, {0.8, 0.1, 3.1}, {-0.5, 0, -3.1}};
 
 TEST(TrialBySightings, OfWhatIsTrueIsAccepted) {
-  Case its = merge_of(crooked_room(), there, crooked_room(), back);
+  Case its = merge_of(crooked_room(), outward, crooked_room(), homeward);
   its.say(PatchId{1}, PatchId{4});
   const Trial trial = its.tried();
   EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
@@ -100,7 +98,7 @@ TEST(TrialBySightings, OfWhatIsTrueIsAccepted) {
 // The ways lie where they truly do, and one half of the sightings pulls against the other.
 TEST(TrialBySightings, ThatPullAtOneAnotherIsRefused) {
   for (const double off_m : {0.0, 0.06}) {
-    Case its = merge_of(crooked_room(), there, crooked_room(), back);
+    Case its = merge_of(crooked_room(), outward, crooked_room(), homeward);
     for (const double sign : {-1, 1}) its.say(PatchId{1}, PatchId{4}, {sign * off_m, 0, 0});
     const Trial trial = its.tried();
     EXPECT_EQ(trial.refusal(), off_m == 0 ? Reason::none : Reason::sightings_disagree);
@@ -164,7 +162,7 @@ TEST(TrialBySightings, WhoseScansDoNotMatchIsRefused) {
   Walls plain;
   add_box(plain, -4, -3, 4, 3);
   for (const bool matches : {true, false}) {
-    Case its = merge_of(plain, there, matches ? plain : toothed_room(), back);
+    Case its = merge_of(plain, outward, matches ? plain : toothed_room(), homeward);
     its.say(PatchId{1}, PatchId{4});
     const Trial trial = its.tried();
     EXPECT_EQ(trial.refusal(), matches ? Reason::none : Reason::scans_disagree);
@@ -177,7 +175,7 @@ TEST(TrialBySightings, WithoutScansNeedsMoreSupportFromOneDirectionThanFromTwo) 
   Walls none;
   for (const auto& [supporters, two_way, enough] :
        {std::tuple{3, true, false}, {4, true, true}, {5, false, false}, {6, false, true}}) {
-    Case its = merge_of(none, there, none, back);
+    Case its = merge_of(none, outward, none, homeward);
     its.say(PatchId{1}, PatchId{4});
     its.proposal.supporters = supporters;
     its.proposal.two_way = two_way;
@@ -219,7 +217,7 @@ Case by_scans(Case made, int finds = 4) {
 }
 
 TEST(TrialByScans, OfALoopThatIsTrueIsAccepted) {
-  Case its = by_scans(loop_of(crooked_room(), there, crooked_room(), back));
+  Case its = by_scans(loop_of(crooked_room(), outward, crooked_room(), homeward));
   its.say(PatchId{1}, PatchId{4});
   const Trial trial = its.tried();
   EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
@@ -227,13 +225,13 @@ TEST(TrialByScans, OfALoopThatIsTrueIsAccepted) {
 }
 
 TEST(TrialByScans, WhoseFindsPullAtOneAnotherIsRefused) {
-  Case its = by_scans(loop_of(crooked_room(), there, crooked_room(), back));
+  Case its = by_scans(loop_of(crooked_room(), outward, crooked_room(), homeward));
   for (const double sign : {-1, 1}) its.say(PatchId{1}, PatchId{4}, {sign * 0.1, 0, 0});
   EXPECT_EQ(its.tried().refusal(), Reason::finds_disagree);
 }
 
 TEST(TrialByScans, WithFewMatchedPatchesWaits) {
-  Case its = by_scans(loop_of(crooked_room(), {there[1]}, crooked_room(), {back[1]}));
+  Case its = by_scans(loop_of(crooked_room(), {outward[1]}, crooked_room(), {homeward[1]}));
   its.say(PatchId{0}, PatchId{1});
   const Trial trial = its.tried();
   EXPECT_TRUE(trial.undecided());
@@ -243,18 +241,18 @@ TEST(TrialByScans, WithFewMatchedPatchesWaits) {
 TEST(TrialByScans, WhoseScansDoNotMatchIsRefused) {
   Walls plain;
   add_box(plain, -4, -3, 4, 3);
-  Case its = by_scans(loop_of(plain, there, toothed_room(), back));
+  Case its = by_scans(loop_of(plain, outward, toothed_room(), homeward));
   its.say(PatchId{1}, PatchId{4});
   EXPECT_EQ(its.tried().refusal(), Reason::scans_disagree);
 }
 
-const std::vector<Pose> early = {{-1.5, -0.4, 0.2}, {-1.6, -0.3, 0.1}, {-1.7, -0.5, 0}};
-const std::vector<Pose> late = {{-1.4, -0.3, 0.2}, {-1.5, -0.5, 0.1}, {-1.6, -0.4, 0.3}};
+const std::vector<Pose> early_way = {{-1.5, -0.4, 0.2}, {-1.6, -0.3, 0.1}, {-1.7, -0.5, 0}};
+const std::vector<Pose> late_way = {{-1.4, -0.3, 0.2}, {-1.5, -0.5, 0.1}, {-1.6, -0.4, 0.3}};
 
 TEST(TrialByScans, ThatPutsWallsInFreeSpaceIsRefusedOrWaitsWhereTheMapHadItsEnds) {
   const Walls room = crooked_room();
   for (const double off_m : {0.0, 200.0}) {
-    Case its = by_scans(loop_of(room, early, with_a_screen(room), late));
+    Case its = by_scans(loop_of(room, early_way, with_a_screen(room), late_way));
     found(its, off_m);
     its.say(PatchId{1}, PatchId{4});
     const Trial trial = its.tried();
@@ -268,8 +266,8 @@ TEST(TrialByScans, ThatPutsWallsInFreeSpaceIsRefusedOrWaitsWhereTheMapHadItsEnds
 // Somebody who came and went: as much as a map contradicts itself, maps may contradict one another.
 TEST(TrialByScans, MayContradictAsMuchAsTheMapsContradictThemselves) {
   const Walls without = crooked_room(), with = with_a_screen(without);
-  Case its =
-      by_scans(loop_of(std::vector{with, without, with}, early, std::vector{without, with, without}, late));
+  Case its = by_scans(
+      loop_of(std::vector{with, without, with}, early_way, std::vector{without, with, without}, late_way));
   found(its, 0, 300);
   its.say(PatchId{1}, PatchId{4});
   const Trial trial = its.tried();
@@ -337,12 +335,28 @@ TEST(TrialByScans, OfALoopFoundAtOneOfSeveralPlacesNeedsMoreThanItsWay) {
   for (const bool one_of_several : {false, true}) {
     Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
     found(its, 0, 30);
-    its.proposal.one_of_several = one_of_several;
+    its.proposal.look_alikes = one_of_several ? 2 : 1;
     its.say(PatchId{5}, PatchId{17});
     const Trial trial = its.tried();
     EXPECT_EQ(trial.accepted(), !one_of_several) << word(trial.refusal());
     EXPECT_EQ(trial.undecided(), one_of_several);
   }
+}
+
+// As likely as each of the others, but for where the map had them.
+TEST(TrialByScans, OfALoopIsTheLessLikelyTheMorePlacesLookAlike) {
+  std::vector<double> log_odds;
+  for (const int look_alikes : {1, 2, 28}) {
+    Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
+    found(its, 0, 30);
+    its.proposal.look_alikes = look_alikes;
+    its.say(PatchId{5}, PatchId{17});
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.account().look_alikes, look_alikes);
+    log_odds.push_back(trial.account().revisit_log_odds);
+  }
+  EXPECT_NEAR(log_odds[0] - log_odds[1], std::log(2), 1e-9);
+  EXPECT_NEAR(log_odds[0] - log_odds[2], std::log(28), 1e-9);
 }
 
 // Ten patches over twenty metres: few, however far apart.

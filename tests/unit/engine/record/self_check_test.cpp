@@ -12,14 +12,14 @@ namespace {
 using namespace isthmus::testing;
 
 constexpr Pose on_top{};
-constexpr Pose turned{9, -9, 1.57};
+constexpr Pose turned_aside{9, -9, 1.57};
 
 TEST(SelfCheck, FindsNothingWhereAPlaceIsOnTheMapOnce) {
   EXPECT_TRUE(self_contradictions(hall_driven_twice(on_top)).empty());
 }
 
 TEST(SelfCheck, FindsAPlaceThatIsOnTheMapTwice) {
-  const std::vector<SelfContradiction> found = self_contradictions(hall_driven_twice(turned, "R2"));
+  const std::vector<SelfContradiction> found = self_contradictions(hall_driven_twice(turned_aside, "R2"));
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].island, PatchId{0});
   EXPECT_GE(found[0].pairs, 10);
@@ -30,7 +30,7 @@ TEST(SelfCheck, FindsAPlaceThatIsOnTheMapTwice) {
 }
 
 TEST(SelfCheck, ComparesPatchesOfOneIslandOnly) {
-  MapCopy map = hall_driven_twice(turned);
+  MapCopy map = hall_driven_twice(turned_aside);
   std::vector<RelationId> ties;
   for (const auto& [id, relation] : map.graph.relations())
     if (relation.a == PatchId{11} && relation.b == PatchId{23}) ties.push_back(id);
@@ -39,7 +39,7 @@ TEST(SelfCheck, ComparesPatchesOfOneIslandOnly) {
 }
 
 TEST(SelfCheck, LeavesWhatFewPairsSayAlone) {
-  const MapCopy map = hall_driven_twice(turned);
+  const MapCopy map = hall_driven_twice(turned_aside);
   SelfCheckOptions options;
   options.min_pairs = 1;
   SelfCheck all(options);
@@ -53,7 +53,7 @@ TEST(SelfCheck, LeavesWhatFewPairsSayAlone) {
 
 // So that a status costs the same however large the map is.
 TEST(SelfCheck, LooksAtThePatchesInTurn) {
-  const MapCopy map = hall_driven_twice(turned);
+  const MapCopy map = hall_driven_twice(turned_aside);
   SelfCheck check;
   check.look_at(map, 1);
   EXPECT_TRUE(check.found(map).empty()) << "of one patch";
@@ -63,7 +63,7 @@ TEST(SelfCheck, LooksAtThePatchesInTurn) {
 
 TEST(SelfCheck, TakesBackWhatHasComeRight) {
   SelfCheck check;
-  check.look_at(hall_driven_twice(turned), 24);
+  check.look_at(hall_driven_twice(turned_aside), 24);
   const MapCopy mended = hall_driven_twice(on_top);
   check.look_at(mended, mended.patches.size());
   EXPECT_TRUE(check.found(mended).empty());

@@ -13,7 +13,7 @@ namespace {
 
 using namespace isthmus::testing;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Robot wearing(std::int32_t barcode) {
   Robot robot;

@@ -11,6 +11,7 @@
 
 #include "server/engine/rendezvous/meeting_record.hpp"
 #include "tests/support/relations.hpp"
+#include "tests/support/start_utime.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
@@ -18,8 +19,7 @@ namespace {
 
 using namespace isthmus::testing;
 
-constexpr double pi = std::numbers::pi;
-constexpr std::int64_t start_utime = 1'000'000'000;
+using std::numbers::pi;
 constexpr ClosureId guess{7};
 
 // Two robots have each mapped a part of the furnished room; where the parts lie to one another is a

@@ -15,9 +15,9 @@
 namespace isthmus {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
-const Laser laser{Pose{}, 0.05, 30};
+const Laser laser_of_30_m{Pose{}, 0.05, 30};
 
 Scan scan_with(std::size_t beams, std::size_t hits) {
   Scan scan{1, -1.5, 0.01, {}};
@@ -36,7 +36,7 @@ RobotHealth driven(Odometry odometry, bool well_seen = true, int scans = 200) {
     const Pose told = odometry(step);
     odom_from_robot = odom_from_robot * told;
     health.heard_odometry(odom_from_robot);
-    health.heard_scan(scan_with(181, 100), laser, {}, {});
+    health.heard_scan(scan_with(181, 100), laser_of_30_m, {}, {});
     health.matched(told, step, well_seen, {});
   }
   return health;
@@ -44,7 +44,7 @@ RobotHealth driven(Odometry odometry, bool well_seen = true, int scans = 200) {
 
 std::vector<std::string> keys(const RobotHealth& health) {
   std::vector<std::string> all;
-  for (const HealthWarning& warning : health_warnings("R1", laser, health.figures({}), {}, {}))
+  for (const HealthWarning& warning : health_warnings("R1", laser_of_30_m, health.figures({}), {}, {}))
     all.push_back(warning.key);
   return all;
 }
@@ -92,7 +92,7 @@ TEST(RobotHealth, OdometryInAnotherUnit) {
     ASSERT_EQ(keys(health), Keys{"odometry_unit"}) << unit;
   }
   const RobotHealth health = driven([&](const Pose& step) { return Pose{1000 * step.x, 0, step.yaw}; });
-  const std::string text = health_warnings("R1", laser, health.figures({}), {}, {}).at(0).text;
+  const std::string text = health_warnings("R1", laser_of_30_m, health.figures({}), {}, {}).at(0).text;
   EXPECT_NE(text.find("is 1000 times"), std::string::npos) << text;
   EXPECT_NE(text.find("millimetres"), std::string::npos) << text;
 }
@@ -180,7 +180,7 @@ TEST(RobotHealth, TremblingAtRestIsNoMotion) {
   RobotHealth health;
   for (int i = 0; i < 10'000; ++i) {
     health.heard_odometry(Pose{});
-    health.heard_scan(scan_with(181, 100), laser, {}, {});
+    health.heard_scan(scan_with(181, 100), laser_of_30_m, {}, {});
     const double off = i % 2 == 0 ? 0.004 : -0.003;
     health.matched(Pose{}, Pose{off, off, 0.1 * off}, true, {});
   }
@@ -192,26 +192,27 @@ TEST(RobotHealth, ScansThatSayNothing) {
   for (int i = 0; i < 100; ++i) {
     none.heard_odometry(Pose{0.1 * i, 0, 0});
     one_beam.heard_odometry(Pose{0.1 * i, 0, 0});
-    one_beam.heard_scan(scan_with(1, 1), laser, {}, {});
+    one_beam.heard_scan(scan_with(1, 1), laser_of_30_m, {}, {});
     one_beam.unmatched();
     few.heard_odometry(Pose{0.1 * i, 0, 0});
-    few.heard_scan(scan_with(181, i % 4 == 0 ? 50 : 5), laser, {}, {});
+    few.heard_scan(scan_with(181, i % 4 == 0 ? 50 : 5), laser_of_30_m, {}, {});
     without.heard_odometry(Pose{0.1 * i, 0, 0});
-    without.heard_scan(scan_with(181, 0), laser, {}, {});
+    without.heard_scan(scan_with(181, 0), laser_of_30_m, {}, {});
     without.unmatched();
   }
   EXPECT_EQ(keys(none), Keys{"no_scans"});
   EXPECT_EQ(keys(one_beam), Keys{"few_beams"});
   EXPECT_EQ(keys(few), Keys{"few_returns"});
   EXPECT_EQ(keys(without), Keys{"no_returns"});
-  EXPECT_EQ(health_warnings("R1", laser, without.figures({}), {}, {}).at(0).text.substr(0, 25),
+  EXPECT_EQ(health_warnings("R1", laser_of_30_m, without.figures({}), {}, {}).at(0).text.substr(0, 25),
             "no scan of R1 had a retur");
 }
 
 TEST(RobotHealth, ScansWithoutOdometry) {
   RobotHealth health;
-  for (int i = 0; i < 100; ++i) health.heard_scan(scan_with(181, 100), laser, {}, {});
-  const auto warnings = health_warnings("R1", laser, health.figures({}), {{DropReason::absurd_value, 7}}, {});
+  for (int i = 0; i < 100; ++i) health.heard_scan(scan_with(181, 100), laser_of_30_m, {}, {});
+  const auto warnings =
+      health_warnings("R1", laser_of_30_m, health.figures({}), {{DropReason::absurd_value, 7}}, {});
   ASSERT_FALSE(warnings.empty());
   EXPECT_EQ(warnings[0].key, "no_odometry");
   EXPECT_NE(warnings[0].text.find("absurd_value 7"), std::string::npos);

@@ -13,20 +13,20 @@ namespace {
 
 using namespace isthmus::testing;
 
-constexpr std::int64_t now = 100'000'000;
+constexpr std::int64_t seen_utime = 100'000'000;
 
-SightingEvent sighting(double range_m, double bearing_rad) {
-  return {"R1", now, 2, range_m, 0.02, bearing_rad, 0.01};
+SightingEvent sighting_of_second(double range_m, double bearing_rad) {
+  return {"R1", seen_utime, 2, range_m, 0.02, bearing_rad, 0.01};
 }
 
-std::map<std::string, Robot> two_robots() {
+std::map<std::string, Robot> two_declared_robots() {
   std::map<std::string, Robot> robots;
   robots["R1"].declaration = {"R1", 0, 1, laser_of(), 0.25, false};
   robots["R2"].declaration = {"R2", 0, 2, laser_of(), 0.3, false};
   return robots;
 }
 
-void stand(Robot& robot, int patch, const Pose& patch_from_robot, std::int64_t utime = now) {
+void stand(Robot& robot, int patch, const Pose& patch_from_robot, std::int64_t utime = seen_utime) {
   robot.place = Localisation{};
   robot.place->pose = {PatchId{patch}, patch_from_robot};
   robot.place->utime = utime;
@@ -65,7 +65,7 @@ TEST(WithoutBodies, TakesAwayBeamsThatEndOnABodyAndNoOthers) {
 TEST(WithoutBodies, KnowsWhereTheLaserSits) {
   Laser laser = laser_of();
   laser.robot_from_laser = {0.2, -0.1, std::numbers::pi};
-  Scan scan{now, 0, 0.1, {2, 2}};  // the first beam ends at (-1.8, -0.1) of the robot
+  Scan scan{seen_utime, 0, 0.1, {2, 2}};  // the first beam ends at (-1.8, -0.1) of the robot
   const Scan clean = without_bodies(scan, laser, {{{-1.8, -0.1}, 0.1}});
   EXPECT_TRUE(std::isnan(clean.ranges_m[0]));
   EXPECT_EQ(clean.ranges_m[1], 2);
@@ -74,17 +74,17 @@ TEST(WithoutBodies, KnowsWhereTheLaserSits) {
 // A body in front of a wall that a beam passes by, or one behind it, is not what the beam hit; and no-returns
 // hit nothing.
 TEST(WithoutBodies, LeavesBeamsThatPassABodyAndThoseWithoutReturn) {
-  Scan scan{now, 0, 0.1, {5, std::numeric_limits<float>::infinity(), 20, 0}};
+  Scan scan{seen_utime, 0, 0.1, {5, std::numeric_limits<float>::infinity(), 20, 0}};
   const Scan clean = without_bodies(scan, laser_of(), {{{2, 0}, 0.5}, {{7, 0}, 0.5}, {{20, 4}, 3}});
   EXPECT_EQ(clean.ranges_m, scan.ranges_m);
   EXPECT_EQ(without_bodies(scan, laser_of(), {}).ranges_m, scan.ranges_m);
 }
 
 TEST(Teammates, OneJustSeenIsABodyWhereItWasSeen) {
-  auto robots = two_robots();
+  auto robots = two_declared_robots();
   const Pose odom_then{5, 5, 0.5 * std::numbers::pi};
-  note_teammate(robots["R1"], sighting(2, 0), "R2", odom_then);
-  const auto bodies = teammates_around({}, robots, robots["R1"], odom_then, now, {});
+  note_teammate(robots["R1"], sighting_of_second(2, 0), "R2", odom_then);
+  const auto bodies = teammates_around({}, robots, robots["R1"], odom_then, seen_utime, {});
   ASSERT_EQ(bodies.size(), 1U);
   EXPECT_NEAR((bodies[0].position - Eigen::Vector2d(2, 0)).norm(), 0, 1e-9);
   EXPECT_GT(bodies[0].radius_m, 0.3);  // its footprint
@@ -92,45 +92,45 @@ TEST(Teammates, OneJustSeenIsABodyWhereItWasSeen) {
 
   // The observer has moved on by 1 m and a quarter turn within half a second.
   const Pose odom_now{5, 6, std::numbers::pi};
-  const auto later = teammates_around({}, robots, robots["R1"], odom_now, now + 500'000, {});
+  const auto later = teammates_around({}, robots, robots["R1"], odom_now, seen_utime + 500'000, {});
   ASSERT_EQ(later.size(), 1U);
   EXPECT_NEAR((later[0].position - Eigen::Vector2d(0, -1)).norm(), 0, 1e-9);
   EXPECT_GT(later[0].radius_m, bodies[0].radius_m);
 
-  EXPECT_TRUE(teammates_around({}, robots, robots["R1"], odom_now, now + 2'000'000, {}).empty());
+  EXPECT_TRUE(teammates_around({}, robots, robots["R1"], odom_now, seen_utime + 2'000'000, {}).empty());
 }
 
 TEST(Teammates, ARangeOrABearingAloneSaysNotWhereABodyIs) {
-  auto robots = two_robots();
-  SightingEvent ranged = sighting(2, 0), turned = sighting(2, 0);
+  auto robots = two_declared_robots();
+  SightingEvent ranged = sighting_of_second(2, 0), turned = sighting_of_second(2, 0);
   ranged.bearing_sigma_rad = turned.range_sigma_m = std::numeric_limits<double>::infinity();
   note_teammate(robots["R1"], ranged, "R2", {});
   note_teammate(robots["R1"], turned, "R2", {});
-  EXPECT_TRUE(teammates_around({}, robots, robots["R1"], {}, now, {}).empty());
+  EXPECT_TRUE(teammates_around({}, robots, robots["R1"], {}, seen_utime, {}).empty());
 }
 
 // R1 at (2, 1) looking along y, R2 at (3, 1) of the same island: a metre to the right.
 TEST(Teammates, OneOnTheSameIslandIsABodyWhereTheMapHasIt) {
   Map map = map_of_two_patches();
   map.relate(odometry_between(0, 1));
-  auto robots = two_robots();
+  auto robots = two_declared_robots();
   stand(robots["R1"], 0, {1, 0, 0.5 * std::numbers::pi});
   stand(robots["R2"], 1, {});
-  const auto bodies = teammates_around(map, robots, robots["R1"], {}, now, {});
+  const auto bodies = teammates_around(map, robots, robots["R1"], {}, seen_utime, {});
   ASSERT_EQ(bodies.size(), 1U);
   EXPECT_NEAR((bodies[0].position - Eigen::Vector2d(0, -1)).norm(), 0, 1e-9);
   EXPECT_NEAR(bodies[0].radius_m, 0.3 + 0.15, 1e-9);
 }
 
 TEST(Teammates, OneOnAnotherIslandOrLongUnheardOfIsNone) {
-  auto robots = two_robots();
+  auto robots = two_declared_robots();
   stand(robots["R1"], 0, {});
   stand(robots["R2"], 1, {});
-  EXPECT_TRUE(teammates_around(map_of_two_patches(), robots, robots["R1"], {}, now, {}).empty());
+  EXPECT_TRUE(teammates_around(map_of_two_patches(), robots, robots["R1"], {}, seen_utime, {}).empty());
   Map map = map_of_two_patches();
   map.relate(odometry_between(0, 1));
-  stand(robots["R2"], 1, {}, now - 60'000'000);
-  EXPECT_TRUE(teammates_around(map, robots, robots["R1"], {}, now, {}).empty());
+  stand(robots["R2"], 1, {}, seen_utime - 60'000'000);
+  EXPECT_TRUE(teammates_around(map, robots, robots["R1"], {}, seen_utime, {}).empty());
 }
 
 }  // namespace

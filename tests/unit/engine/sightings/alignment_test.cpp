@@ -4,13 +4,17 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "tests/support/poses.hpp"
+#include "tests/support/unmeasured.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr double unmeasured = std::numeric_limits<double>::infinity();
+using testing::expect_near;
+using testing::unmeasured;
+
 const Pose first_from_second{3, -2, 1.1};
 
 // What an observer at a place of its plane measures, exactly, of a target at a place of the other plane.
@@ -40,12 +44,6 @@ ProjectedSighting range_only(ProjectedSighting s) {
 ProjectedSighting bearing_only(ProjectedSighting s) {
   s.range_sigma_m = unmeasured;
   return s;
-}
-
-void expect_near(const Pose& found, const Pose& wanted, double tolerance) {
-  EXPECT_NEAR(found.x, wanted.x, tolerance);
-  EXPECT_NEAR(found.y, wanted.y, tolerance);
-  EXPECT_NEAR(wrap_angle(found.yaw - wanted.yaw), 0, tolerance);
 }
 
 // Zhou and Roumeliotis (2006), eqs. 1-3: robots that see one another are turned by θ = π + ¹θ₂ − ²θ₁, where

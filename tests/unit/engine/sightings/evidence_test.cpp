@@ -4,9 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <limits>
 
 #include "relations/confidence.hpp"
+#include "tests/support/unmeasured.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
@@ -14,7 +14,6 @@ namespace {
 
 using namespace isthmus::testing;
 
-constexpr double unmeasured = std::numeric_limits<double>::infinity();
 constexpr double floor_m = 0.05;  // what stamps, mounts and odometry leave open
 constexpr double floor_rad = 0.03;
 constexpr double correlation = 2;  // on sigmas: successive sightings err together

@@ -8,7 +8,7 @@ namespace {
 constexpr std::int64_t second_us = 1'000'000;
 
 /// A robot that was on a patch, a metre further each second, from the tenth to the twentieth.
-Robot driven(PatchId patch) {
+Robot driven_on(PatchId patch) {
   Robot robot;
   robot.declared = true;
   for (int s = 10; s <= 20; ++s) {
@@ -19,7 +19,9 @@ Robot driven(PatchId patch) {
   return robot;
 }
 
-std::map<std::string, Robot> two_robots() { return {{"R1", driven(PatchId{0})}, {"R2", driven(PatchId{1})}}; }
+std::map<std::string, Robot> two_driven_robots() {
+  return {{"R1", driven_on(PatchId{0})}, {"R2", driven_on(PatchId{1})}};
+}
 
 Evidence seen_at(double seconds, const std::string& target = "R2") {
   Evidence evidence;
@@ -32,7 +34,7 @@ Evidence seen_at(double seconds, const std::string& target = "R2") {
 }
 
 Placing placed(Evidence& evidence, bool waited, const std::map<std::int32_t, PatchId>& tags = {}) {
-  return place_on_manifold(two_robots(), tags, waited, evidence, {});
+  return place_on_manifold(two_driven_robots(), tags, waited, evidence, {});
 }
 
 TEST(Placing, PutsBothRobotsWhereTheyWereAtThatTime) {
@@ -78,7 +80,7 @@ TEST(Placing, OfARobotThatThereIsNotIsImpossible) {
 }
 
 TEST(Placing, OfARobotWithoutAScanWaitsAndIsThenImpossible) {
-  std::map<std::string, Robot> robots = two_robots();
+  std::map<std::string, Robot> robots = two_driven_robots();
   robots["R2"] = {};
   Evidence evidence = seen_at(12);
   EXPECT_EQ(place_on_manifold(robots, {}, false, evidence, {}).state, Placing::State::waits);

@@ -10,7 +10,7 @@ namespace isthmus::testing {
 
 /// An MCAP file as mcap.dev/spec has it, read by its index as players do: footer, summary, and from there
 /// each chunk and each message index. Throws std::runtime_error with what is wrong, each CRC, length and
-/// offset included. Compressed chunks, attachments and metadata are not known.
+/// offset included. All chunks must be compressed by zstd; attachments and metadata are not known.
 struct McapFile {
   struct Schema {
     std::string name, encoding, text;
@@ -28,6 +28,7 @@ struct McapFile {
   struct Chunk {
     std::uint64_t first_ns = 0, last_ns = 0;
     std::size_t messages = 0;
+    std::size_t bytes = 0;  ///< as they are in the file, compressed
   };
 
   std::map<std::uint16_t, Schema> schemas;

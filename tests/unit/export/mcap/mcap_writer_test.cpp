@@ -42,6 +42,8 @@ TEST(McapWriter, AFileIsReadByItsIndex) {
   const McapFile file = read_mcap(three_topics(directory / "a.mcap", 100, 50'000));
   EXPECT_EQ(file.messages.size(), 201U);
   EXPECT_GT(file.chunks.size(), 4U);  // a megabyte each
+  for (const McapFile::Chunk& chunk : file.chunks)
+    EXPECT_LT(chunk.bytes, 100'000U) << "the same letter over and over is little";
   EXPECT_EQ(file.first_ns, 500'000'000U);
   EXPECT_EQ(file.last_ns, 100'000'000'001U);
   EXPECT_EQ(file.schemas.size(), 2U);  // the same schema once

@@ -6,8 +6,8 @@ namespace isthmus {
 namespace {
 
 /// Cells across and up: tiny, a room, a building, a long corridor, a tower, a huge hall.
-const std::vector<std::pair<int, int>> sizes = {{9, 9},      {400, 300},  {900, 850},    {20000, 60},
-                                                {60, 20000}, {4000, 400}, {10000, 10000}};
+const std::vector<std::pair<int, int>> map_sizes = {{9, 9},      {400, 300},  {900, 850},    {20000, 60},
+                                                    {60, 20000}, {4000, 400}, {10000, 10000}};
 
 SheetParts parts_of(int width_cells, int height_cells, std::size_t legend_entries = 12) {
   const CellScale scale = cell_scale(width_cells, height_cells);
@@ -32,7 +32,7 @@ std::vector<PixelBox> boxes_of(const SheetLayout& layout) {
 }
 
 TEST(SheetLayout, NothingIsOnTheMapNorOnAnythingElse) {
-  for (const auto& [width, height] : sizes)
+  for (const auto& [width, height] : map_sizes)
     for (const std::size_t legend : {0U, 1U, 12U, 50U}) {
       const std::vector<PixelBox> boxes = boxes_of(lay_out(parts_of(width, height, legend)));
       for (std::size_t i = 0; i < boxes.size(); ++i)
@@ -42,7 +42,7 @@ TEST(SheetLayout, NothingIsOnTheMapNorOnAnythingElse) {
 }
 
 TEST(SheetLayout, EverythingIsOnTheSheet) {
-  for (const auto& [width, height] : sizes)
+  for (const auto& [width, height] : map_sizes)
     for (const std::size_t legend : {0U, 1U, 12U, 50U}) {
       const SheetLayout layout = lay_out(parts_of(width, height, legend));
       EXPECT_EQ(layout.legend.size(), legend);
@@ -61,7 +61,7 @@ TEST(SheetLayout, TheLegendOfALongLowMapIsBelowItAndOthersBeside) {
 }
 
 TEST(CellScale, MapsOfAnySizeFillAScreenAndNoMore) {
-  for (const auto& [width, height] : sizes) {
+  for (const auto& [width, height] : map_sizes) {
     const CellScale scale = cell_scale(width, height);
     EXPECT_TRUE(scale.pixels_per_cell == 1 || scale.cells_per_pixel == 1);
     const double longer = std::max(width, height) * scale.pixels_per_cell / scale.cells_per_pixel;

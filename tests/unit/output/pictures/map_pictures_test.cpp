@@ -10,8 +10,7 @@ namespace {
 using testing::add_tag;
 using testing::map_of;
 using testing::rectangle;
-
-MapCopy room() { return map_of(rectangle(0.025, 0.025, 4.025, 3.025), {{1, 1, 0}, {2, 1, 0.2}, {3, 2, 1}}); }
+using testing::room;
 
 /// The room with a second robot that has an island of its own.
 MapCopy two_islands() {

@@ -24,10 +24,11 @@ MapSheet sheet_of(const OccupancyGrid& grid) {
                   {way_entry("R1", way_style(0)), way_entry("R2", way_style(1)), note_entry("and 3 more")});
 }
 
-const std::vector<std::pair<int, int>> sizes = {{9, 9}, {300, 200}, {2000, 40}, {40, 2000}, {3000, 2900}};
+const std::vector<std::pair<int, int>> grid_sizes = {
+    {9, 9}, {300, 200}, {2000, 40}, {40, 2000}, {3000, 2900}};
 
 TEST(MapSheet, TheScaleBarIsAsLongAsItsMetresAre) {
-  for (const auto& [width, height] : sizes) {
+  for (const auto& [width, height] : grid_sizes) {
     MapSheet sheet = sheet_of(grid_of(width, height));
     const PixelBox& bar = sheet.layout().bar;
     const int row = static_cast<int>(std::floor((bar.top + bar.bottom) / 2));
@@ -39,7 +40,7 @@ TEST(MapSheet, TheScaleBarIsAsLongAsItsMetresAre) {
 }
 
 TEST(MapSheet, NothingIsDrawnOnTheMap) {
-  for (const auto& [width, height] : sizes) {
+  for (const auto& [width, height] : grid_sizes) {
     MapSheet sheet = sheet_of(grid_of(width, height));
     const PixelBox& map = sheet.layout().map;
     std::size_t others = 0;
@@ -64,7 +65,7 @@ TEST(MapSheet, ThereIsInkInTitleAxesBarAndLegend) {
 }
 
 TEST(MapSheet, APointOfTheMapIsDrawnWhereItsCellIs) {
-  for (const auto& [width, height] : sizes) {
+  for (const auto& [width, height] : grid_sizes) {
     OccupancyGrid grid = grid_of(width, height);
     const int column = width / 3, row = height / 4;  // from the top
     grid.pixels[static_cast<std::size_t>(row * width + column)] = OccupancyGrid::occupied;

@@ -8,7 +8,7 @@ namespace isthmus {
 namespace {
 
 /// A room of 4 m by 3 m, its surfaces as lines.
-FloorPlan room() {
+FloorPlan room_of_lines() {
   Building building;
   building.walls = {{{{0, 0}, {4, 0}, {4, 3}, {0, 3}}, true, {}}};
   building.wall_thickness_m = 0;
@@ -26,8 +26,8 @@ FeatureState map_with(const Feature& wall) {
 TEST(FeaturesCampaign, ATrueWallHasNoError) {
   FeatureColumn column;
   const Pose world_from_map{1, 1, 0.7};
-  judge_walls(map_with(inverse(world_from_map) * segment_feature({4, 0}, {4, 2}, true, false)), room(),
-              world_from_map, column);
+  judge_walls(map_with(inverse(world_from_map) * segment_feature({4, 0}, {4, 2}, true, false)),
+              room_of_lines(), world_from_map, column);
   EXPECT_EQ(column.features, 1);
   EXPECT_EQ(column.endpoints, 1);
   EXPECT_EQ(column.matched, 1);
@@ -36,7 +36,7 @@ TEST(FeaturesCampaign, ATrueWallHasNoError) {
 
 TEST(FeaturesCampaign, AWallThatIsOffIsToldByHowMuch) {
   FeatureColumn column;
-  judge_walls(map_with(segment_feature({4.1, 0.2}, {4.1, 3}, true, true)), room(), {}, column);
+  judge_walls(map_with(segment_feature({4.1, 0.2}, {4.1, 3}, true, true)), room_of_lines(), {}, column);
   EXPECT_NEAR(column.rho_m, 0.1, 1e-9);
   EXPECT_NEAR(column.alpha_deg, 0, 1e-6);
   EXPECT_NEAR(column.endpoint_m, 0.5 * (std::hypot(0.1, 0.2) + 0.1), 1e-9);
@@ -44,7 +44,7 @@ TEST(FeaturesCampaign, AWallThatIsOffIsToldByHowMuch) {
 
 TEST(FeaturesCampaign, AWallWhereNoneIsCountsAsNotMatched) {
   FeatureColumn column;
-  judge_walls(map_with(segment_feature({2, 1}, {2, 2}, false, false)), room(), {}, column);
+  judge_walls(map_with(segment_feature({2, 1}, {2, 2}, false, false)), room_of_lines(), {}, column);
   EXPECT_EQ(column.features, 1);
   EXPECT_EQ(column.matched, 0);
 }

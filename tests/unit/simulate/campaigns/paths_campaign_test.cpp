@@ -9,14 +9,14 @@
 namespace isthmus {
 namespace {
 
-std::shared_ptr<const MapCopy> room() {
+std::shared_ptr<const MapCopy> room_copy() {
   Map map;
   testing::add_round_way(map, testing::furnished_room(), {{-1, 0, 0}, {1, 0, 0}, {1, -2, 0}});
   return testing::shared_copy(map);
 }
 
 TEST(PathsCampaign, PathsInARoomKeepClearAndAreAsShortAsTheGridAllows) {
-  const PathScore score = score_paths(room(), 100, 1, {0.2, 0.1}, "");
+  const PathScore score = score_paths(room_copy(), 100, 1, {0.2, 0.1}, "");
   EXPECT_EQ(score.pairs, 100U);
   EXPECT_TRUE(score.missing.empty());
   EXPECT_EQ(score.through, 0U);

@@ -7,16 +7,17 @@
 #include <memory>
 #include <set>
 
+#include "tests/support/start_utime.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
 namespace {
 
-constexpr std::int64_t start = 1'700'000'000'000'000;
+using testing::simulated_start_utime;
 
 SightingEvent seen(const std::string& by, int barcode, double range_m, double bearing_rad) {
-  return {by, start + 500'000, barcode, range_m, 0.02, bearing_rad, 0.07};
+  return {by, simulated_start_utime + 500'000, barcode, range_m, 0.02, bearing_rad, 0.07};
 }
 
 // R1 at the origin drives along x at 1 m/s; R2 stands at (4.5, 0). Each of the readings is at R1's 0.5 m.
@@ -24,11 +25,12 @@ SimulatedRun run_with(const std::vector<SightingEvent>& sightings, const std::se
   SimulatedRun run;
   run.truth = {{"R1", {}}, {"R2", {}}};
   for (const std::int64_t after_us : {0, 400'000, 800'000}) {
-    run.truth[0].poses.push_back({start + after_us, 0, {static_cast<double>(after_us) * 1e-6, 0, 0}});
-    run.truth[1].poses.push_back({start + after_us, 0, {4.5, 0, 0}});
+    run.truth[0].poses.push_back(
+        {simulated_start_utime + after_us, 0, {static_cast<double>(after_us) * 1e-6, 0, 0}});
+    run.truth[1].poses.push_back({simulated_start_utime + after_us, 0, {4.5, 0, 0}});
   }
-  run.events.push_back({start, RobotEvent{"R1", start, 101, {}, 0.2, false}});
-  run.events.push_back({start, RobotEvent{"R2", start, 102, {}, 0.2, false}});
+  run.events.push_back({simulated_start_utime, RobotEvent{"R1", simulated_start_utime, 101, {}, 0.2, false}});
+  run.events.push_back({simulated_start_utime, RobotEvent{"R2", simulated_start_utime, 102, {}, 0.2, false}});
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     run.events.push_back({sightings[i].utime, sightings[i]});
     if (spoilt.contains(i)) run.false_sightings.push_back({i + 1, sightings[i], "gross", {}});
@@ -80,9 +82,10 @@ MapCopy map_of(double r2_off_m, bool joined) {
     const PatchId patch{i};
     map.graph.add_patch(patch);
     map.poses.push_back({x[i], 0, 0});
-    map.sessions.push_back({"R" + std::to_string(i + 1), i, start, start, patch});
-    rows->append({start, i, patch, {}});
-    rows->append({start + 1'000'000, i, patch, {1, 0, 0}});
+    map.sessions.push_back(
+        {"R" + std::to_string(i + 1), i, simulated_start_utime, simulated_start_utime, patch});
+    rows->append({simulated_start_utime, i, patch, {}});
+    rows->append({simulated_start_utime + 1'000'000, i, patch, {1, 0, 0}});
   }
   if (joined) {
     Relation relation;
@@ -98,9 +101,11 @@ MapCopy map_of(double r2_off_m, bool joined) {
 }
 
 TEST(CompareMaps, ErrorsAreOfRelationsThatBothMapsTell) {
-  const std::vector<TrueRelation> intra{{"R1", start, "R1", start + 1'000'000, {1, 0, 0}},
-                                        {"R1", start, "R1", start + 5'000'000, {1, 0, 0}}};
-  const std::vector<TrueRelation> inter{{"R1", start, "R2", start + 50'000, {5, 0, 0}}};
+  const std::vector<ScanRelation> intra{
+      {"R1", simulated_start_utime, "R1", simulated_start_utime + 1'000'000, {1, 0, 0}},
+      {"R1", simulated_start_utime, "R1", simulated_start_utime + 5'000'000, {1, 0, 0}}};
+  const std::vector<ScanRelation> inter{
+      {"R1", simulated_start_utime, "R2", simulated_start_utime + 50'000, {5, 0, 0}}};
   const MapCopy spoilt = map_of(0.3, true), clean = map_of(0.1, true), parted = map_of(0, false);
   const RelationComparison a = compare(intra, spoilt, clean), b = compare(inter, spoilt, clean);
   EXPECT_EQ(a.compared, 1U);

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace isthmus {
 namespace {
@@ -34,6 +36,19 @@ TEST(Pilot, DrivesAlongAPathAndTurnsToTheHeadingAtItsEnd) {
   EXPECT_TRUE(robot.pilot.has_arrived());
   EXPECT_NEAR((position(robot.pose) - Eigen::Vector2d(3, 2)).norm(), 0, 0.3);
   EXPECT_NEAR(wrap_angle(robot.pose.yaw - 3.1), 0, 0.35);
+}
+
+TEST(Pilot, KeepsToItsPathAtACorner) {
+  Wheels robot;
+  robot.go(0.1);
+  robot.pilot.follow({{0, 0}, {3, 0}, {3, 3}}, std::nullopt);
+  double cut_m = 0;  // how far inside the corner it came
+  for (int i = 0; i < 200; ++i) {
+    robot.go(0.1);
+    if (robot.pose.y < 1) cut_m = std::max(cut_m, std::min(3 - robot.pose.x, robot.pose.y));
+  }
+  EXPECT_LT(cut_m, 0.15);
+  EXPECT_TRUE(robot.pilot.has_arrived());
 }
 
 TEST(Pilot, APathMovesWithTheMapsFrame) {

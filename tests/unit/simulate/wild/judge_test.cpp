@@ -36,16 +36,16 @@ Scenario empty_floor(double wall_y = 50) {
   return scenario;
 }
 
-std::size_t came_back(const std::vector<TrueRelation>& relations) {
+std::size_t came_back(const std::vector<ScanRelation>& relations) {
   return static_cast<std::size_t>(std::ranges::count_if(
-      relations, [](const TrueRelation& r) { return std::abs(r.utime2 - r.utime1) >= 30 * second_us; }));
+      relations, [](const ScanRelation& r) { return std::abs(r.utime2 - r.utime1) >= 30 * second_us; }));
 }
 
 TEST(WildRelations, TellOfNeighboursAlongTheWayAndOfWhereARobotHasBeen) {
   const auto relations = wild_relations(empty_floor(), there_and_back());
   EXPECT_EQ(came_back(relations), 22U);  // each of the 21 on the way back, and the step aside between
   EXPECT_EQ(relations.size(), 41U + 21U);
-  for (const TrueRelation& r : relations) EXPECT_LE(std::hypot(r.pose.x, r.pose.y), 3);
+  for (const ScanRelation& r : relations) EXPECT_LE(std::hypot(r.pose.x, r.pose.y), 3);
 }
 
 TEST(WildRelations, NoneGoesThroughAWall) {
@@ -57,7 +57,7 @@ TEST(WildRelations, TwoRobotsThatWereAtOnePlaceAreComparedWhenever) {
   const auto second = there_and_back("R2");
   truth.push_back(second[0]);
   std::size_t between = 0;
-  for (const TrueRelation& r : wild_relations(empty_floor(), truth))
+  for (const ScanRelation& r : wild_relations(empty_floor(), truth))
     between += r.robot1 != r.robot2 ? 1U : 0U;
   EXPECT_EQ(between, 42U);
 }

@@ -4,10 +4,13 @@
 
 #include <cmath>
 
+#include "tests/support/start_utime.hpp"
+
 namespace isthmus {
 namespace {
 
-constexpr std::int64_t start = 1'700'000'000'000'000;
+using testing::simulated_start_utime;
+
 constexpr std::int64_t step_us = 50'000;
 
 // 2 s at 0.5 m/s, 2 s of turning on the spot at 1.5 rad/s, 2 s at 0.5 m/s, with a scan at every fifth
@@ -17,7 +20,7 @@ SimulatedRun a_turn() {
   run.truth = {{"R1", {}}};
   Pose pose;
   for (int i = 0; i <= 120; ++i) {
-    const std::int64_t utime = start + i * step_us;
+    const std::int64_t utime = simulated_start_utime + i * step_us;
     if (i > 0) pose = pose * (i > 40 && i <= 80 ? Pose{0, 0, 0.075} : Pose{0.025, 0, 0});
     run.events.push_back({utime, OdometryEvent{"R1", utime, pose}});
     if (i % 5 != 0) continue;

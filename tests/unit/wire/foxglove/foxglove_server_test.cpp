@@ -19,14 +19,14 @@ using std::chrono::milliseconds;
 using Json = nlohmann::json;
 
 /// A client of WebSockets (RFC 6455) by bytes: no library but that of sockets.
-class Client {
+class WebSocketClient {
  public:
   struct Frame {
     int opcode = 0;  ///< 1 text, 2 binary, 8 closed, 9 ping
     std::string bytes;
   };
 
-  explicit Client(int port, int receive_buffer = 0) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+  explicit WebSocketClient(int port, int receive_buffer = 0) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     if (receive_buffer > 0)
       ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
     const timeval limit{20, 0};
@@ -37,9 +37,9 @@ class Client {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     connected_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   }
-  ~Client() { ::close(socket_); }
-  Client(const Client&) = delete;
-  Client& operator=(const Client&) = delete;
+  ~WebSocketClient() { ::close(socket_); }
+  WebSocketClient(const WebSocketClient&) = delete;
+  WebSocketClient& operator=(const WebSocketClient&) = delete;
 
   /// The answer's head; empty where there is none.
   std::string shake(const std::string& target = "/", const std::string& more = "") {
@@ -87,7 +87,7 @@ class Client {
   Json hear_op(const std::string& op) {
     while (const auto frame = hear()) {
       if (frame->opcode != 1) continue;
-      const Json told = Json::parse(frame->bytes);
+      Json told = Json::parse(frame->bytes);
       if (told.at("op") == op) return told;
     }
     return {};
@@ -123,7 +123,7 @@ class Client {
 
 constexpr const char* switching = "HTTP/1.1 101";
 
-RobotEvent robot() {
+RobotEvent robot_r1() {
   RobotEvent one;
   one.robot = "R1";
   one.laser.range_max_m = 30;
@@ -135,7 +135,7 @@ Event scan_of(std::size_t beams, std::int64_t utime) {
 }
 
 /// The channels that a viewer is told of, until the topic is among them.
-std::uint32_t channel_of(Client& client, const std::string& topic) {
+std::uint32_t channel_of(WebSocketClient& client, const std::string& topic) {
   while (true) {
     const Json told = client.hear_op("advertise");
     if (told.is_null()) throw std::runtime_error("no channel " + topic);
@@ -144,14 +144,14 @@ std::uint32_t channel_of(Client& client, const std::string& topic) {
   }
 }
 
-void subscribe(const Client& client, std::uint32_t id, std::uint32_t channel) {
+void subscribe(const WebSocketClient& client, std::uint32_t id, std::uint32_t channel) {
   const Json one = {{"id", id}, {"channelId", channel}};
   client.say(Json{{"op", "subscribe"}, {"subscriptions", {one}}}.dump());
 }
 
 TEST(FoxgloveServer, AViewerIsSentWhatItSubscribesTo) {
   FoxgloveServer server({});
-  Client client(server.port());
+  WebSocketClient client(server.port());
   const std::string head = client.shake();
   ASSERT_TRUE(head.starts_with(switching)) << head;
   EXPECT_NE(head.find("foxglove.websocket.v1"), std::string::npos);
@@ -160,7 +160,7 @@ TEST(FoxgloveServer, AViewerIsSentWhatItSubscribesTo) {
   const auto map = std::make_shared<const MapCopy>(testing::map_of_islands({{{0, 0, 0}}}));
   server.show(map, {});
   subscribe(client, 3, channel_of(client, "/island-0/grid"));
-  std::optional<Client::Frame> data;
+  std::optional<WebSocketClient::Frame> data;
   for (int i = 0; i < 100 && !data; ++i) {
     server.show(map, {});
     client.say(R"({"op": "unknown"})");
@@ -178,10 +178,12 @@ TEST(FoxgloveServer, StrangersAreTurnedAway) {
   FoxgloveOptions options;
   options.token = "0123456789abcdef";
   FoxgloveServer server(options);
-  EXPECT_TRUE(Client(server.port()).shake().starts_with("HTTP/1.1 401"));
-  EXPECT_TRUE(Client(server.port()).shake("/?token=0123456789abcdef").starts_with(switching));
+  EXPECT_TRUE(WebSocketClient(server.port()).shake().starts_with("HTTP/1.1 401"));
+  EXPECT_TRUE(WebSocketClient(server.port()).shake("/?token=0123456789abcdef").starts_with(switching));
   FoxgloveServer open({});
-  EXPECT_TRUE(Client(open.port()).shake("/", "Origin: https://evil.example\r\n").starts_with("HTTP/1.1 403"));
+  EXPECT_TRUE(WebSocketClient(open.port())
+                  .shake("/", "Origin: https://evil.example\r\n")
+                  .starts_with("HTTP/1.1 403"));
   options.token = "";
   options.address = "0.0.0.0";
   EXPECT_THROW(FoxgloveServer{options}, std::runtime_error);
@@ -195,11 +197,11 @@ TEST(FoxgloveServer, ThereAreNoMoreViewersThanThereMayBe) {
   options.viewers = 1;
   FoxgloveServer server(options);
   {
-    Client first(server.port());
+    WebSocketClient first(server.port());
     ASSERT_TRUE(first.shake().starts_with(switching));
-    EXPECT_TRUE(Client(server.port()).shake().starts_with("HTTP/1.1 503"));
+    EXPECT_TRUE(WebSocketClient(server.port()).shake().starts_with("HTTP/1.1 503"));
   }
-  EXPECT_TRUE(happens([&] { return Client(server.port()).shake().starts_with(switching); }));
+  EXPECT_TRUE(happens([&] { return WebSocketClient(server.port()).shake().starts_with(switching); }));
 }
 
 TEST(FoxgloveServer, ConnectionsThatSayNothingOrNonsenseEnd) {
@@ -207,9 +209,9 @@ TEST(FoxgloveServer, ConnectionsThatSayNothingOrNonsenseEnd) {
   options.handshake_time = milliseconds(100);
   options.connections = 2;
   FoxgloveServer server(options);
-  Client silent(server.port()), silent_too(server.port()), nonsense(server.port());
+  WebSocketClient silent(server.port()), silent_too(server.port()), nonsense(server.port());
   nonsense.send("\x16\x03\x01 no HTTP\r\n\r\n");
-  Client good(server.port());  // waits until they are gone
+  WebSocketClient good(server.port());  // waits until they are gone
   EXPECT_TRUE(good.shake().starts_with(switching));
   good.say(std::string(65'000, 'x') + "\n");
   EXPECT_EQ(good.hear_op("status").at("level"), 1);
@@ -222,8 +224,8 @@ TEST(FoxgloveServer, ASlowViewerHoldsUpNobodyAndIsDropped) {
   options.message_time = milliseconds(2000);
   options.viewers = 2;
   FoxgloveServer server(options);
-  server.show(Event{0, robot()});
-  Client slow(server.port(), 4096), good(server.port());
+  server.show(Event{0, robot_r1()});
+  WebSocketClient slow(server.port(), 4096), good(server.port());
   ASSERT_TRUE(slow.shake().starts_with(switching));
   subscribe(slow, 1, channel_of(slow, "/R1/scan"));
   ASSERT_TRUE(good.shake().starts_with(switching));
@@ -245,7 +247,7 @@ TEST(FoxgloveServer, ASlowViewerHoldsUpNobodyAndIsDropped) {
   EXPECT_TRUE(happens(
       [&] {
         give();
-        seat_is_free = Client(server.port()).shake().starts_with(switching);
+        seat_is_free = WebSocketClient(server.port()).shake().starts_with(switching);
         return seat_is_free;
       },
       std::chrono::seconds(120)));

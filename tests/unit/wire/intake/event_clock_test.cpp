@@ -71,7 +71,7 @@ TEST(EventClock, GoesOnFromALaterTimeAndNeverBack) {
 }
 
 /// A team of two that is served while the wall clock is set.
-class StepsOfTheWallClock : public testing::Test {
+class StepsOfTheWallClock : public ::testing::Test {
  protected:
   /// `steps`: by how much the wall clock is set before a round of the team's, of so many rounds. Robots stamp
   /// by clocks of their own.

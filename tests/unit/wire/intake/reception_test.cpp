@@ -60,6 +60,17 @@ TEST(Reception, RefusesStrangersAndLetsInWhatFollowsAnIntroductionAtOnce) {
   EXPECT_EQ(mistakes->warnings()[0].robot, "X");
 }
 
+// As while a server reads its journal: nobody is refused yet, and the engine has not seen the introduction.
+TEST(Reception, KnowsWhoIntroducedItselfBeforeStrangersWereRefused) {
+  Inbox inbox({}, InboxOrder::arrival);
+  Reception reception(inbox, ChannelNames{});
+  const BoxRoomRobot robot("R1");
+  EXPECT_EQ(reception.take(1, "R1_ROBOT", robot.introduction().bytes), DropReason::none);
+  inbox.refuse_strangers();
+  for (const Message& message : robot.round(0))
+    EXPECT_EQ(reception.take(1, message.channel, message.bytes), DropReason::none) << message.channel;
+}
+
 // Whoever says where a robot is waits for the answer, also where nobody knows the robot.
 TEST(Reception, TellsThatAnInitialPoseIsOfNoRobot) {
   Inbox inbox({}, InboxOrder::arrival);

@@ -11,6 +11,7 @@
 #include "tests/support/failing_disk.hpp"
 #include "tests/support/log_files.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tests/support/waiting.hpp"
 
 namespace isthmus {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-Message message(std::int64_t utime, std::size_t size = 50, const std::string& channel = "R1_SCAN") {
+Message spooled(std::int64_t utime, std::size_t size = 50, const std::string& channel = "R1_SCAN") {
   return {utime, channel, std::vector<std::uint8_t>(size, static_cast<std::uint8_t>(utime))};
 }
 
@@ -62,13 +63,13 @@ std::int64_t file_bytes(const std::string& directory) {
 TEST(Spool, HandsEachMessageToTheKernelAtOnce) {
   TemporaryDirectory directory;
   Spool spool(directory / "", {});
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(append(spool, message(10 + i)), i);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(append(spool, spooled(10 + i)), i);
   TemporaryDirectory copy;
   fs::copy(directory / "", copy / "", fs::copy_options::recursive);
   const std::vector<Message> kept = found(copy / "", {1, 3});
   ASSERT_EQ(utimes(kept), (std::vector<std::int64_t>{10, 12, 14}));
   EXPECT_EQ(kept[1].received, 2);
-  EXPECT_TRUE(same(kept[1], message(12)));
+  EXPECT_TRUE(same(kept[1], spooled(12)));
 }
 
 TEST(Spool, KeepsWhoSignedAndHowFarTheyHadCounted) {
@@ -76,11 +77,11 @@ TEST(Spool, KeepsWhoSignedAndHowFarTheyHadCounted) {
   {
     Spool spool(directory / "", {});
     for (const std::int64_t counter : {7, 9}) {
-      Message sealed = message(counter);
+      Message sealed = spooled(counter);
       sealed.signature = Signature{"R1", "R1_SCAN", counter};
       append(spool, sealed);
     }
-    append(spool, message(10));
+    append(spool, spooled(10));
   }
   Spool spool(directory / "", {1});
   const std::vector<Message> kept = spool.take_found();
@@ -94,7 +95,7 @@ TEST(Spool, KeepsWhoSignedAndHowFarTheyHadCounted) {
 TEST(Spool, DeletesAFileWhoseMessagesAreSettled) {
   TemporaryDirectory directory;
   Spool spool(directory / "", {}, small_files());
-  for (int i = 0; i < 100; ++i) append(spool, message(i));
+  for (int i = 0; i < 100; ++i) append(spool, spooled(i));
   EXPECT_GT(list_spool(directory / "").size(), 10U);
   EXPECT_EQ(spool.bytes(), file_bytes(directory / ""));
   for (int i = 0; i < 100; ++i) spool.settle(i);
@@ -108,7 +109,7 @@ TEST(Spool, GoesOnCountingWhereAllWasSettled) {
   TemporaryDirectory directory;
   {
     Spool spool(directory / "", {});
-    for (int i = 0; i < 3; ++i) spool.settle(append(spool, message(i)));
+    for (int i = 0; i < 3; ++i) spool.settle(append(spool, spooled(i)));
     spool.finish();
   }
   for (int start = 0; start < 2; ++start) {
@@ -117,7 +118,7 @@ TEST(Spool, GoesOnCountingWhereAllWasSettled) {
     spool.finish();
   }
   Spool spool(directory / "", {});
-  EXPECT_GE(append(spool, message(3)), 3);
+  EXPECT_GE(append(spool, spooled(3)), 3);
 }
 
 // One message of each file waits for long: what it holds besides must not take the disk.
@@ -127,7 +128,7 @@ TEST(Spool, TakesNoMoreOfTheDiskThanTwiceWhatWaitsAndAFewFiles) {
   {
     Spool spool(directory / "", {}, small_files());
     for (int i = 0; i < 5000; ++i) {
-      const std::int64_t number = append(spool, message(i));
+      const std::int64_t number = append(spool, spooled(i));
       if (i % 50 == 0)
         waiting.push_back(i);
       else
@@ -148,7 +149,7 @@ TEST(Spool, FindsWhatCameBeforeATornMessage) {
   TemporaryDirectory directory;
   {
     Spool spool(directory / "", {});
-    for (int i = 0; i < 3; ++i) append(spool, message(i));
+    for (int i = 0; i < 3; ++i) append(spool, spooled(i));
   }
   const std::vector<std::uint8_t> whole = read_bytes(spool_path(directory / "", 0));
   std::size_t fewest = 3;
@@ -159,7 +160,7 @@ TEST(Spool, FindsWhatCameBeforeATornMessage) {
     const std::size_t kept = spool.take_found().size();
     ASSERT_LE(kept, fewest);
     fewest = kept;
-    ASSERT_GE(append(spool, message(9)), static_cast<std::int64_t>(kept));
+    ASSERT_GE(append(spool, spooled(9)), static_cast<std::int64_t>(kept));
   }
   EXPECT_EQ(fewest, 0U);
 }
@@ -167,7 +168,7 @@ TEST(Spool, FindsWhatCameBeforeATornMessage) {
 // Whatever a message's bytes spell, they are never read as messages.
 TEST(Spool, DoesNotLookForMessagesWithinMessages) {
   std::vector<std::uint8_t> forged;
-  Message command = message(66, 20, "ISTHMUS_COMMAND");
+  Message command = spooled(66, 20, "ISTHMUS_COMMAND");
   for (std::int64_t number = 0; number < 20; ++number) {
     command.received = number;
     append_spooled(forged, command);
@@ -175,11 +176,11 @@ TEST(Spool, DoesNotLookForMessagesWithinMessages) {
   TemporaryDirectory directory;
   {
     Spool spool(directory / "", {});
-    append(spool, message(1));
-    Message scan = message(2);
+    append(spool, spooled(1));
+    Message scan = spooled(2);
     scan.bytes = forged;
     append(spool, scan);
-    append(spool, message(3));
+    append(spool, spooled(3));
   }
   const std::vector<std::uint8_t> whole = read_bytes(spool_path(directory / "", 0));
   for (std::size_t at = 0; at < whole.size(); at += 11) {
@@ -203,11 +204,11 @@ TEST(Spool, GoesOnWhereTheDiskRefusesAndSaysWhenThatBeginsAndEnds) {
   options.report = [&](const std::string& text) { told.push_back(text); };
   {
     Spool spool(directory / "", {}, options);
-    append(spool, message(0));
+    append(spool, spooled(0));
     disk.refuse_with(ENOSPC, 30);
-    for (int i = 1; i < 50; ++i) EXPECT_EQ(append(spool, message(i)), -1);
+    for (int i = 1; i < 50; ++i) EXPECT_EQ(append(spool, spooled(i)), -1);
     disk.refuse_with(0);
-    for (int i = 50; i < 80; ++i) EXPECT_GE(append(spool, message(i)), 0);
+    for (int i = 50; i < 80; ++i) EXPECT_GE(append(spool, spooled(i)), 0);
     EXPECT_EQ(spool.refused(), 49);
   }
   ASSERT_EQ(told.size(), 2U);
@@ -225,9 +226,9 @@ TEST(Spool, BeginsOnAFullDiskAndSpoolsOnceThereIsRoom) {
   options.disk = disk.operations();
   disk.refuse_with(ENOSPC);
   Spool spool(directory / "", {}, options);
-  EXPECT_EQ(append(spool, message(0)), -1);
+  EXPECT_EQ(append(spool, spooled(0)), -1);
   disk.refuse_with(0);
-  EXPECT_EQ(append(spool, message(1)), 0);
+  EXPECT_EQ(append(spool, spooled(1)), 0);
 }
 
 TEST(Spool, RefusesWhatIsMoreThanMayWait) {
@@ -236,17 +237,10 @@ TEST(Spool, RefusesWhatIsMoreThanMayWait) {
   options.max_bytes = 1000;
   Spool spool(directory / "", {}, options);
   std::int64_t kept = 0;
-  for (int i = 0; i < 100; ++i) kept += append(spool, message(i)) >= 0 ? 1 : 0;
+  for (int i = 0; i < 100; ++i) kept += append(spool, spooled(i)) >= 0 ? 1 : 0;
   EXPECT_LT(kept, 10);
   spool.settle(0);
-  EXPECT_GE(append(spool, message(100)), 0);
-}
-
-/// Waits until it holds, for at most ten seconds.
-template <class Condition>
-bool soon(const Condition& condition) {
-  for (int i = 0; i < 10'000 && !condition(); ++i) std::this_thread::sleep_for(milliseconds(1));
-  return condition();
+  EXPECT_GE(append(spool, spooled(100)), 0);
 }
 
 TEST(Spool, AcknowledgesWhatIsOnTheDiskAndNothingBefore) {
@@ -274,18 +268,18 @@ TEST(Spool, AcknowledgesWhatIsOnTheDiskAndNothingBefore) {
     odometry.utime += 100;
     append(spool, encode({5, odometry}));
   }
-  ASSERT_TRUE(soon([&] { return tries > 5; }));
+  ASSERT_TRUE(happens([&] { return tries > 5; }));
   EXPECT_EQ(messages, 0);
   error = 0;
-  ASSERT_TRUE(soon([&] { return messages == 3; }));
+  ASSERT_TRUE(happens([&] { return messages == 3; }));
   EXPECT_EQ(newest_utime, 7'000'300);
 }
 
 TEST(Receipts, RememberThoseWhomTheServerKnowsWhateverNamesOthersMakeUp) {
   Receipts receipts;
-  receipts.add(message(1, 50, "R1_SCAN"), true);
-  for (int i = 0; i < 10'000; ++i) receipts.add(message(i, 50, "X" + std::to_string(i) + "_SCAN"), false);
-  receipts.add(message(1, 50, "r1_scan"), true);
+  receipts.add(spooled(1, 50, "R1_SCAN"), true);
+  for (int i = 0; i < 10'000; ++i) receipts.add(spooled(i, 50, "X" + std::to_string(i) + "_SCAN"), false);
+  receipts.add(spooled(1, 50, "r1_scan"), true);
   const received_t told = receipts.message(2, 1);
   EXPECT_LT(told.nchannels, 300);
   ASSERT_FALSE(told.channels.empty());

@@ -15,15 +15,16 @@
 namespace isthmus {
 namespace {
 
-Message message(std::int64_t utime, const std::string& channel, std::size_t size) {
+Message counted_message(std::int64_t utime, const std::string& channel, std::size_t size) {
   Message one{utime, channel, std::vector<std::uint8_t>(size)};
   for (std::size_t i = 0; i < size; ++i) one.bytes[i] = static_cast<std::uint8_t>(i * 7 + size);
   return one;
 }
 
 const std::vector<Message>& few_messages() {
-  static const std::vector<Message> messages = {message(10, "R1_ROBOT", 30), message(20, "R1_SCAN", 89),
-                                                message(15, "X", 0), message(30, "R1_ODOMETRY", 12)};
+  static const std::vector<Message> messages = {
+      counted_message(10, "R1_ROBOT", 30), counted_message(20, "R1_SCAN", 89), counted_message(15, "X", 0),
+      counted_message(30, "R1_ODOMETRY", 12)};
   return messages;
 }
 
@@ -134,7 +135,7 @@ TEST(EventLog, ReadsAnEventThatHoldsALogAsOneEvent) {
   TemporaryDirectory directory;
   write_log(directory / "inner.lcm", few_messages());
   const Message outer{5, "FILE", read_bytes(directory / "inner.lcm")};
-  write_log(directory / "outer.lcm", {outer, message(6, "R1_SCAN", 40)});
+  write_log(directory / "outer.lcm", {outer, counted_message(6, "R1_SCAN", 40)});
   const LogContent content = read_log(directory / "outer.lcm");
   ASSERT_EQ(content.messages.size(), 2U);
   EXPECT_TRUE(same(content.messages[0], outer));
@@ -192,7 +193,7 @@ TEST(EventLog, ReadsWhatTenThousandBitFlipsLeftIntact) {
   TemporaryDirectory directory;
   std::vector<Message> messages;
   for (int i = 0; i < 32'000; ++i)
-    messages.push_back(message(i, "R1_SCAN", 300 + static_cast<std::size_t>(i % 400)));
+    messages.push_back(counted_message(i, "R1_SCAN", 300 + static_cast<std::size_t>(i % 400)));
   write_log(directory / "a.lcm", messages);
   std::vector<std::uint8_t> bytes = read_bytes(directory / "a.lcm");
   const std::vector<std::size_t> ends = frame_ends(messages);

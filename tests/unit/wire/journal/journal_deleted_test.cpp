@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 Message tick(std::int64_t utime) { return encode({utime, TickEvent{}}); }
 
-class DeletedJournal : public testing::Test {
+class DeletedJournal : public ::testing::Test {
  protected:
   DeletedJournal() {
     options_.sync_interval = std::chrono::milliseconds(1);

@@ -35,18 +35,10 @@ std::string write_journal(const std::string& path, int rounds = 60) {
   return path;
 }
 
-std::map<std::string, std::vector<std::uint8_t>> files_of(const std::string& directory) {
-  std::map<std::string, std::vector<std::uint8_t>> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(directory))
-    files[entry.path().filename().string()] = read_bytes(entry.path().string());
-  files.erase("snapshots.lock");
-  return files;
-}
-
 /// Why the journal is refused, by all that read journals alike; nothing of it may be changed.
 std::string why_refused(const std::string& journal) {
   const auto before = files_of(journal);
-  const std::string server = error_of([&] { Journal again(journal); });
+  std::string server = error_of([&] { Journal again(journal); });
   EXPECT_EQ(error_of([&] { Recovery recovery(journal); }), server);
   EXPECT_EQ(error_of([&] { EventLogReader reader(journal); }), server);
   EXPECT_EQ(error_of([&] { update_snapshots(journal); }), server);
@@ -54,7 +46,7 @@ std::string why_refused(const std::string& journal) {
   return server;
 }
 
-class MixedUpJournal : public testing::Test {
+class MixedUpJournal : public ::testing::Test {
  protected:
   MixedUpJournal() {
     EXPECT_GE(list_journal(journal_).segments.size(), 4U);
@@ -201,7 +193,7 @@ TEST_F(MixedUpJournal, DoesNotBeginWithASnapshotOfAnother) {
   for (const auto& [number, path] : list_journal(journal_).snapshots)
     fs::copy_file(snapshot_path(other_, number), path, fs::copy_options::overwrite_existing);
   const std::vector<std::string> warnings = warnings_of(journal_);
-  ASSERT_EQ(warnings.size(), 2U);
+  ASSERT_EQ(warnings.size(), list_journal(journal_).snapshots.size());
   const std::string newest = list_journal(journal_).snapshots.rbegin()->second;
   EXPECT_EQ(warnings[0], newest + ": is of another journal; an older one, or all events, must do");
 }

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Message message(std::int64_t utime, std::size_t size = 50) {
+Message scan_message(std::int64_t utime, std::size_t size = 50) {
   return {utime, "R1_SCAN", std::vector<std::uint8_t>(size, static_cast<std::uint8_t>(utime))};
 }
 
@@ -37,13 +37,13 @@ TEST(Journal, BeginsWithTheConfigurationAndKeepsTheOrder) {
   {
     Journal journal(directory / "j");
     EXPECT_TRUE(journal.append(configuration()));
-    for (int i = 2; i < 10; ++i) EXPECT_TRUE(journal.append(message(i)));
+    for (int i = 2; i < 10; ++i) EXPECT_TRUE(journal.append(scan_message(i)));
   }
   const LogContent content = read_log(directory / "j");
   ASSERT_EQ(content.messages.size(), 9U);
   EXPECT_TRUE(same(content.messages[0], configuration()));
   for (int i = 2; i < 10; ++i)
-    EXPECT_TRUE(same(content.messages[static_cast<std::size_t>(i - 1)], message(i)));
+    EXPECT_TRUE(same(content.messages[static_cast<std::size_t>(i - 1)], scan_message(i)));
 }
 
 // A process that is killed leaves what the kernel has: everything.
@@ -52,7 +52,7 @@ TEST(Journal, HandsEachEventToTheKernelAtOnce) {
   Journal journal(directory / "j");
   journal.append(configuration());
   EXPECT_EQ(read_log(directory / "j").messages.size(), 1U);
-  journal.append(message(2));
+  journal.append(scan_message(2));
   EXPECT_EQ(read_log(directory / "j").messages.size(), 2U);
 }
 
@@ -61,7 +61,7 @@ TEST(Journal, RotatesSegmentsWhoseNamesSortByTime) {
   {
     Journal journal(directory / "j", small_segments());
     EXPECT_TRUE(journal.append(configuration()));
-    for (int i = 2; i < 200; ++i) EXPECT_TRUE(journal.append(message(i)));
+    for (int i = 2; i < 200; ++i) EXPECT_TRUE(journal.append(scan_message(i)));
   }
   std::size_t segments = 0;
   for (const auto& entry : fs::directory_iterator(directory / "j")) {
@@ -79,7 +79,7 @@ TEST(Journal, RotatesSegmentsWhoseNamesSortByTime) {
 void write_small_journal(const std::string& directory) {
   Journal journal(directory);
   journal.append(configuration());
-  for (int i = 2; i < 5; ++i) journal.append(message(i));
+  for (int i = 2; i < 5; ++i) journal.append(scan_message(i));
 }
 
 TEST(Journal, IsReadUpToATornTail) {
@@ -114,11 +114,11 @@ TEST(Journal, GoesOnInANewSegmentAfterATornTailCutAtAnyByte) {
       Journal journal(damaged);
       EXPECT_EQ(journal.torn_bytes(), static_cast<std::int64_t>(size - kept));
       EXPECT_EQ(journal.earlier_segments().size(), has_header ? 1U : 0U);
-      EXPECT_TRUE(journal.append(message(9)));
+      EXPECT_TRUE(journal.append(scan_message(9)));
     }
     const LogContent content = read_log(damaged);
     ASSERT_EQ(content.messages.size(), static_cast<std::size_t>(whole) + 1) << "cut at " << size;
-    EXPECT_TRUE(same(content.messages.back(), message(9)));
+    EXPECT_TRUE(same(content.messages.back(), scan_message(9)));
     EXPECT_EQ(content.skipped, 0);
     EXPECT_EQ(content.warnings, std::vector<std::string>());
     EXPECT_EQ(fs::exists(damaged + "/journal-000002.lcm"), has_header);
@@ -189,13 +189,13 @@ struct OnFailingDisk {
 TEST(Journal, WritesWhatWaitedForTheDiskInOrder) {
   OnFailingDisk on;
   EXPECT_TRUE(on.journal.append(configuration()));
-  EXPECT_TRUE(on.journal.append(message(2)));
+  EXPECT_TRUE(on.journal.append(scan_message(2)));
   on.disk.refuse_with(ENOSPC);
-  for (int i = 3; i < 6; ++i) EXPECT_TRUE(on.journal.append(message(i)));
+  for (int i = 3; i < 6; ++i) EXPECT_TRUE(on.journal.append(scan_message(i)));
   EXPECT_EQ(on.journal.waiting(), 3U);
   EXPECT_EQ(on.utimes(), (std::vector<std::int64_t>{1, 2}));
   on.disk.refuse_with(0);
-  EXPECT_TRUE(on.journal.append(message(6)));
+  EXPECT_TRUE(on.journal.append(scan_message(6)));
   EXPECT_EQ(on.utimes(), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6}));
   EXPECT_EQ(on.journal.waiting(), 0U);
   EXPECT_EQ(on.journal.failures(), 3);
@@ -218,7 +218,7 @@ TEST(Journal, LeavesNoTornEventWhereTheDiskFillsUpWithinOne) {
   on.journal.append(configuration());
   for (std::size_t bytes = 0; bytes < 90; bytes += 7) {
     on.disk.refuse_with(ENOSPC, bytes);
-    on.journal.append(message(2));
+    on.journal.append(scan_message(2));
     on.disk.refuse_with(0);
     on.journal.write_waiting();
   }
@@ -231,13 +231,13 @@ TEST(Journal, RefusesWhatCannotWaitAndTakesTheNextOnceThereIsRoom) {
   OnFailingDisk on(options);
   on.disk.refuse_with(ENOSPC);
   int taken = 0;
-  while (on.journal.append(message(taken + 1, 1000))) ++taken;
+  while (on.journal.append(scan_message(taken + 1, 1000))) ++taken;
   EXPECT_GE(taken, 5);
   EXPECT_LE(taken, 10);
-  EXPECT_FALSE(on.journal.append(message(99, 1000)));
+  EXPECT_FALSE(on.journal.append(scan_message(99, 1000)));
   EXPECT_EQ(on.journal.waiting(), static_cast<std::size_t>(taken));
   on.disk.refuse_with(0);
-  EXPECT_TRUE(on.journal.append(message(100, 1000)));
+  EXPECT_TRUE(on.journal.append(scan_message(100, 1000)));
   std::vector<std::int64_t> expected;
   for (int i = 1; i <= taken; ++i) expected.push_back(i);
   expected.push_back(100);
@@ -250,10 +250,10 @@ TEST(Journal, SaysOnceThatItRefusesWhereNothingMayWait) {
   options.waiting_bytes = 0;
   OnFailingDisk on(options);
   on.disk.refuse_with(ENOSPC);
-  for (int i = 1; i < 4; ++i) EXPECT_FALSE(on.journal.append(message(i)));
+  for (int i = 1; i < 4; ++i) EXPECT_FALSE(on.journal.append(scan_message(i)));
   EXPECT_EQ(on.reports.size(), 1U);
   on.disk.refuse_with(0);
-  EXPECT_TRUE(on.journal.append(message(4)));
+  EXPECT_TRUE(on.journal.append(scan_message(4)));
   EXPECT_EQ(on.reports.size(), 2U);
   EXPECT_EQ(on.utimes(), (std::vector<std::int64_t>{4}));
 }
@@ -262,8 +262,8 @@ TEST(Journal, TellsOfWhatTheDiskRefusedToTheEnd) {
   OnFailingDisk on;
   on.journal.append(configuration());
   on.disk.refuse_with(ENOSPC);
-  on.journal.append(message(2));
-  on.journal.append(message(3));
+  on.journal.append(scan_message(2));
+  on.journal.append(scan_message(3));
   EXPECT_EQ(on.journal.finish(), 2U);
   on.disk.refuse_with(0);
   EXPECT_EQ(on.journal.finish(), 0U);
@@ -273,11 +273,11 @@ TEST(Journal, TellsOfWhatTheDiskRefusedToTheEnd) {
 TEST(Journal, GoesOnInTheLastSegmentWhereNoneCanBeBegun) {
   OnFailingDisk on(small_segments());
   on.directory.write("j/journal-000002.lcm", "");
-  for (int i = 1; i < 50; ++i) EXPECT_TRUE(on.journal.append(message(i)));
+  for (int i = 1; i < 50; ++i) EXPECT_TRUE(on.journal.append(scan_message(i)));
   EXPECT_GT(fs::file_size(on.directory / "j/journal-000001.lcm"), 1000U);
   EXPECT_EQ(on.reports.size(), 1U);
   fs::remove(on.directory / "j/journal-000002.lcm");
-  EXPECT_TRUE(on.journal.append(message(50)));
+  EXPECT_TRUE(on.journal.append(scan_message(50)));
   EXPECT_TRUE(fs::exists(on.directory / "j/journal-000002.lcm"));
   EXPECT_EQ(on.utimes().size(), 50U);
 }
@@ -297,7 +297,7 @@ TEST(Journal, IsNotHeldUpByASlowDisk) {
   Journal journal(directory / "j", options);
   const auto start = std::chrono::steady_clock::now();
   for (int i = 1; i < 200; ++i) {  // ten segments and more
-    EXPECT_TRUE(journal.append(message(i)));
+    EXPECT_TRUE(journal.append(scan_message(i)));
     std::this_thread::sleep_for(1ms);
   }
   EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);
@@ -329,7 +329,7 @@ TEST(Journal, IsSyncedThoughThereIsNoDescriptorLeft) {
   {
     const DescriptorLimit limit(next_descriptor());
     limited = true;
-    EXPECT_TRUE(journal.append(message(1)));
+    EXPECT_TRUE(journal.append(scan_message(1)));
     std::future<int> error = synced.get_future();
     ASSERT_EQ(error.wait_for(10s), std::future_status::ready);
     EXPECT_EQ(error.get(), 0);

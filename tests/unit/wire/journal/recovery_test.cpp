@@ -11,21 +11,12 @@
 #include "tests/support/published.hpp"
 #include "tests/support/replayed.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tests/unit/wire/live/live_inputs.hpp"
 
 namespace isthmus {
 namespace {
 
 namespace fs = std::filesystem;
-
-void push(Inbox& inbox, const std::string& robot, const Message& message) {
-  inbox.push(robot, message.channel.ends_with("_SCAN"), message.utime, message.channel, message.bytes);
-}
-
-LiveOptions journalled(const std::string& directory) {
-  LiveOptions options = quick_options();
-  options.journal_directory = directory;
-  return options;
-}
 
 /// A server's life: it recovers, hears rounds [from, to) of both robots, and stops in order.
 std::string serve(const LiveOptions& options, int from, int to, bool introduced) {

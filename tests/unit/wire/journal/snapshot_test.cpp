@@ -14,32 +14,14 @@
 #include "server/wire/journal/journal_files.hpp"
 #include "server/wire/journal/recovery/recovery.hpp"
 #include "server/wire/journal/recovery/snapshots.hpp"
-#include "tests/support/box_room.hpp"
 #include "tests/support/replayed.hpp"
+#include "tests/support/team_journal.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace isthmus {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::int64_t small_segment_bytes = 30'000;
-
-/// A journal of two robots, in some ten segments.
-std::string write_journal(const TemporaryDirectory& directory, int rounds = 150) {
-  std::string path = directory / "journal";
-  JournalOptions options;
-  options.segment_bytes = small_segment_bytes;
-  Journal journal(path, options);
-  const BoxRoomRobot robots[] = {BoxRoomRobot("R1"), BoxRoomRobot("R2")};
-  journal.append(encode({1, ConfigurationEvent{}}));
-  for (const BoxRoomRobot& robot : robots) journal.append(robot.introduction());
-  for (int round = 0; round < rounds; ++round) {
-    for (const BoxRoomRobot& robot : robots)
-      for (const Message& message : robot.round(round)) journal.append(message);
-  }
-  return path;
-}
 
 struct RecoveredMap {
   std::string sha256;
@@ -64,15 +46,6 @@ RecoveredMap recover(const std::string& journal) {
   return recovered;
 }
 
-void flip_a_bit(const std::string& path) {
-  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
-  const auto middle = static_cast<std::streamoff>(fs::file_size(path) / 2);
-  file.seekg(middle);
-  const char byte = static_cast<char>(file.get() ^ 1);
-  file.seekp(middle);
-  file.put(byte);
-}
-
 std::string why_unreadable(const std::string& path) {
   try {
     read_snapshot(path);
@@ -84,11 +57,10 @@ std::string why_unreadable(const std::string& path) {
 
 TEST(Snapshots, MakeTheMapThatTheWholeJournalMakes) {
   const TemporaryDirectory directory;
-  const std::string journal = write_journal(directory);
+  const std::string journal = write_team_journal(directory);
   const RecoveredMap whole = recover(journal);
   const SnapshotsMade made = update_snapshots(journal);
   EXPECT_GE(made.written, 5);
-  EXPECT_EQ(list_journal(journal).snapshots.size(), 2U);
   EXPECT_EQ(made.last_segment, list_journal(journal).segments.rbegin()->first - 1);
   const RecoveredMap recovered = recover(journal);
   EXPECT_EQ(recovered.sha256, whole.sha256);
@@ -101,7 +73,7 @@ TEST(Snapshots, MakeTheMapThatTheWholeJournalMakes) {
 
 TEST(Snapshots, GiveWayToOlderOnesWhereTheyAreDamaged) {
   const TemporaryDirectory directory;
-  const std::string journal = write_journal(directory);
+  const std::string journal = write_team_journal(directory);
   const std::string whole = recover(journal).sha256;
   update_snapshots(journal);
   const auto snapshots = list_journal(journal).snapshots;
@@ -110,15 +82,15 @@ TEST(Snapshots, GiveWayToOlderOnesWhereTheyAreDamaged) {
   EXPECT_EQ(recovered.sha256, whole);
   ASSERT_EQ(recovered.warnings.size(), 1U);
   EXPECT_NE(recovered.warnings.front().find("is damaged: its checksum is another"), std::string::npos);
-  fs::resize_file(snapshots.begin()->second, 100);
+  for (const auto& [segment, path] : snapshots) fs::resize_file(path, 100);
   recovered = recover(journal);
   EXPECT_EQ(recovered.sha256, whole);
-  EXPECT_EQ(recovered.warnings.size(), 2U);
+  EXPECT_EQ(recovered.warnings.size(), snapshots.size());
 }
 
 TEST(Snapshots, AreNotTakenWithoutTheRowsOfTheTrajectory) {
   const TemporaryDirectory directory;
-  const std::string journal = write_journal(directory);
+  const std::string journal = write_team_journal(directory);
   update_snapshots(journal);
   const std::string newest = list_journal(journal).snapshots.rbegin()->second;
   EXPECT_EQ(why_unreadable(newest), "");
@@ -128,18 +100,20 @@ TEST(Snapshots, AreNotTakenWithoutTheRowsOfTheTrajectory) {
 
 TEST(Snapshots, StandForSegmentsThatWerePruned) {
   const TemporaryDirectory directory;
-  const std::string journal = write_journal(directory);
+  const std::string journal = write_team_journal(directory);
   const std::string whole = recover(journal).sha256;
   SnapshotPolicy policy;
-  policy.keep_segments = 1;
+  policy.keep_segments = 0;
+  policy.keep_snapshots = 3;
   const SnapshotsMade made = update_snapshots(journal, policy);
   EXPECT_GE(made.pruned_segments, 3);
   EXPECT_GT(list_journal(journal).segments.begin()->first, 1);
   EXPECT_EQ(recover(journal).sha256, whole);
-  // The oldest snapshot that stays still has all that follows it.
-  flip_a_bit(list_journal(journal).snapshots.rbegin()->second);
+  // The snapshot before the newest still has all that follows it; those before that have not.
+  std::map<int, std::string> snapshots = list_journal(journal).snapshots;
+  flip_a_bit(snapshots.rbegin()->second);
   EXPECT_EQ(recover(journal).sha256, whole);
-  flip_a_bit(list_journal(journal).snapshots.begin()->second);
+  flip_a_bit(std::prev(snapshots.end(), 2)->second);
   try {
     recover(journal);
     FAIL();
@@ -152,7 +126,7 @@ TEST(Snapshots, StandForSegmentsThatWerePruned) {
 
 TEST(Snapshots, AreMadeBesideAServerAtWorkAndAfterOneThatWasKilled) {
   const TemporaryDirectory directory;
-  const std::string journal = write_journal(directory, 40);
+  const std::string journal = write_team_journal(directory, 40);
   std::ofstream(journal + "/snapshot-000001.isthmus.tmp-99") << "what a killed process left";
   update_snapshots(journal);
   EXPECT_FALSE(fs::exists(journal + "/snapshot-000001.isthmus.tmp-99"));
@@ -162,7 +136,7 @@ TEST(Snapshots, AreMadeBesideAServerAtWorkAndAfterOneThatWasKilled) {
 
 TEST(Snapshots, AreLeftToTheProcessThatMakesThemOrWaitForIt) {
   const TemporaryDirectory directory;
-  const std::string journal = write_journal(directory, 60);
+  const std::string journal = write_team_journal(directory, 60);
   FileHandle other(::open((journal + "/snapshots.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
   ASSERT_EQ(::flock(other.get(), LOCK_EX), 0);
   const SnapshotsMade left = update_snapshots(journal);
@@ -178,9 +152,86 @@ TEST(Snapshots, AreLeftToTheProcessThatMakesThemOrWaitForIt) {
   EXPECT_GT(made.written, 0);
 }
 
+TEST(Snapshots, LeaveNoLockBehindWhateverComesOfThem) {
+  const TemporaryDirectory directory;
+  const std::string journal = write_team_journal(directory, 60);
+  update_snapshots(journal);
+  EXPECT_FALSE(fs::exists(journal + "/snapshots.lock"));
+  fs::remove(segment_path(journal, 2));
+  EXPECT_NE(error_of([&] { update_snapshots(journal); }), "");
+  EXPECT_FALSE(fs::exists(journal + "/snapshots.lock"));
+}
+
+TEST(Snapshots, OfNoJournalAreRefusedAndNothingIsTouched) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("notes/snapshot-000001.isthmus.tmp-99", "of somebody else");
+  EXPECT_EQ(error_of([&] { update_snapshots(directory / "notes"); }),
+            directory / "notes: holds no segment of a journal");
+  EXPECT_TRUE(fs::exists(file));
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory / "notes"), fs::directory_iterator()), 1);
+}
+
+TEST(Snapshots, TellOfThemselvesWithoutTheirMap) {
+  const TemporaryDirectory directory;
+  const std::string journal = write_team_journal(directory, 60);
+  update_snapshots(journal);
+  for (const auto& [segment, path] : list_journal(journal).snapshots) {
+    const SnapshotSummary summary = read_snapshot_summary(path);
+    const Snapshot snapshot = read_snapshot(path);
+    const MapCopy map = snapshot.map.engine.copy();
+    EXPECT_EQ(summary.place.segment, segment);
+    EXPECT_EQ(summary.events, snapshot.map.events);
+    EXPECT_EQ(summary.last_utime, snapshot.map.last_utime);
+    ASSERT_GT(map.trajectory_rows, 0U);
+    EXPECT_EQ(summary.scan_utime, map.trajectory->read(map.trajectory_rows - 1, 1).front().utime);
+  }
+}
+
+/// What is left of snapshots that come one by one.
+std::vector<int> kept_of(int count, int keep) {
+  std::vector<int> kept;
+  for (int segment = 1; segment <= count; ++segment) {
+    kept.push_back(segment);
+    while (const auto without = dispensable_snapshot(kept, keep)) std::erase(kept, *without);
+  }
+  return kept;
+}
+
+TEST(Snapshots, ThatStayCoverAllThereWasTheCloserTheNewer) {
+  for (const int count : {3, 10, 11, 37, 400, 5000}) {
+    const std::vector<int> kept = kept_of(count, 10);
+    ASSERT_EQ(kept.size(), static_cast<std::size_t>(std::min(count, 10)));
+    EXPECT_EQ(kept.front(), 1) << "the oldest";
+    EXPECT_EQ(kept[kept.size() - 2], count - 1) << "should the newest not be readable";
+    EXPECT_EQ(kept.back(), count);
+    for (std::size_t i = 1; i < kept.size(); ++i)
+      EXPECT_LE(kept[i] - kept[i - 1], std::max(2, 2 * count / 5)) << "a gap in " << count;
+    const auto is_old = [&](int segment) { return segment <= count / 2; };
+    EXPECT_LE(std::ranges::count_if(kept, is_old), count > 11 ? 4 : 5) << "the newer ones are more";
+  }
+  EXPECT_EQ(kept_of(400, 2), (std::vector<int>{399, 400}));
+  EXPECT_EQ(kept_of(400, 0), (std::vector<int>{399, 400})) << "never fewer";
+}
+
+TEST(Snapshots, AreAsManyAsThePolicySays) {
+  const TemporaryDirectory directory;
+  const std::string journal = write_team_journal(directory);
+  SnapshotPolicy policy;
+  policy.keep_snapshots = 4;
+  const SnapshotsMade made = update_snapshots(journal, policy);
+  ASSERT_GE(made.written, 5);
+  EXPECT_EQ(list_journal(journal).snapshots.size(), 4U);
+  EXPECT_TRUE(list_journal(journal).snapshots.contains(1));
+  const std::string whole = recover(journal).sha256;
+  policy.keep_snapshots = 2;
+  EXPECT_EQ(update_snapshots(journal, policy).written, 0);
+  EXPECT_EQ(list_journal(journal).snapshots.size(), 2U) << "also where none is new";
+  EXPECT_EQ(recover(journal).sha256, whole);
+}
+
 TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
   const TemporaryDirectory directory;
-  const std::string journal = write_journal(directory, 60);
+  const std::string journal = write_team_journal(directory, 60);
   update_snapshots(journal);
   const std::string newest = list_journal(journal).snapshots.rbegin()->second;
   std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(9);
@@ -206,12 +257,12 @@ TEST(Snapshots, OfVersion3AreRead) {
   const std::string path = "tests/unit/wire/snapshots/version-3/snapshot-000001.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
-  EXPECT_EQ(snapshot.map.events, 760);
-  EXPECT_EQ(map.patches.size(), 18U);
-  EXPECT_EQ(map.trajectory_rows, 124U);
-  EXPECT_EQ(map.sightings.size(), 12U);
+  EXPECT_EQ(snapshot.map.events, 865);
+  EXPECT_EQ(map.patches.size(), 20U);
+  EXPECT_EQ(map.trajectory_rows, 140U);
+  EXPECT_EQ(map.sightings.size(), 18U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "19ae48462be1f2c8d71786bbb318acb988e0b70b2e5d5561a0ad5a21cf290ebe");
+  EXPECT_EQ(map_sha256(map), "1333ee191ae955d50af5b2fd7c3a3901c175cc246750fd4e2e67b3505891e882");
 }
 
 }  // namespace

@@ -13,15 +13,12 @@
 #include "tests/support/box_room.hpp"
 #include "tests/support/published.hpp"
 #include "tests/support/waiting.hpp"
+#include "tests/unit/wire/live/live_inputs.hpp"
 
 namespace isthmus {
 namespace {
 
 using std::chrono::milliseconds;
-
-void push(Inbox& inbox, const std::string& robot, const Message& message) {
-  inbox.push(robot, message.channel.ends_with("_SCAN"), message.utime, message.channel, message.bytes);
-}
 
 /// Bounds that a flood reaches within the test.
 InboxLimits small_limits() {

@@ -41,13 +41,6 @@ LiveOptions with_journal(const std::string& directory, bool frozen) {
   return options;
 }
 
-std::map<std::string, std::vector<std::uint8_t>> files_of(const std::string& directory) {
-  std::map<std::string, std::vector<std::uint8_t>> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(directory))
-    files[entry.path().filename().string()] = read_bytes(entry.path().string());
-  return files;
-}
-
 TEST(FrozenServer, TellsPosesInTheJournalsMapAndLeavesBothAsTheyWere) {
   TemporaryDirectory directory;
   const std::string journal = directory / "journal";

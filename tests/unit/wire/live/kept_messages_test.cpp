@@ -1,11 +1,11 @@
 // What a server had received when it was killed, a later one on the same journal handles.
 
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -24,23 +24,14 @@
 #include "tests/support/published.hpp"
 #include "tests/support/replayed.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tests/support/waiting.hpp"
+#include "tests/unit/wire/live/live_inputs.hpp"
 
 namespace isthmus {
 namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
-
-template <class Condition>
-bool soon(const Condition& condition) {
-  for (int i = 0; i < 20'000 && !condition(); ++i) std::this_thread::sleep_for(milliseconds(1));
-  return condition();
-}
-
-void push(Inbox& inbox, const std::string& robot, const Message& message) {
-  inbox.push(robot, message.channel.ends_with("_SCAN"), message.utime, message.channel, message.bytes,
-             message.signature);
-}
 
 /// Odometry and scan of rounds [from, to) of R1.
 void drive(Inbox& inbox, int from, int to) {
@@ -49,12 +40,6 @@ void drive(Inbox& inbox, int from, int to) {
   for (int i = from; i < to; ++i) {
     for (const Message& message : robot.round(i)) push(inbox, "R1", message);
   }
-}
-
-LiveOptions journalled(const std::string& directory) {
-  LiveOptions options = quick_options();
-  options.journal_directory = directory;
-  return options;
 }
 
 /// A server's life that ends in order, with nothing new received.
@@ -158,7 +143,7 @@ TEST(KeptMessages, OutliveAKillWhileTheServerRecovers) {
     drive(before.inbox, 0, 50);
   }
   RunningServer server(journalled(directory / "journal"), true);
-  ASSERT_TRUE(soon([&] { return server.brake.holds(); }));
+  ASSERT_TRUE(happens([&] { return server.brake.holds(); }));
   drive(server.inbox, 50, 150);
   copy_as_if_killed(directory / "journal", directory / "killed");
   server.end();
@@ -172,7 +157,7 @@ TEST(KeptMessages, AreTakenOnceHoweverOftenTheServerIsKilled) {
   for (int life = 0; life < 6; ++life) {
     RunningServer server(journalled(journal));
     drive(server.inbox, 40 * life, 40 * (life + 1));
-    soon([&] { return server.inbox.size() <= 10U * static_cast<unsigned>(life); });
+    happens([&] { return server.inbox.size() <= 10U * static_cast<unsigned>(life); });
     const std::string next = directory / std::to_string(life + 1);
     copy_as_if_killed(journal, next);
     journal = next;
@@ -188,11 +173,11 @@ TEST(KeptMessages, AreCountedAsDroppedAfterAKillWhereTheInboxWasFull) {
   limits.messages = 20;
   RunningServer server(options, true, limits);
   drive(server.inbox, 0, 1);
-  ASSERT_TRUE(soon([&] { return server.brake.holds(); }));
+  ASSERT_TRUE(happens([&] { return server.brake.holds(); }));
   drive(server.inbox, 1, 100);
   server.brake.let_go();
   const auto recorded = [&] { return replay(directory / "journal").dropped[DropReason::queue_full] >= 170; };
-  ASSERT_TRUE(soon(recorded));
+  ASSERT_TRUE(happens(recorded));
   copy_as_if_killed(directory / "journal", directory / "killed");
   server.end();
 
@@ -269,7 +254,7 @@ TEST(KeptMessages, AreAcknowledgedToTheirSenders) {
     const auto told = server.published.of<received_t>("ISTHMUS_RECEIVED");
     return !told.empty() && told.back().nchannels == 3 && told.back().channels[2].messages == 30;
   };
-  EXPECT_TRUE(soon(all));
+  EXPECT_TRUE(happens(all));
   const received_t told = server.published.of<received_t>("ISTHMUS_RECEIVED").back();
   ASSERT_EQ(told.nchannels, 3);
   EXPECT_EQ(told.channels[0].channel, "R1_ODOMETRY");

@@ -22,15 +22,12 @@
 #include "tests/support/replayed.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/support/waiting.hpp"
+#include "tests/unit/wire/live/live_inputs.hpp"
 
 namespace isthmus {
 namespace {
 
 using std::chrono::milliseconds;
-
-void push(Inbox& inbox, const std::string& robot, const Message& message) {
-  inbox.push(robot, message.channel.ends_with("_SCAN"), message.utime, message.channel, message.bytes);
-}
 
 void drive(Inbox& inbox, const std::string& name, int rounds, milliseconds pause = milliseconds(0)) {
   const BoxRoomRobot robot(name);
@@ -344,7 +341,7 @@ TEST(LiveServer, KeepsTheRobotsAndTagsThatItKnowsAndRefusesMore) {
 }
 
 /// A server on a disk that fails, and a robot's rounds of odometry and scan handled before and after.
-class LiveServerOnFailingDisk : public testing::Test {
+class LiveServerOnFailingDisk : public ::testing::Test {
  protected:
   std::unique_ptr<LiveServer> start(std::int64_t waiting_bytes = 64 * 1024 * 1024) {
     LiveOptions options = quick_options();

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "isthmus/grid_t.hpp"
+#include "isthmus/map_t.hpp"
+#include "isthmus/zones_t.hpp"
 #include "tests/support/published.hpp"
 #include "tests/support/waiting.hpp"
 
@@ -62,6 +64,38 @@ TEST(MapPublisher, SendsGridsAgainWithAWholeMapAndAtNoOtherTime) {
   publisher.request_whole();
   ASSERT_TRUE(offered_until(4));
   EXPECT_EQ(grids(published), (std::vector<int>{0, 1, 0, 1}));
+}
+
+TEST(MapPublisher, SendsZonesWhenTheyChangeAndWithAWholeMap) {
+  Published published;
+  MapPublisher publisher(published.sink(), at_once());
+  const auto zones = [&] { return published.of<zones_t>("ISTHMUS_ZONES"); };
+  const auto offered_until = [&](const MapCopy& map, std::size_t count) {
+    return happens([&] {
+      publisher.offer(std::make_shared<const MapCopy>(map), 7);
+      return zones().size() >= count;
+    });
+  };
+  MapCopy map = *two_patches(false);
+  ASSERT_TRUE(offered_until(map, 1));
+  EXPECT_EQ(zones()[0].nzones, 0) << "who comes first learns that there are none";
+  AnnotationRecord zone;
+  zone.kind = AnnotationKind::keep_out;
+  zone.name = "Stairs";
+  zone.island = PatchId{1};
+  for (const Pose& corner : {Pose{0, 0, 0}, Pose{1, 0, 0}, Pose{0, 1, 0}})
+    zone.points.push_back({PatchId{1}, corner});
+  map.annotations = {zone};
+  ASSERT_TRUE(offered_until(map, 2));
+  ASSERT_EQ(zones()[1].nzones, 1);
+  EXPECT_EQ(zones()[1].zones[0].x_m, (std::vector<double>{1, 2, 1})) << "in the island's frame";
+  EXPECT_EQ(zones()[1].utime, 7);
+  const std::size_t maps = published.of<map_t>("ISTHMUS_MAP").size();
+  for (int i = 0; i < 20; ++i) publisher.offer(std::make_shared<const MapCopy>(map), 7);
+  EXPECT_EQ(zones().size(), 2U) << "nothing changed";
+  publisher.request_whole();
+  ASSERT_TRUE(offered_until(map, 3));
+  EXPECT_GT(published.of<map_t>("ISTHMUS_MAP").size(), maps);
 }
 
 TEST(MapPublisher, WithdrawsTheGridOfAnIslandThatMerged) {

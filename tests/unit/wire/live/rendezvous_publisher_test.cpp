@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::chrono::steady_clock::time_point start{1000s};
+const std::chrono::steady_clock::time_point first_due{1000s};
 
 MapCopy map_with_meeting() {
   MapCopy map;
@@ -25,7 +25,7 @@ MapCopy map_with_meeting() {
 
 TEST(RendezvousPublisher, TellsBothPlaces) {
   RendezvousPublisher publisher;
-  const auto message = publisher.due(map_with_meeting(), 77, start);
+  const auto message = publisher.due(map_with_meeting(), 77, first_due);
   ASSERT_TRUE(message);
   EXPECT_EQ(message->utime, 77);
   EXPECT_EQ(message->closure, 5);
@@ -42,15 +42,15 @@ TEST(RendezvousPublisher, TellsBothPlaces) {
 TEST(RendezvousPublisher, SpeaksWhenTheMeetingChangesAndNowAndThen) {
   RendezvousPublisher publisher;
   MapCopy map = map_with_meeting();
-  EXPECT_FALSE(publisher.due(MapCopy{}, 0, start));
-  EXPECT_TRUE(publisher.due(map, 0, start + 1s));
-  EXPECT_FALSE(publisher.due(map, 0, start + 2s));
+  EXPECT_FALSE(publisher.due(MapCopy{}, 0, first_due));
+  EXPECT_TRUE(publisher.due(map, 0, first_due + 1s));
+  EXPECT_FALSE(publisher.due(map, 0, first_due + 2s));
   map.meeting->b.pose.patch_from_object.x += 0.5;
-  EXPECT_TRUE(publisher.due(map, 0, start + 3s));
-  EXPECT_FALSE(publisher.due(map, 0, start + 5s));
-  EXPECT_TRUE(publisher.due(map, 0, start + 6s));
+  EXPECT_TRUE(publisher.due(map, 0, first_due + 3s));
+  EXPECT_FALSE(publisher.due(map, 0, first_due + 5s));
+  EXPECT_TRUE(publisher.due(map, 0, first_due + 6s));
   map.meeting.reset();
-  EXPECT_FALSE(publisher.due(map, 0, start + 7s));
+  EXPECT_FALSE(publisher.due(map, 0, first_due + 7s));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 
 using std::chrono::seconds;
 
-class Stop : public testing::Test {
+class Stop : public ::testing::Test {
  protected:
   Stop() {
     options_.tick_interval = std::chrono::hours(1);

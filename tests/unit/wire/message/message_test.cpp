@@ -14,7 +14,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 template <class T>
 std::vector<std::uint8_t> bytes_of(const T& message) {
@@ -121,16 +121,17 @@ TEST(Decode, RefusesOdometryThatCannotBe) {
     return decode_on("R1_ODOMETRY", bytes_of(pose)).reason;
   };
   EXPECT_EQ(reason([](auto&) {}), DropReason::none);
-  EXPECT_EQ(reason([](auto& pose) { pose.pos[0] = nan; }), DropReason::not_finite);
+  EXPECT_EQ(reason([](auto& pose) { pose.pos[0] = not_a_number; }), DropReason::not_finite);
   EXPECT_EQ(reason([](auto& pose) { pose.pos[1] = -infinity; }), DropReason::not_finite);
-  EXPECT_EQ(reason([](auto& pose) { pose.orientation[3] = nan; }), DropReason::not_finite);
+  EXPECT_EQ(reason([](auto& pose) { pose.orientation[3] = not_a_number; }), DropReason::not_finite);
   EXPECT_EQ(reason([](auto& pose) { pose.pos[0] = 1e7; }), DropReason::absurd_value);
   EXPECT_EQ(reason([](auto& pose) { pose.orientation[0] = 0; }), DropReason::absurd_value);
   EXPECT_EQ(reason([](auto& pose) { pose.orientation[0] = 1e200; }), DropReason::absurd_value);
   EXPECT_EQ(reason([](auto& pose) { pose.utime = -1; }), DropReason::absurd_value);
   EXPECT_EQ(reason([](auto& pose) { pose.utime = std::numeric_limits<std::int64_t>::max(); }),
             DropReason::absurd_value);
-  EXPECT_EQ(reason([](auto& pose) { pose.vel[0] = pose.pos[2] = nan; }), DropReason::none) << "not used";
+  EXPECT_EQ(reason([](auto& pose) { pose.vel[0] = pose.pos[2] = not_a_number; }), DropReason::none)
+      << "not used";
 }
 
 TEST(Decode, RefusesScansThatCannotBe) {
@@ -169,7 +170,8 @@ TEST(Decode, RefusesRobotsThatCannotBe) {
     return round_trip({1, robot}).reason;
   };
   EXPECT_EQ(reason([](auto&) {}), DropReason::none);
-  EXPECT_EQ(reason([](auto& robot) { robot.laser.robot_from_laser.yaw = nan; }), DropReason::not_finite);
+  EXPECT_EQ(reason([](auto& robot) { robot.laser.robot_from_laser.yaw = not_a_number; }),
+            DropReason::not_finite);
   EXPECT_EQ(reason([](auto& robot) { robot.laser.robot_from_laser.x = 1e3; }), DropReason::absurd_value);
   EXPECT_EQ(reason([](auto& robot) { robot.laser.range_max_m = robot.laser.range_min_m; }),
             DropReason::absurd_value);
@@ -198,7 +200,7 @@ TEST(Decode, RefusesARobotUnderAnotherName) {
 TEST(Decode, TakesSightingsWithOnePartNotMeasured) {
   SightingEvent sighting = plain_sighting();
   sighting.range_sigma_m = infinity;
-  sighting.range_m = nan;
+  sighting.range_m = not_a_number;
   const Decoded decoded = round_trip({1, sighting});
   ASSERT_TRUE(decoded.event) << word(decoded.reason);
   EXPECT_EQ(std::get<SightingEvent>(decoded.event->body).range_m, 0);
@@ -215,8 +217,8 @@ TEST(Decode, RefusesSightingsThatCannotBe) {
   EXPECT_EQ(reason([](auto& s) { s.range_sigma_m = s.bearing_sigma_rad = infinity; }),
             DropReason::absurd_value);
   EXPECT_EQ(reason([](auto& s) { s.range_sigma_m = 0; }), DropReason::absurd_value);
-  EXPECT_EQ(reason([](auto& s) { s.bearing_sigma_rad = nan; }), DropReason::not_finite);
-  EXPECT_EQ(reason([](auto& s) { s.range_m = nan; }), DropReason::not_finite);
+  EXPECT_EQ(reason([](auto& s) { s.bearing_sigma_rad = not_a_number; }), DropReason::not_finite);
+  EXPECT_EQ(reason([](auto& s) { s.range_m = not_a_number; }), DropReason::not_finite);
   EXPECT_EQ(reason([](auto& s) { s.range_m = -1; }), DropReason::absurd_value);
   EXPECT_EQ(reason([](auto& s) { s.barcode = -1; }), DropReason::absurd_value);
 }
@@ -277,8 +279,8 @@ TEST(Decode, RefusesDrawingsThatCannotBe) {
     change(zone);
     return round_trip({9, zone}).reason;
   };
-  EXPECT_EQ(refusal([](auto& zone) { zone.points[0].position.x() = nan; }), DropReason::not_finite);
-  EXPECT_EQ(refusal([](auto& zone) { zone.max_speed_m_s = nan; }), DropReason::not_finite);
+  EXPECT_EQ(refusal([](auto& zone) { zone.points[0].position.x() = not_a_number; }), DropReason::not_finite);
+  EXPECT_EQ(refusal([](auto& zone) { zone.max_speed_m_s = not_a_number; }), DropReason::not_finite);
   EXPECT_EQ(refusal([](auto& zone) { zone.points[0].position.x() = 2e6; }), DropReason::absurd_value);
   EXPECT_EQ(refusal([](auto& zone) { zone.points[0].patch = PatchId{-2}; }), DropReason::absurd_value);
   EXPECT_EQ(refusal([](auto& zone) { zone.max_speed_m_s = 0; }), DropReason::absurd_value);

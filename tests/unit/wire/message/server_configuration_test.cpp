@@ -16,6 +16,19 @@ std::string error_in(const std::string& toml) {
   return error_of([&] { parsed(toml); });
 }
 
+TEST(ConfigurationExploration, IsOffUnlessItIsAskedFor) {
+  EXPECT_FALSE(parsed("").exploration.enabled);
+  EXPECT_FALSE(parsed("[exploration]\n").exploration.enabled);
+  const auto asked =
+      parsed("[exploration]\nenabled = true\nclearance_m = 0.2\nspeed_m_s = 0.3\n").exploration;
+  EXPECT_TRUE(asked.enabled);
+  EXPECT_EQ(asked.clearance_m, 0.2);
+  EXPECT_EQ(asked.speed_m_s, 0.3);
+  EXPECT_NE(error_in("[exploration]\nenable = true").find("unknown key 'enable' in [exploration]"),
+            std::string::npos);
+  EXPECT_NE(error_in("[exploration]\nspeed_m_s = 0").find("c.toml:2"), std::string::npos);
+}
+
 TEST(ConfigurationChannels, AreReadByRobot) {
   const ServerConfiguration configuration = parsed(
       "[robots.r1]\nbarcode = 5\nchannels = { scan = \"HOKUYO\" }\n[robots.R2]\n"
@@ -90,6 +103,7 @@ TEST(ConfigurationKeys, DoNotShowInTheTextWithoutThem) {
 
 TEST(ConfigurationKeys, DoNotMatterToWhatIsMapped) {
   EXPECT_TRUE(map_alike("tags = \"any\" # so\n", "tags   = \"any\"\n[auth.robots]\nR1 = \"\"\n"));
+  EXPECT_TRUE(map_alike("[exploration]\nenabled = true\n", ""));
   EXPECT_FALSE(map_alike("tags = \"any\"\n", ""));
 }
 

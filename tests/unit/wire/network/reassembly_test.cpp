@@ -10,7 +10,7 @@
 namespace isthmus {
 namespace {
 
-constexpr LcmSender robot{0x0a000001, 40'000};
+constexpr LcmSender robots_sender{0x0a000001, 40'000};
 
 Bytes counted(std::size_t size) {
   Bytes bytes(size);
@@ -19,13 +19,13 @@ Bytes counted(std::size_t size) {
 }
 
 /// A reassembly that takes channels beginning with R, and what came out of it.
-struct Heard {
+struct HeardReassembly {
   std::vector<std::pair<std::string, Bytes>> messages;
   std::map<std::string, int> drops;  ///< by reason, with the channel: "R1_SCAN fragments_lost"
   std::int64_t now_us = 0;
   Reassembly reassembly;
 
-  explicit Heard(ReassemblyLimits limits = {})
+  explicit HeardReassembly(ReassemblyLimits limits = {})
       : reassembly({[](std::string_view channel) { return channel.starts_with("R"); },
                     [this](std::int64_t, std::string_view channel, std::span<const std::uint8_t> bytes) {
                       messages.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
@@ -35,16 +35,16 @@ struct Heard {
                     }},
                    limits) {}
 
-  void take(const Bytes& datagram, LcmSender sender = robot) {
+  void take(const Bytes& datagram, LcmSender sender = robots_sender) {
     reassembly.take(sender, datagram, 1'700'000'000'000'000, now_us);
   }
-  void take_all(const std::vector<Bytes>& datagrams, LcmSender sender = robot) {
+  void take_all(const std::vector<Bytes>& datagrams, LcmSender sender = robots_sender) {
     for (const Bytes& datagram : datagrams) take(datagram, sender);
   }
 };
 
 TEST(Reassembly, HandsOnShortMessagesOfWantedChannels) {
-  Heard heard;
+  HeardReassembly heard;
   heard.take(short_datagram(1, "R1_SCAN", counted(5)));
   heard.take(short_datagram(2, "CAMERA", counted(5)));
   ASSERT_EQ(heard.messages.size(), 1U);
@@ -58,7 +58,7 @@ TEST(Reassembly, MakesOneMessageOfFragmentsInAnyOrder) {
   ASSERT_EQ(datagrams.size(), 4U);
   std::sort(datagrams.begin(), datagrams.end());
   do {
-    Heard heard;
+    HeardReassembly heard;
     heard.take_all(datagrams);
     ASSERT_EQ(heard.messages.size(), 1U);
     EXPECT_EQ(heard.messages[0].second, message);
@@ -72,12 +72,12 @@ TEST(Reassembly, TellsWhenTheLastDatagramCame) {
                          [](auto, auto) {}});
   std::int64_t utime = 100;
   for (const Bytes& datagram : fragment_datagrams(1, "R1_SCAN", counted(500), 300))
-    reassembly.take(robot, datagram, utime++, 0);
+    reassembly.take(robots_sender, datagram, utime++, 0);
   EXPECT_EQ(received, 101);
 }
 
 TEST(Reassembly, HandsOnAMessageOnceThoughTheNetworkDoublesIt) {
-  Heard heard;
+  HeardReassembly heard;
   const auto datagrams = fragment_datagrams(1, "R1_SCAN", counted(1000), 300);
   for (const Bytes& datagram : datagrams) heard.take_all({datagram, datagram});
   heard.take_all(datagrams);
@@ -86,12 +86,12 @@ TEST(Reassembly, HandsOnAMessageOnceThoughTheNetworkDoublesIt) {
 }
 
 TEST(Reassembly, KeepsSendersApart) {
-  Heard heard;
-  const LcmSender other{robot.address, 40'001};
+  HeardReassembly heard;
+  const LcmSender other{robots_sender.address, 40'001};
   const auto one = fragment_datagrams(1, "R1_SCAN", Bytes(1000, 1), 300);
   const auto two = fragment_datagrams(1, "R2_SCAN", Bytes(1000, 2), 300);
   for (std::size_t i = 0; i < one.size(); ++i) {
-    heard.take(one[i], robot);
+    heard.take(one[i], robots_sender);
     heard.take(two[i], other);
   }
   ASSERT_EQ(heard.messages.size(), 2U);
@@ -100,7 +100,7 @@ TEST(Reassembly, KeepsSendersApart) {
 }
 
 TEST(Reassembly, CountsDatagramsThatAreNone) {
-  Heard heard;
+  HeardReassembly heard;
   heard.take(Bytes{1, 2, 3});
   heard.take_all(wrapped_offset_attack("R1_SCAN"));
   EXPECT_EQ(heard.drops, (std::map<std::string, int>{{" malformed_packet", 2}}));
@@ -120,7 +120,7 @@ TEST(Reassembly, RefusesFragmentsThatContradictOneAnother) {
   for (const auto& fragments :
        {std::vector{first, gap, last}, std::vector{first, overlap, last},
         std::vector{first_of_two, short_last}, std::vector{first, last, other_last}}) {
-    Heard heard;
+    HeardReassembly heard;
     for (const TestFragment& fragment : fragments) heard.take(fragment_datagram(fragment));
     EXPECT_TRUE(heard.messages.empty());
     EXPECT_EQ(heard.drops, (std::map<std::string, int>{{"R1_SCAN malformed_packet", 1}}));
@@ -129,7 +129,7 @@ TEST(Reassembly, RefusesFragmentsThatContradictOneAnother) {
 }
 
 TEST(Reassembly, BeginsAnewWhereASenderCountsAnew) {
-  Heard heard;
+  HeardReassembly heard;
   heard.take(fragment_datagrams(1, "R1_SCAN", counted(1000), 300)[0]);
   heard.take_all(fragment_datagrams(1, "R1_SCAN", counted(900), 300));
   ASSERT_EQ(heard.messages.size(), 1U);
@@ -141,7 +141,7 @@ TEST(Reassembly, RefusesMessagesThatAreTooLargeAndCountsEachOnce) {
   ReassemblyLimits limits;
   limits.message_bytes = 1000;
   limits.fragments = 10;
-  Heard heard(limits);
+  HeardReassembly heard(limits);
   heard.take_all(fragment_datagrams(1, "R1_SCAN", counted(1001), 300));
   heard.take_all(fragment_datagrams(2, "R1_SCAN", counted(1000), 90));
   heard.take_all(fragment_datagrams(3, "CAMERA", counted(100'000), 1000));
@@ -154,7 +154,7 @@ TEST(Reassembly, RefusesMessagesThatAreTooLargeAndCountsEachOnce) {
 }
 
 TEST(Reassembly, HoldsNothingOfChannelsThatNobodyWants) {
-  Heard heard;
+  HeardReassembly heard;
   const auto datagrams = fragment_datagrams(1, "CAMERA", counted(1'000'000), 60'000);
   for (const Bytes& datagram : datagrams) {
     heard.take(datagram);
@@ -164,7 +164,7 @@ TEST(Reassembly, HoldsNothingOfChannelsThatNobodyWants) {
 }
 
 TEST(Reassembly, GivesUpAnUnfinishedMessageAfterItsTime) {
-  Heard heard;
+  HeardReassembly heard;
   const auto datagrams = fragment_datagrams(1, "R1_SCAN", counted(1000), 300);
   heard.take_all({datagrams[0], datagrams[1]});
   EXPECT_GT(heard.reassembly.bytes(), 600U - 20U);
@@ -180,27 +180,27 @@ TEST(Reassembly, GivesUpAnUnfinishedMessageAfterItsTime) {
 TEST(Reassembly, BoundsTheMessagesOfASender) {
   ReassemblyLimits limits;
   limits.messages_of_sender = 2;
-  Heard heard(limits);
+  HeardReassembly heard(limits);
   for (std::uint32_t i = 1; i <= 5; ++i) heard.take(fragment_datagrams(i, "R1_SCAN", counted(1000), 300)[0]);
   EXPECT_EQ(heard.reassembly.messages(), 2U);
   EXPECT_EQ(heard.drops, (std::map<std::string, int>{{"R1_SCAN fragments_lost", 3}}));
 }
 
 /// First fragments under made-up addresses, each of a message of its own.
-void flood(Heard& heard, std::uint32_t count, std::size_t fragment_bytes) {
+void flood(HeardReassembly& heard, std::uint32_t count, std::size_t fragment_bytes) {
   const auto first = fragment_datagrams(1, "R9_SCAN", counted(3 * fragment_bytes), fragment_bytes)[0];
   for (std::uint32_t i = 0; i < count; ++i) heard.take(first, {0x0b000000 + i, 5000});
 }
 
 TEST(Reassembly, BoundsTheMessagesOfAllSenders) {
-  Heard heard;
+  HeardReassembly heard;
   flood(heard, 5000, 100);
   EXPECT_EQ(heard.reassembly.messages(), ReassemblyLimits().messages);
   EXPECT_EQ(heard.drops, (std::map<std::string, int>{{"R9_SCAN too_many_unfinished", 4000}}));
 }
 
 TEST(Reassembly, BoundsTheMemoryOfAllSenders) {
-  Heard heard;
+  HeardReassembly heard;
   flood(heard, 900, 60'000);
   EXPECT_LE(heard.reassembly.bytes(), ReassemblyLimits().bytes);
   EXPECT_GT(heard.reassembly.bytes(), ReassemblyLimits().bytes - 61'000);
@@ -211,7 +211,7 @@ TEST(Reassembly, BoundsTheMemoryOfAllSenders) {
 
 // Every fragment of R1's comes after hundreds of the flood's.
 TEST(Reassembly, FinishesARobotsMessageInAFloodOfMadeUpSenders) {
-  Heard heard;
+  HeardReassembly heard;
   const auto datagrams = fragment_datagrams(1, "R1_SCAN", counted(200'000), 60'000);
   for (const Bytes& datagram : datagrams) {
     heard.take(datagram);

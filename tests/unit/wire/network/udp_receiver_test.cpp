@@ -40,14 +40,14 @@ TEST(UdpUrl, IsRefusedWithTheReason) {
   EXPECT_TRUE(error.starts_with("cannot join the multicast group: ")) << error;
 }
 
-using Heard = std::map<std::string, std::vector<Bytes>>;  ///< by channel, in order
+using HeardChannels = std::map<std::string, std::vector<Bytes>>;  ///< by channel, in order
 
 /// All channels of the test's network by our own receiver, until a message on `last` comes.
 class OwnEars {
  public:
   OwnEars() : receiver_(parse_udp_url(test_udp_url())) {}
 
-  const Heard& hear_until(const std::string& last) {
+  const HeardChannels& hear_until(const std::string& last) {
     const auto deadline = Clock::now() + 20s;
     while (!heard_.contains(last) && Clock::now() < deadline)
       EXPECT_EQ(receiver_.receive(100ms, messages_), 0);
@@ -56,7 +56,7 @@ class OwnEars {
   std::int64_t last_utime() const { return last_utime_; }
 
  private:
-  Heard heard_;
+  HeardChannels heard_;
   std::int64_t last_utime_ = 0;
   Reassembly messages_{{[](std::string_view) { return true; },
                         [this](std::int64_t utime, std::string_view channel, auto bytes) {
@@ -74,7 +74,7 @@ class LiblcmEars {
     if (lcm_) lcm_subscription_set_queue_capacity(lcm_subscribe(lcm_.get(), ".*", &take, this), 100'000);
   }
   bool good() const { return lcm_ != nullptr; }
-  const Heard& hear_until(const std::string& last) {
+  const HeardChannels& hear_until(const std::string& last) {
     const auto deadline = Clock::now() + 20s;
     while (!heard_.contains(last) && Clock::now() < deadline) lcm_handle_timeout(lcm_.get(), 100);
     return heard_;
@@ -87,7 +87,7 @@ class LiblcmEars {
   }
 
   std::unique_ptr<lcm_t, decltype(&lcm_destroy)> lcm_;
-  Heard heard_;
+  HeardChannels heard_;
 };
 
 std::int64_t wall_utime() {
@@ -101,7 +101,7 @@ TEST(UdpReceiver, HearsWhatLiblcmPublishes) {
   if (!sender.good()) GTEST_SKIP() << "no multicast route on this machine";
   OwnEars ears;
   const std::int64_t begin = wall_utime();
-  Heard expected;
+  HeardChannels expected;
   for (const std::size_t size : {0U, 1U, 60'000U, 65'500U, 70'000U, 1'000'000U}) {
     expected["R1_SCAN"].push_back(Bytes(size, static_cast<std::uint8_t>(size / 7)));
     sender.publish("R1_SCAN", expected["R1_SCAN"].back().data(), static_cast<unsigned>(size));
@@ -156,7 +156,7 @@ TEST(UdpReceiver, HearsTheSameAsLiblcmWithLossAndReordering) {
     }
     const std::string last = "LAST" + std::to_string(seed);
     ASSERT_TRUE(senders[0].send(short_datagram(1000 * seed, last, Bytes{1})));
-    const Heard& expected = theirs.hear_until(last);
+    const HeardChannels& expected = theirs.hear_until(last);
     ASSERT_TRUE(expected.contains(last)) << "the network lost what no loss was made for";
     ASSERT_EQ(ours.hear_until(last), expected) << "seed " << seed;
     messages = 0;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "server/engine/record/map_copy.hpp"
+#include "server/wire/page/shown_map.hpp"
 #include "tests/support/relations.hpp"
 #include "tests/support/walls.hpp"
 
@@ -21,6 +23,11 @@ inline MapCopy map_of_islands(const std::vector<std::vector<Pose>>& islands) {
     }
   }
   return map;
+}
+
+/// As a page shows a map that is nothing but this.
+inline ShownMap shown_of(const MapCopy& map) {
+  return shown_map({std::make_shared<const MapCopy>(map), {}, 0, false}, nullptr, 1);
 }
 
 }  // namespace isthmus::testing

@@ -7,7 +7,10 @@
 #include <stdexcept>
 #include <thread>
 
+#include "server/wire/journal/journal_files.hpp"
+#include "server/wire/journal/recovery/snapshots.hpp"
 #include "server/wire/message/message.hpp"
+#include "tests/support/team_journal.hpp"
 #include "tests/support/waiting.hpp"
 #include "tests/unit/wire/page/page_maps.hpp"
 
@@ -100,6 +103,44 @@ TEST(PageServer, PatchesAreTheSameDeflatedOrNot) {
   EXPECT_EQ(packed->get_header_value("Content-Encoding"), "deflate");
   EXPECT_EQ(packed->body, plain->body);  // the client has inflated it
   EXPECT_NE(packed->get_header_value("Cache-Control").find("immutable"), std::string::npos);
+}
+
+TEST(PageServer, ShowsTheMapAsItWasFromTheJournalsSnapshots) {
+  const TemporaryDirectory directory;
+  PageOptions options;
+  options.journal_directory = write_team_journal(directory);
+  update_snapshots(options.journal_directory);
+  PageServer page(options, takes_nothing);
+  show(page, testing::map_of_islands({{{0.3, 0.2, 0}}}));
+  httplib::Client client = client_of(page);
+  EXPECT_NE(read_events(client, "event: past\n").find("event: past\ndata: [1,2,"), std::string::npos);
+  const Json list = Json::parse(client.Get("/past")->body);
+  ASSERT_GE(list.size(), 5U);
+  EXPECT_EQ(list[1].at("snapshot"), 2);
+  const Json map = Json::parse(client.Get("/past/2")->body);
+  EXPECT_EQ(map.at("snapshot"), 2);
+  const std::string island = std::to_string(map.at("islands")[0].at("id").get<int>());
+  const Json tile = Json::parse(client.Get("/past/2/tiles/" + island)->body)[0];
+  const auto image = client.Get("/past/2/tile/" + island + "/" + tile[0].dump() + "/" + tile[1].dump() + "/" +
+                                tile[2].dump() + "?v=" + tile[3].dump());
+  EXPECT_EQ(image->body.substr(1, 3), "PNG");
+  EXPECT_NE(image->get_header_value("Cache-Control").find("immutable"), std::string::npos);
+  EXPECT_GT(client.Get("/past/2/patches/" + island)->body.size(), 40U);
+  for (const char* path : {"/past/99", "/past/", "/past/x", "/past/2/", "/past/2/nothing", "/past/-1",
+                           "/pasta", "/past/2/patches/99", "/past/99999999999999999999"})
+    EXPECT_EQ(client.Get(path)->status, 404) << path;
+  flip_a_bit(snapshot_path(options.journal_directory, 3));
+  const auto damaged = client.Get("/past/3");
+  EXPECT_EQ(damaged->status, 500);
+  EXPECT_EQ(Json::parse(damaged->body).at("error"),
+            "snapshot-000003.isthmus: is damaged: its checksum is another");
+}
+
+TEST(PageServer, WithoutAJournalThereIsNoPast) {
+  const PageServer page({}, takes_nothing);
+  httplib::Client client = client_of(page);
+  EXPECT_EQ(client.Get("/past")->body, "[]");
+  EXPECT_EQ(client.Get("/past/1")->status, 404);
 }
 
 TEST(PageServer, StreamsTellOfTheMapAndOfPoses) {

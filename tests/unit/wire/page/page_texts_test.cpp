@@ -13,10 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 using testing::map_of_islands;
-
-ShownMap shown_of(const MapCopy& map) {
-  return shown_map({std::make_shared<const MapCopy>(map), {}, 0, false}, nullptr, 1);
-}
+using testing::shown_of;
 
 /// R1, a metre ahead of patch 1.
 RobotPose pose_of_r1() {

@@ -1,5 +1,8 @@
 #include "server/wire/watch/http_page.hpp"
 
+// Before httplib.h, also for the files that follow in a unity build: see there.
+#include <Eigen/Core>
+
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -22,6 +25,12 @@ namespace isthmus {
 namespace {
 
 using namespace std::chrono_literals;
+
+std::string more_than_sockets_hold() {
+  std::string text;
+  text.resize(20'000'000, 'x');
+  return text;
+}
 using Clock = std::chrono::steady_clock;
 
 TEST(HttpRequest, IsItsFirstLine) {
@@ -37,9 +46,9 @@ TEST(HttpRequest, IsItsFirstLine) {
 }
 
 /// A client's end of a connection.
-class Client {
+class HttpClient {
  public:
-  explicit Client(const HttpPage& page) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+  explicit HttpClient(const HttpPage& page) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_port = htons(static_cast<std::uint16_t>(page.port()));
@@ -104,7 +113,7 @@ TEST(HttpPage, IsServedToThisMachine) {
 
 TEST(HttpPage, IsServedWholeHoweverLong) {
   HttpPage page = page_of();
-  const std::string text(20'000'000, 'x');
+  const std::string text = more_than_sockets_hold();
   page.set(text);
   EXPECT_EQ(scrape(page), text);
 }
@@ -118,7 +127,7 @@ TEST(HttpPage, SaysWhereItsPortIsTaken) {
 TEST(HttpPage, IsServedBesideASlowRequest) {
   HttpPage page = page_of();
   page.set("text");
-  const Client slow(page);
+  const HttpClient slow(page);
   ASSERT_TRUE(slow.send("GET /metr"));
   const auto start = Clock::now();
   EXPECT_EQ(scrape(page), "text");
@@ -131,7 +140,7 @@ TEST(HttpPage, EndsARequestThatDribbles) {
   limits.exchange_time = 300ms;
   HttpPage page = page_of(limits);
   const auto start = Clock::now();
-  const Client slow(page);
+  const HttpClient slow(page);
   while (slow.send("x") && !slow.is_closed(Clock::now() + 20ms) && Clock::now() < start + 10s) {
   }
   EXPECT_TRUE(slow.is_closed(start + 10s));
@@ -140,7 +149,7 @@ TEST(HttpPage, EndsARequestThatDribbles) {
 
 TEST(HttpPage, EndsARequestThatIsTooLong) {
   HttpPage page = page_of();
-  const Client client(page);
+  const HttpClient client(page);
   client.send("GET /" + std::string(100'000, 'x'));
   EXPECT_TRUE(client.is_closed(Clock::now() + patient().exchange_time / 2));
 }
@@ -154,9 +163,9 @@ TEST(HttpPage, EndsAnAnswerThatNobodyReads) {
   HttpLimits limits;
   limits.exchange_time = 2s;
   HttpPage page = page_of(limits);
-  page.set(std::string(20'000'000, 'x'));
+  page.set(more_than_sockets_hold());
   const std::ptrdiff_t before = open_descriptors();
-  const Client idle(page);
+  const HttpClient idle(page);
   ASSERT_TRUE(idle.send("GET /metrics HTTP/1.1\r\n\r\n"));
   EXPECT_TRUE(happens([&] { return open_descriptors() == before + 2; }));
   EXPECT_TRUE(happens([&] { return open_descriptors() == before + 1; }));
@@ -166,20 +175,20 @@ TEST(HttpPage, IsServedBesideAThousandIdleConnectionsAndKeepsFewOfThem) {
   const DescriptorLimit limit(4096);
   HttpPage page = page_of();
   page.set("text");
-  std::vector<Client> idle;
+  std::vector<HttpClient> idle;
   for (int i = 0; i < 1000; ++i) ASSERT_TRUE(idle.emplace_back(page).connected()) << i;
   const auto start = Clock::now();
   EXPECT_EQ(scrape(page), "text");
   EXPECT_LT(Clock::now() - start, patient().exchange_time / 2);
   std::size_t open = idle.size();
-  for (const Client& client : idle) open -= client.is_closed(Clock::now() + 1ms) ? 1 : 0;
+  for (const HttpClient& client : idle) open -= client.is_closed(Clock::now() + 1ms) ? 1 : 0;
   EXPECT_LE(open, HttpLimits().connections);
 }
 
 TEST(HttpPage, IsServedAgainOnceThereAreDescriptors) {
   HttpPage page = page_of();
   page.set("text");
-  std::optional<Client> first;
+  std::optional<HttpClient> first;
   {
     const DescriptorLimit limit(next_descriptor() + 1);  // for the client's end, and none for the server's
     first.emplace(page);
@@ -191,11 +200,11 @@ TEST(HttpPage, IsServedAgainOnceThereAreDescriptors) {
 }
 
 TEST(HttpPage, EndsAtOnceWithConnectionsOpen) {
-  std::vector<Client> clients;
+  std::vector<HttpClient> clients;
   Clock::time_point start;
   {
     HttpPage page = page_of();
-    page.set(std::string(20'000'000, 'x'));
+    page.set(more_than_sockets_hold());
     for (int i = 0; i < 30; ++i) {
       clients.emplace_back(page).send(i % 2 == 0 ? "GET /metr" : "GET /metrics HTTP/1.1\r\n\r\n");
     }

@@ -6,6 +6,7 @@
 
 #include "relations/confidence.hpp"
 #include "server/engine/engine.hpp"
+#include "server/wire/message/message.hpp"
 #include "tools/simulate/truth/true_patches.hpp"
 
 namespace isthmus {
@@ -71,7 +72,11 @@ MapConfidence judge_confidence(const MapCopy& map, const std::vector<RobotTruth>
 
 MapCopy map_events(const std::vector<Event>& events, const Configuration& configuration) {
   Engine engine(configuration);
-  for (const Event& event : events) engine.handle(event);
+  for (const Event& event : events) {
+    const Message message = encode(event);
+    const Decoded heard = decode({}, message.channel, message.bytes, message.utime);
+    if (heard.event) engine.handle(*heard.event);
+  }
   engine.finish();
   return engine.copy();
 }

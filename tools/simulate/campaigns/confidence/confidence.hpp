@@ -47,7 +47,8 @@ struct MapConfidence {
 MapConfidence judge_confidence(const MapCopy& map, const std::vector<RobotTruth>& truth,
                                const EngineOptions& options, std::size_t observers = 30);
 
-/// The map that an engine makes of events.
+/// The map that an engine makes of events, as a server hears them: to the bit that of their log, replayed.
+/// Angles come as f32 in messages, and on the edge of a decision the ninth digit of one makes another map.
 MapCopy map_events(const std::vector<Event>& events, const Configuration& configuration = {});
 
 }  // namespace isthmus

@@ -17,7 +17,7 @@
 namespace isthmus {
 namespace {
 
-struct Arguments : CampaignRuns {
+struct ExploreArguments : CampaignRuns {
   std::vector<std::size_t> robots = {1, 2, 4};
   bool nearest = false;
   bool both = false;
@@ -28,7 +28,7 @@ struct Arguments : CampaignRuns {
 
 void print_header() {
   std::printf("%-20s %2s %-7s %6s %6s %7s %7s %7s %7s %3s %5s %6s %5s %5s %6s %7s\n", "", "n", "sharing",
-              "m2", "share", "99% s", "99% m", "end s", "way m", "isl", "walls", "robots", "makes", "goals",
+              "m2", "share", "99% s", "99% m", "end s", "way m", "isl", "walls", "robots", "gives", "goals",
               "vain", "plan ms");
 }
 
@@ -36,7 +36,7 @@ void print(const std::string& what, std::size_t robots, Sharing sharing, const E
   std::printf("%-20s %2zu %-7s %6.0f %6.4f %7.0f %7.0f %7.0f %7.0f %3zu %5zu %6zu %5zu %5zu %6zu %7.0f%s\n",
               what.c_str(), robots, sharing == Sharing::routes ? "routes" : "nearest", s.reachable_m2,
               s.share, s.found_s, s.found_way_m, s.end_s, s.way_m, s.islands, s.touched_walls,
-              s.touched_robots, s.back_offs, s.goals, s.goals_given_up, s.plan_cpu_ms,
+              s.touched_robots, s.gave_way, s.goals, s.goals_given_up, s.plan_cpu_ms,
               s.given_up ? "  out of time" : "");
   std::fflush(stdout);
 }
@@ -69,12 +69,12 @@ void draw(const ExplorationView& view, const std::string& path) {
   sheet.write(path);
 }
 
-void explore_once(const Arguments& arguments, const std::string& name, std::uint64_t seed, std::size_t robots,
-                  Sharing sharing) {
+void explore_once(const ExploreArguments& arguments, const std::string& name, std::uint64_t seed,
+                  std::size_t robots, Sharing sharing) {
   const Scenario scenario = arguments.load(name, seed);
   ExplorationRunOptions options = arguments.run;
   options.robots = robots;
-  options.exploration.sharing = sharing;
+  options.expedition.exploration.sharing = sharing;
   const std::string what = name + "-" + std::to_string(seed);
   double next_s = 0;
   const auto watch = [&](const ExplorationView& view) {
@@ -89,7 +89,7 @@ void explore_once(const Arguments& arguments, const std::string& name, std::uint
         explore(scenario, seed, options, arguments.pictures.empty() ? WatchExploration{} : watch));
 }
 
-void explore_campaign(const Arguments& arguments) {
+void explore_campaign(const ExploreArguments& arguments) {
   if (!arguments.pictures.empty()) make_directory(arguments.pictures);
   print_header();
   for (const std::string& name : arguments.scenarios)
@@ -103,7 +103,7 @@ void explore_campaign(const Arguments& arguments) {
 }  // namespace
 
 void add_explore_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ExploreArguments>();
   arguments->seeds = 1;
   CLI::App* explore = app.add_subcommand(
       "explore",

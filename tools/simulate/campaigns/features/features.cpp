@@ -71,9 +71,9 @@ OdometryStep noisy(const DriveStep& step) {
 }
 
 /// One robot of a filter, on its way.
-class Traveller {
+class DriveReader {
  public:
-  Traveller(const Drive& drive, int robot, const FeatureCampaignOptions& options)
+  DriveReader(const Drive& drive, int robot, const FeatureCampaignOptions& options)
       : drive_(drive), robot_(robot), options_(options) {
     features_.noise = {0.003, 0.003, options.surface_sigma_m};
   }
@@ -105,8 +105,8 @@ class Traveller {
     return done() ? std::numeric_limits<std::int64_t>::max() : drive_.steps[next_].utime;
   }
   /// The same on its way with another filter, where it is robot `robot`.
-  Traveller as(int robot) const {
-    Traveller other = *this;
+  DriveReader as(int robot) const {
+    DriveReader other = *this;
     other.robot_ = robot;
     return other;
   }
@@ -139,7 +139,7 @@ double cpu_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 struct Alone {
   FeatureFilter filter;
-  Traveller traveller;
+  DriveReader traveller;
 
   Alone(const Drive& drive, const FeatureCampaignOptions& options)
       : filter(filter_options(options)), traveller(drive, 0, options) {
@@ -150,7 +150,7 @@ struct Alone {
   }
 };
 
-FeatureColumn judged(const FeatureFilter& filter, const Traveller& traveller, const FloorPlan& plan,
+FeatureColumn judged(const FeatureFilter& filter, const DriveReader& traveller, const FloorPlan& plan,
                      const Pose& world_from_map, double cpu_s) {
   FeatureColumn column = traveller.column();
   column.cpu_s = cpu_s;
@@ -206,7 +206,7 @@ class Together {
 
  private:
   FeatureFilter filter_;
-  Traveller own_, other_;
+  DriveReader own_, other_;
   Pose own_start_, other_from_own_;
   std::size_t duplicates_ = 0;
   double cpu_s_ = 0;

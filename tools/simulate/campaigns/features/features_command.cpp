@@ -14,7 +14,7 @@
 namespace isthmus {
 namespace {
 
-struct Arguments : CampaignRuns {
+struct FeaturesArguments : CampaignRuns {
   FeatureCampaignOptions features;
 };
 
@@ -31,7 +31,7 @@ bool is_odd(const FeatureTrial& trial) {
                              [](const auto& column) { return column && column->position_m > 1; });
 }
 
-void features_campaign(const Arguments& arguments) {
+void features_campaign(const FeaturesArguments& arguments) {
   std::printf("%-10s %8s %8s %7s %8s %7s %7s %8s %8s %7s\n", "", "pos. m", "ori. deg", "NEES/3", "alpha d.",
               "rho m", "ends m", "features", "ends", "CPU s");
   std::vector<FeatureTrial> trials;
@@ -54,7 +54,7 @@ void features_campaign(const Arguments& arguments) {
 }  // namespace
 
 void add_features_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<FeaturesArguments>();
   CLI::App* features = app.add_subcommand(
       "features",
       "Maps runs of two robots by segments, alone and joined at their first rendezvous: tables 2 and 3 of\n"

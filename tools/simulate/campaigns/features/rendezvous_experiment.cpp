@@ -14,18 +14,21 @@
 namespace isthmus {
 namespace {
 
-constexpr double width_m = 80, depth_m = 60, round_m = 2 * (width_m + depth_m);
+constexpr double corridor_width_m = 80, corridor_depth_m = 60,
+                 round_m = 2 * (corridor_width_m + corridor_depth_m);
 constexpr int corner_count = 124;
-constexpr double reach_m = 8;            // as the laser's
+constexpr double corner_reach_m = 8;     // as the laser's
 constexpr double corner_sigma_m = 0.03;  // of a corner from a scan
-constexpr double step_m = 0.5;
+constexpr double drive_step_m = 0.5;
 
 /// Where the corridor is after s metres eastwards from (0, 0), and which way it goes there.
 Pose on_corridor(double s) {
   s = std::fmod(std::fmod(s, round_m) + round_m, round_m);
-  if (s < width_m) return {s, 0, 0};
-  if (s < width_m + depth_m) return {width_m, s - width_m, 0.5 * std::numbers::pi};
-  if (s < 2 * width_m + depth_m) return {2 * width_m + depth_m - s, depth_m, std::numbers::pi};
+  if (s < corridor_width_m) return {s, 0, 0};
+  if (s < corridor_width_m + corridor_depth_m)
+    return {corridor_width_m, s - corridor_width_m, 0.5 * std::numbers::pi};
+  if (s < 2 * corridor_width_m + corridor_depth_m)
+    return {2 * corridor_width_m + corridor_depth_m - s, corridor_depth_m, std::numbers::pi};
   return {0, round_m - s, -0.5 * std::numbers::pi};
 }
 
@@ -56,9 +59,9 @@ class Mapper {
   /// Along the corridor from s to s, the robot looking where it goes.
   void drive(double from, double to) {
     const bool forward = to > from;
-    const int steps = static_cast<int>(std::abs(to - from) / step_m);
+    const int steps = static_cast<int>(std::abs(to - from) / drive_step_m);
     for (int i = 0; i <= steps; ++i) {
-      const double s = from + (forward ? 1 : -1) * i * step_m;
+      const double s = from + (forward ? 1 : -1) * i * drive_step_m;
       const Pose there = forward ? on_corridor(s) : on_corridor(s) * Pose{0, 0, std::numbers::pi};
       if (begun_)
         move(ominus(there, truth_));
@@ -98,7 +101,7 @@ class Mapper {
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       const double along = std::remainder(corners_[i].along_m - s, round_m);
       const Eigen::Vector2d there = inverse(truth_) * corners_[i].position;
-      if (std::abs(along) > reach_m || there.norm() > reach_m || there.x() < 0) continue;
+      if (std::abs(along) > corner_reach_m || there.norm() > corner_reach_m || there.x() < 0) continue;
       const Eigen::Vector2d noise(random_.normal(corner_sigma_m), random_.normal(corner_sigma_m));
       seen.push_back(
           {point_feature(there + noise), corner_sigma_m * corner_sigma_m * LocalMatrix::Identity(2, 2)});

@@ -17,7 +17,7 @@
 namespace isthmus {
 namespace {
 
-constexpr double step_m = 0.05;
+constexpr double sample_step_m = 0.05;
 constexpr double found_m = 0.05;
 constexpr double true_m = 0.1;
 constexpr int min_hits = 10;
@@ -25,7 +25,7 @@ constexpr double min_wall_m = 1;
 
 template <class Visit>
 void sample(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Visit& visit) {
-  const int parts = std::max(1, static_cast<int>(std::lround((b - a).norm() / step_m)));
+  const int parts = std::max(1, static_cast<int>(std::lround((b - a).norm() / sample_step_m)));
   for (int i = 0; i < parts; ++i) visit(a + (b - a) * ((i + 0.5) / parts), (b - a).norm() / parts);
 }
 
@@ -60,8 +60,8 @@ class HitCells {
 
  private:
   static std::pair<int, int> cell_of(const Eigen::Vector2d& point) {
-    return {static_cast<int>(std::floor(point.x() / step_m)),
-            static_cast<int>(std::floor(point.y() / step_m))};
+    return {static_cast<int>(std::floor(point.x() / sample_step_m)),
+            static_cast<int>(std::floor(point.y() / sample_step_m))};
   }
 
   void add(const Scan& scan, const Laser& laser, const Pose& world_from_robot) {

@@ -9,12 +9,12 @@
 namespace isthmus {
 namespace {
 
-struct Arguments : CampaignRuns {
+struct HostileArguments : CampaignRuns {
   std::int64_t messages = 1'000'000;
   bool everyone = false;
 };
 
-void hostile_campaign(const Arguments& arguments) {
+void hostile_campaign(const HostileArguments& arguments) {
   for (const std::string& name : arguments.scenarios) {
     for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
       const auto names = arguments.everyone ? HostileNames::everyone : HostileNames::intruder;
@@ -36,7 +36,7 @@ void hostile_campaign(const Arguments& arguments) {
 }  // namespace
 
 void add_hostile_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<HostileArguments>();
   CLI::App* hostile = app.add_subcommand(
       "hostile", "Maps runs through a server that hears messages that are spoilt between the team's.");
   arguments->add_scenarios(*hostile);

@@ -11,8 +11,8 @@
 namespace isthmus {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr double half_diagonal = 0.5 * std::numbers::sqrt2;
+constexpr float unreached = std::numeric_limits<float>::infinity();
+constexpr double half_diagonal_cells = 0.5 * std::numbers::sqrt2;
 
 /// Squared distances along one line to the nearest entry, given those across it (Felzenszwalb and
 /// Huttenlocher 2012).
@@ -27,7 +27,7 @@ void lower_envelope(std::vector<float>& line) {
     return (height(q) - height(p)) / (2.0 * (q - p));
   };
   for (int q = 0; q < n; ++q) {
-    if (line[static_cast<std::size_t>(q)] == infinity) continue;
+    if (line[static_cast<std::size_t>(q)] == unreached) continue;
     while (!vertex.empty() && meet(vertex.back(), q) <= from.back()) {
       vertex.pop_back();
       from.pop_back();
@@ -49,7 +49,7 @@ void lower_envelope(std::vector<float>& line) {
 /// Distances between centres, in cells, to the nearest marked cell; row by row.
 std::vector<float> distances(const std::vector<std::uint8_t>& marked, int width, int height) {
   std::vector<float> squares(marked.size());
-  for (std::size_t i = 0; i < marked.size(); ++i) squares[i] = marked[i] ? 0 : infinity;
+  for (std::size_t i = 0; i < marked.size(); ++i) squares[i] = marked[i] ? 0 : unreached;
   const auto transform = [&](int lines, int length, std::size_t line_step, std::size_t step) {
     std::vector<float> line(static_cast<std::size_t>(length));
     for (int l = 0; l < lines; ++l) {
@@ -113,8 +113,9 @@ GridOptimum::GridOptimum(const OccupancyGrid& grid, const Footprint& footprint)
   }
   wall_cells_ = distances(occupied_, width_, height_);
   const std::vector<float> unseen_cells = distances(unseen, width_, height_);
-  const double from_wall = (footprint.radius_m + footprint.clearance_m) / ground_cell_m + 2 * half_diagonal;
-  const double from_unseen = footprint.radius_m / ground_cell_m + half_diagonal;
+  const double from_wall =
+      (footprint.radius_m + footprint.clearance_m) / ground_cell_m + 2 * half_diagonal_cells;
+  const double from_unseen = footprint.radius_m / ground_cell_m + half_diagonal_cells;
   has_room_.resize(occupied_.size());
   for (std::int32_t y = low_.y; y < low_.y + height_; ++y) {
     for (std::int32_t x = low_.x; x < low_.x + width_; ++x) {
@@ -156,7 +157,7 @@ bool GridOptimum::is_near_wall(const Eigen::Vector2d& point, double distance_m) 
 void GridOptimum::start_from(const Cell& cell) {
   using Entry = std::pair<float, Cell>;
   static const std::vector<Step> all_steps = steps();
-  length_m_.assign(occupied_.size(), infinity);
+  length_m_.assign(occupied_.size(), unreached);
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> waiting;
   length_m_[index(cell)] = 0;
   waiting.emplace(0.F, cell);
@@ -176,6 +177,6 @@ void GridOptimum::start_from(const Cell& cell) {
   }
 }
 
-double GridOptimum::length_m(const Cell& to) const { return has(to) ? length_m_[index(to)] : infinity; }
+double GridOptimum::length_m(const Cell& to) const { return has(to) ? length_m_[index(to)] : unreached; }
 
 }  // namespace isthmus

@@ -13,6 +13,7 @@
 #include "server/paths/relative_pose.hpp"
 #include "tools/simulate/campaigns/paths/grid_optimum.hpp"
 #include "tools/simulate/plan/random.hpp"
+#include "tools/simulate/run/cpu_clock.hpp"
 #include "tools/simulate/truth/true_patches.hpp"
 
 namespace isthmus {
@@ -29,12 +30,6 @@ WayStyle path_style(std::size_t path) { return way_style(path == 0 ? 0 : path + 
 Legend paths_legend() {
   return {way_entry("frontier, and from where it is best seen", frontier_style()),
           way_entry("path", path_style(0)), way_entry("next path, and so on", path_style(1))};
-}
-
-double cpu_now_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
 /// A path's places in the plane.

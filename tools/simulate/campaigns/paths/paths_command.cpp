@@ -17,7 +17,7 @@
 namespace isthmus {
 namespace {
 
-struct Arguments : CampaignRuns {
+struct PathsArguments : CampaignRuns {
   std::vector<std::string> maps;
   std::vector<double> until_s;
   std::size_t pairs = 1000;
@@ -48,14 +48,14 @@ void print_teammates(const std::string& what, const TeammateScore& score) {
   std::fflush(stdout);
 }
 
-void judge_map(const Arguments& arguments, const std::string& what, MapCopy map, std::uint64_t seed) {
+void judge_map(const PathsArguments& arguments, const std::string& what, MapCopy map, std::uint64_t seed) {
   if (!arguments.pictures.empty()) make_directory(arguments.pictures);
   const std::string picture = arguments.pictures.empty() ? "" : arguments.pictures + "/" + what + ".png";
   print(what, score_paths(std::make_shared<const MapCopy>(std::move(map)), arguments.pairs, seed,
                           arguments.footprint, picture));
 }
 
-void judge_run(const Arguments& arguments, const std::string& name, std::uint64_t seed,
+void judge_run(const PathsArguments& arguments, const std::string& name, std::uint64_t seed,
                TeammateScore& total) {
   const Scenario scenario = arguments.load(name, seed);
   const SimulatedRun run = simulate(scenario, seed);
@@ -76,7 +76,7 @@ void judge_run(const Arguments& arguments, const std::string& name, std::uint64_
   if (arguments.until_s.empty()) judge_map(arguments, what, map_events(run.events), seed);
 }
 
-void paths_campaign(const Arguments& arguments) {
+void paths_campaign(const PathsArguments& arguments) {
   TeammateScore total;
   if (arguments.teammates_s > 0)
     std::printf("%-28s %6s %6s %6s %6s %8s %7s %7s  unknown\n", "", "pairs", "x", "y", "yaw", "NEES/3",
@@ -96,7 +96,7 @@ void paths_campaign(const Arguments& arguments) {
 }  // namespace
 
 void add_paths_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PathsArguments>();
   arguments->seeds = 1;
   CLI::App* paths = app.add_subcommand("paths",
                                        "Asks for paths between random places of maps: whether they keep "

@@ -40,8 +40,6 @@ Off off(const Pose& said, const Pose& truth) {
   return {std::hypot(said.x - truth.x, said.y - truth.y), std::abs(wrap_angle(said.yaw - truth.yaw))};
 }
 
-std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
-
 // How far what a relation says is from the truth. Directions of which it says little are taken as true: what
 // counts is how far it would pull from the truth a pose that is known there to half a metre and ten degrees.
 Off off(const Relation& relation, const Pose& true_a_from_b) {

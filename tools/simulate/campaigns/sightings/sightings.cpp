@@ -99,11 +99,11 @@ void RelationComparison::add(const RelationComparison& other) {
   missing_clean += other.missing_clean;
 }
 
-RelationComparison compare(const std::vector<TrueRelation>& relations, const MapCopy& map,
+RelationComparison compare(const std::vector<ScanRelation>& relations, const MapCopy& map,
                            const MapCopy& clean) {
   const TrajectoryErrors trajectories(map), clean_trajectories(clean);
   RelationComparison sum;
-  for (const TrueRelation& relation : relations) {
+  for (const ScanRelation& relation : relations) {
     const auto error = trajectories.error_m(relation), clean_error = clean_trajectories.error_m(relation);
     const bool both = error && clean_error;
     sum.add(
@@ -132,8 +132,8 @@ SightingTrial try_sightings(const Scenario& scenario, std::uint64_t seed, double
   trial.clean_score = judge_sightings(clean_run, clean_map.sightings);
   trial.islands = map.graph.islands().size();
   trial.clean_islands = clean_map.graph.islands().size();
-  std::vector<TrueRelation> intra = sample_relations(run.truth, seed), inter;
-  std::erase_if(intra, [&](const TrueRelation& relation) {
+  std::vector<ScanRelation> intra = sample_relations(run.truth, seed), inter;
+  std::erase_if(intra, [&](const ScanRelation& relation) {
     if (relation.robot1 != relation.robot2) inter.push_back(relation);
     return relation.robot1 != relation.robot2;
   });

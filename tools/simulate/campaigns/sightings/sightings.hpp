@@ -35,7 +35,7 @@ struct RelationComparison {
 
   void add(const RelationComparison& other);
 };
-RelationComparison compare(const std::vector<TrueRelation>& relations, const MapCopy& map,
+RelationComparison compare(const std::vector<ScanRelation>& relations, const MapCopy& map,
                            const MapCopy& clean);
 
 /// One seed: a run with false sightings and the same run without.

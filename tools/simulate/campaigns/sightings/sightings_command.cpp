@@ -12,7 +12,7 @@
 namespace isthmus {
 namespace {
 
-struct Arguments : CampaignRuns {
+struct SightingsArguments : CampaignRuns {
   double false_share = 0.3;
   std::string output;
 };
@@ -58,7 +58,7 @@ void summarise(const std::vector<SightingTrial>& trials) {
       sum.inter.missing_clean);
 }
 
-void sightings_campaign(const Arguments& arguments) {
+void sightings_campaign(const SightingsArguments& arguments) {
   std::printf("%-10s %7s %6s %7s %8s %6s %6s %9s %9s %9s %9s %7s\n", "seed", "islands", "clean", "false",
               "accepted", "true", "acc. %", "intra m", "clean m", "inter m", "clean m", "ratio");
   std::vector<SightingTrial> trials;
@@ -75,7 +75,7 @@ void sightings_campaign(const Arguments& arguments) {
 }  // namespace
 
 void add_sightings_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SightingsArguments>();
   CLI::App* sightings = app.add_subcommand(
       "sightings",
       "Maps runs with a share of false sightings and the same runs without: which sightings were accepted, "

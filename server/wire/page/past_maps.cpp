@@ -1,0 +1,175 @@
+#include "server/wire/page/past_maps.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "server/wire/journal/journal_files.hpp"
+#include "server/wire/journal/journal_view.hpp"
+#include "server/wire/page/page_texts.hpp"
+#include "server/wire/page/trails.hpp"
+
+namespace isthmus {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// Of the rows before a snapshot: where robots were, and the ways that they came.
+constexpr std::size_t rows_of_trails = 20'000;
+
+LiveView view_of(const MapCopy& map) { return {std::make_shared<const MapCopy>(map), {}, 0, false}; }
+
+Trails trails_of(const ShownMap& shown) {
+  Trails trails;
+  const MapCopy& map = shown.map();
+  const std::size_t rows = map.trajectory_rows;
+  for (const TrajectoryRow& row :
+       map.trajectory->read(rows - std::min(rows, rows_of_trails), rows_of_trails)) {
+    const ManifoldPose at{row.patch, row.patch_from_robot};
+    if (!shown.has(row.patch)) continue;
+    RobotPose pose;
+    pose.robot = map.sessions.at(static_cast<std::size_t>(row.session)).robot;
+    pose.utime = row.utime;
+    pose.island = shown.island(row.patch);
+    pose.pose = at;
+    pose.map_from_robot = shown.project(at);
+    pose.matched = true;
+    trails.add(pose);
+  }
+  return trails;
+}
+
+/// Put together of texts that are JSON.
+std::string past_text(int snapshot, const SnapshotSummary& summary, const ShownMap& shown,
+                      const TileStore& tiles) {
+  const Trails trails = trails_of(shown);
+  const std::pair<const char*, std::string> parts[] = {{"islands", islands_text(shown, tiles.islands())},
+                                                       {"robots", robots_text(trails, shown)},
+                                                       {"trails", trails_text(trails, shown)},
+                                                       {"tags", tags_text(shown)},
+                                                       {"annotations", annotations_text(shown)},
+                                                       {"closures", closures_text(shown)}};
+  const Json head = {{"snapshot", snapshot},
+                     {"time", 1e-6 * static_cast<double>(summary.last_utime)},
+                     {"events", summary.events}};
+  std::string text = head.dump();
+  text.pop_back();
+  for (const auto& [name, part] : parts) text.append(",\"").append(name).append("\":").append(part);
+  return text + "}";
+}
+
+/// Without the directory, which is nobody's business but the server's.
+std::string without_directory(std::string text, const std::string& directory) {
+  const std::string prefix = (fs::path(directory) / "").string();
+  for (std::size_t at = text.find(prefix); at != std::string::npos; at = text.find(prefix))
+    text.erase(at, prefix.size());
+  return text;
+}
+
+}  // namespace
+
+PastMap::PastMap(int of_snapshot, const SnapshotSummary& summary, const MapCopy& copy, std::int64_t version)
+    : snapshot(of_snapshot), shown(shown_map(view_of(copy), nullptr, version)), tiles(version) {
+  tiles.update(shown.map());
+  text = std::make_shared<const std::string>(past_text(snapshot, summary, shown, tiles));
+}
+
+PastMaps::PastMaps(std::string directory, std::int64_t first_version)
+    : directory_(std::move(directory)), first_version_(first_version) {}
+
+std::vector<int> PastMaps::snapshots() const {
+  std::vector<int> numbers;
+  if (directory_.empty()) return numbers;
+  try {
+    for (const auto& [number, path] : list_journal(directory_).snapshots) numbers.push_back(number);
+  } catch (const std::runtime_error&) {
+    // It is gone; the journal says so itself.
+  }
+  return numbers;
+}
+
+std::string PastMaps::list(std::int64_t first_utime) {
+  constexpr std::int64_t tenth_us = 100'000;
+  Json list = Json::array();
+  const std::vector<int> numbers = snapshots();
+  const std::lock_guard lock(indexing_);
+  std::erase_if(entries_, [&](const auto& entry) { return !std::ranges::count(numbers, entry.first); });
+  for (const int number : numbers) {
+    const Entry entry = entry_of(number, snapshot_path(directory_, number));
+    if (!entry.error.empty()) {
+      list.push_back({{"snapshot", number}, {"error", entry.error}});
+      continue;
+    }
+    list.push_back({{"snapshot", number},
+                    {"time", 1e-6 * static_cast<double>(entry.summary.last_utime)},
+                    {"events", entry.summary.events},
+                    {"end", std::max<std::int64_t>(0, (entry.summary.scan_utime - first_utime) / tenth_us)}});
+  }
+  return list.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// As it was looked at before, if the file is still that one.
+PastMaps::Entry PastMaps::entry_of(int snapshot, const std::string& path) {
+  std::error_code gone;
+  const auto written = fs::last_write_time(path, gone);
+  const auto known = entries_.find(snapshot);
+  if (known != entries_.end() && !gone && known->second.written == written) return known->second;
+  Entry entry{written, {}, ""};
+  try {
+    entry.summary = read_snapshot_summary(path);
+    const std::string foreign = why_foreign(entry.summary.place, view_journal(directory_), snapshot);
+    if (!foreign.empty()) throw std::runtime_error(path + ": " + foreign);
+  } catch (const std::exception& error) {
+    entry.error = without_directory(error.what(), directory_);
+  }
+  return entries_[snapshot] = entry;
+}
+
+PastMaps::Found PastMaps::find(int snapshot) {
+  if (auto map = kept(snapshot)) return {std::move(map), 200, ""};
+  const std::unique_lock lock(reading_, std::try_to_lock);
+  if (!lock) return {nullptr, 503, "another map of the past is being read"};
+  if (auto map = kept(snapshot)) return {std::move(map), 200, ""};
+  const Found found = read(snapshot);
+  if (!found.map) return found;
+  const std::lock_guard keeping(keeping_);
+  kept_.push_front(found.map);
+  if (kept_.size() > max_kept) kept_.pop_back();
+  return found;
+}
+
+std::shared_ptr<PastMap> PastMaps::kept(int snapshot) {
+  const std::lock_guard lock(keeping_);
+  const auto found = std::ranges::find(kept_, snapshot, [](const auto& map) { return map->snapshot; });
+  if (found == kept_.end()) return nullptr;
+  kept_.splice(kept_.begin(), kept_, found);
+  return kept_.front();
+}
+
+PastMaps::Found PastMaps::read(int snapshot) {
+  const std::string path = snapshot_path(directory_, snapshot);
+  const auto gone = [&]() -> Found {
+    return {nullptr, 404, "there is no snapshot " + std::to_string(snapshot) + ", or no longer"};
+  };
+  if (std::ranges::count(snapshots(), snapshot) == 0) return gone();
+  Entry entry;
+  {
+    const std::lock_guard lock(indexing_);
+    entry = entry_of(snapshot, path);
+  }
+  if (entry.error.empty()) {
+    try {
+      const MapCopy map = read_snapshot(path).map.engine.copy();
+      return {std::make_shared<PastMap>(snapshot, entry.summary, map, first_version_), 200, ""};
+    } catch (const std::exception& error) {
+      entry.error = without_directory(error.what(), directory_);
+    }
+  }
+  // It may have been deleted meanwhile, as all are in their time.
+  if (std::ranges::count(snapshots(), snapshot) == 0) return gone();
+  return {nullptr, 500, entry.error};
+}
+
+}  // namespace isthmus

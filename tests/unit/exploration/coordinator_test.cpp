@@ -1,0 +1,146 @@
+#include "server/exploration/coordinator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/narrow_corridor.hpp"
+
+namespace isthmus {
+namespace {
+
+using testing::NarrowCorridor;
+
+/// Lets robots drive as they are cleared, half a metre at a time. How near two of them came.
+double drive(NarrowCorridor& corridor, Coordinator& coordinator, const std::map<std::string, double>& to_x,
+             int steps) {
+  double least_m = 1e9;
+  for (int step = 0; step < steps; ++step) {
+    for (auto& [name, traveller] : corridor.team) {
+      const auto to = to_x.find(name);
+      traveller.path.clear();
+      if (to != to_x.end())
+        traveller.path =
+            corridor.planner.path({traveller.pose, corridor.at(to->second), NarrowCorridor::slim}).poses;
+    }
+    for (const auto& [name, clearance] : coordinator.coordinate(corridor.planner, corridor.team)) {
+      ManifoldPose& pose = corridor.team[name].pose;
+      double left_m = 0.5;
+      for (const ManifoldPose& next : clearance.path) {
+        const Eigen::Vector2d here = position(corridor.planner.project(pose));
+        const Eigen::Vector2d by = position(corridor.planner.project(next)) - here;
+        const Eigen::Vector2d there = here + by * std::min(1.0, left_m / std::max(1e-9, by.norm()));
+        left_m -= (there - here).norm();
+        pose = corridor.at(there.x(), there.y());
+        if (left_m <= 0) break;
+      }
+    }
+    for (const auto& [a, one] : corridor.team)
+      for (const auto& [b, other] : corridor.team)
+        if (a < b)
+          least_m = std::min(least_m, (position(corridor.planner.project(one.pose)) -
+                                       position(corridor.planner.project(other.pose)))
+                                          .norm());
+  }
+  return least_m;
+}
+
+double x_of(const NarrowCorridor& corridor, const std::string& name) {
+  return corridor.planner.project(corridor.team.at(name).pose).x;
+}
+
+TEST(Coordinator, RobotsThatDoNotMeetGoTheirWays) {
+  NarrowCorridor corridor;
+  corridor.add("R1", -4, -9);
+  corridor.add("R2", 4, 9);
+  Coordinator coordinator;
+  const auto clearances = coordinator.coordinate(corridor.planner, corridor.team);
+  ASSERT_EQ(clearances.size(), 2U);
+  for (const auto& [name, clearance] : clearances) {
+    EXPECT_EQ(clearance.leave, Leave::go);
+    EXPECT_EQ(clearance.path.size(), corridor.team.at(name).path.size());
+  }
+}
+
+TEST(Coordinator, WhoStandsInTheNicheWaitsThereUntilTheOtherIsThrough) {
+  NarrowCorridor corridor;
+  corridor.add("R1", -4, 8);
+  corridor.add("R2", 0, -8, 1.3);
+  Coordinator coordinator;
+  const auto clearances = coordinator.coordinate(corridor.planner, corridor.team);
+  EXPECT_EQ(clearances.at("R1").leave, Leave::go);
+  EXPECT_EQ(clearances.at("R2").leave, Leave::wait);
+  EXPECT_GT(drive(corridor, coordinator, {{"R1", 8}, {"R2", -8}}, 60), 0.4);
+  EXPECT_NEAR(x_of(corridor, "R1"), 8, 0.5);
+  EXPECT_NEAR(x_of(corridor, "R2"), -8, 0.5);
+}
+
+TEST(Coordinator, WhoHasLessRightGivesWayIntoTheNicheAndThenGoesOn) {
+  NarrowCorridor corridor;
+  corridor.add("R1", -5, 8);
+  corridor.add("R2", 1.5, -8);
+  Coordinator coordinator;
+  const auto clearances = coordinator.coordinate(corridor.planner, corridor.team);
+  EXPECT_EQ(clearances.at("R1").leave, Leave::go);
+  ASSERT_EQ(clearances.at("R2").leave, Leave::give_way);
+  const Eigen::Vector2d aside = corridor.end_of(clearances.at("R2"));
+  EXPECT_NEAR(aside.x(), 0, 0.5);
+  EXPECT_GT(aside.y(), 0.5);
+  EXPECT_GT(drive(corridor, coordinator, {{"R1", 8}, {"R2", -8}}, 80), 0.4);
+  EXPECT_NEAR(x_of(corridor, "R1"), 8, 0.5);
+  EXPECT_NEAR(x_of(corridor, "R2"), -8, 0.5);
+}
+
+TEST(Coordinator, WhoCannotGiveWayTakesTheRightAndTheOtherGoesAside) {
+  NarrowCorridor corridor;
+  corridor.add("R1", -1.5, 9.5);
+  corridor.add("R2", 8, -8);  // behind it is the end of the corridor
+  Coordinator coordinator;
+  EXPECT_GT(drive(corridor, coordinator, {{"R1", 9.5}, {"R2", -8}}, 120), 0.4);
+  EXPECT_NEAR(x_of(corridor, "R1"), 9.5, 0.5);
+  EXPECT_NEAR(x_of(corridor, "R2"), -8, 0.5);
+}
+
+TEST(Coordinator, WhoHasNoGoalMakesRoomForOneThatHas) {
+  NarrowCorridor corridor;
+  corridor.add_idle("A1", 1.5);  // first by name
+  corridor.add("R2", 5, -8);
+  Coordinator coordinator;
+  const auto clearances = coordinator.coordinate(corridor.planner, corridor.team);
+  EXPECT_EQ(clearances.at("A1").leave, Leave::give_way);
+  EXPECT_EQ(clearances.at("R2").leave, Leave::go);
+  EXPECT_GT(drive(corridor, coordinator, {{"R2", -8}}, 60), 0.4);
+  EXPECT_NEAR(x_of(corridor, "R2"), -8, 0.5);
+}
+
+TEST(Coordinator, OfThreeInARowThoseBehindMakeRoomToo) {
+  NarrowCorridor corridor;
+  corridor.add("R1", 6, -8);
+  corridor.add_idle("R2", 1.8);
+  corridor.add_idle("R3", 1);
+  Coordinator coordinator;
+  EXPECT_GT(drive(corridor, coordinator, {{"R1", -8}}, 100), 0.4);
+  EXPECT_NEAR(x_of(corridor, "R1"), -8, 0.5);
+}
+
+TEST(Coordinator, WhoDrivesBehindAnotherFollowsIt) {
+  NarrowCorridor corridor;
+  corridor.add("R1", -6, 8);
+  corridor.add("R2", -5, 9.5);  // ahead of the one with more right
+  Coordinator coordinator;
+  const auto clearances = coordinator.coordinate(corridor.planner, corridor.team);
+  EXPECT_EQ(clearances.at("R1").leave, Leave::go);
+  EXPECT_EQ(clearances.at("R2").leave, Leave::go);
+}
+
+TEST(Coordinator, ARobotThatIsNowhereOnTheMapHasNoClearance) {
+  NarrowCorridor corridor;
+  corridor.team["R1"] = {{PatchId{77}, {}}, NarrowCorridor::slim, {}};
+  corridor.add("R2", 4, 9);
+  const auto clearances = Coordinator().coordinate(corridor.planner, corridor.team);
+  EXPECT_EQ(clearances.size(), 1U);
+  EXPECT_TRUE(clearances.contains("R2"));
+}
+
+}  // namespace
+}  // namespace isthmus

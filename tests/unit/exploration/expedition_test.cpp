@@ -1,0 +1,145 @@
+#include "server/exploration/expedition.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "tests/support/ground_scenes.hpp"
+
+namespace isthmus {
+namespace {
+
+using testing::slim;
+
+/// A corridor along x of which a robot saw 6 m each way: frontiers at both ends.
+struct Team {
+  Planner planner;
+  Expedition expedition;
+  std::map<std::string, ExpeditionMember> members;
+
+  explicit Team(const ExpeditionOptions& options = {}) : expedition(options) {
+    Map map;
+    map.add(testing::round_patch(testing::corridor(), PatchId{0}, {}, 6), {});
+    planner.update(testing::shared_copy(map));
+  }
+  void put(const std::string& name, const Pose& pose) { members[name] = {{PatchId{0}, pose}, slim}; }
+  ExplorationOrder order_at(double time_s, const std::string& name = "R1") {
+    return expedition.plan(planner, members, time_s).at(name);
+  }
+  double x_of(const ManifoldPose& pose) const { return planner.project(pose).x; }
+};
+
+TEST(Expedition, ARobotIsSentToAFrontierAndKeepsItAsItDrives) {
+  Team team;
+  team.put("R1", {0.4, 0, 0});
+  const ExplorationOrder first = team.order_at(0);
+  EXPECT_EQ(first.reason, OrderReason::frontier);
+  EXPECT_TRUE(first.is_last);
+  EXPECT_NEAR(team.x_of(first.path.back()), team.x_of(first.goal->viewpoint), 0.01);
+  team.put("R1", {2, 0, 0});
+  const ExplorationOrder second = team.order_at(3);
+  EXPECT_EQ(second.number, first.number);
+  EXPECT_LT(second.goal->cost_m, first.goal->cost_m + 0.1);
+}
+
+TEST(Expedition, WhoHasComeToItsGoalIsGivenAnother) {
+  Team team;
+  team.put("R1", {0.4, 0, 0});
+  const ExplorationOrder first = team.order_at(0);
+  Pose there = team.planner.project(first.goal->viewpoint);
+  there.yaw = wrap_angle(there.yaw + 3);  // it has still to look
+  team.put("R1", there);
+  EXPECT_EQ(team.order_at(10).number, first.number);
+  there.yaw = wrap_angle(there.yaw - 3);
+  team.put("R1", there);
+  const ExplorationOrder second = team.order_at(12);
+  EXPECT_GT(second.number, first.number);
+  EXPECT_LT(team.x_of(second.goal->viewpoint) * team.x_of(first.goal->viewpoint), 0);
+  EXPECT_EQ(team.expedition.counts().given_up, 0U);
+}
+
+TEST(Expedition, WhatARobotSawNothingNewAtTwiceIsNoGoalAgain) {
+  Team team;
+  team.put("R1", {0.4, 0, 0});
+  double time_s = 0;
+  int goals = 0;
+  for (; goals < 20; ++goals) {
+    const ExplorationOrder order = team.order_at(time_s += 10);
+    if (order.reason == OrderReason::finished) break;
+    team.put("R1", team.planner.project(order.goal->viewpoint));
+  }
+  EXPECT_GE(goals, 4);
+  EXPECT_LE(goals, 6);
+}
+
+TEST(Expedition, WhoDoesNotGetOnGivesItsGoalUp) {
+  Team team;
+  team.put("R1", {0.4, 0, 0});
+  const ExplorationOrder first = team.order_at(0);
+  EXPECT_EQ(team.order_at(10).number, first.number);
+  const ExplorationOrder second = team.order_at(19);
+  EXPECT_NE(second.number, first.number);
+  EXPECT_LT(team.x_of(second.goal->viewpoint) * team.x_of(first.goal->viewpoint), 0);
+  EXPECT_EQ(team.expedition.counts().given_up, 1U);
+}
+
+TEST(Expedition, WhoHasToWaitForAnotherTooLongIsGivenAnotherGoalForAWhile) {
+  ExpeditionOptions options;
+  options.first_turns = 0;
+  options.coordination.margin_m = 30;  // nobody may drive while another does
+  Team team(options);
+  team.put("R1", {-1, 0, 3.1});
+  team.put("R2", {1, 0, 0});
+  const bool first_waits = team.order_at(0, "R1").reason == OrderReason::wait;
+  const std::string waits = first_waits ? "R1" : "R2", drives = first_waits ? "R2" : "R1";
+  ASSERT_EQ(team.order_at(0, waits).reason, OrderReason::wait);
+  const double side = first_waits ? 1 : -1;
+  for (int i = 1; i <= 8; ++i) {
+    team.put(drives, {side * (1 + 0.35 * i), 0, first_waits ? 0 : 3.1});
+    team.order_at(2 * i, waits);
+  }
+  EXPECT_FALSE(team.order_at(17, waits).goal.has_value());  // the other end is the other robot's
+  EXPECT_EQ(team.expedition.counts().given_up, 0U);
+  team.put(drives, {side * 5, 0, first_waits ? 0 : 3.1});
+  EXPECT_TRUE(team.order_at(34, waits).goal.has_value());
+}
+
+TEST(Expedition, WhoSeesNoFrontierFromWhereItBeginsLooksAroundThere) {
+  testing::Walls walls;
+  testing::add_box(walls, -2, -2, 2, 2);
+  Map map;
+  map.add(testing::round_patch(walls, PatchId{0}, {}, 6), {});
+  Team team;
+  team.planner = Planner();
+  team.planner.update(testing::shared_copy(map));
+  Pose pose{0, 0, 0.5};
+  team.put("R1", pose);
+  std::set<std::int64_t> numbers;
+  double turned_rad = 0;
+  for (int turn = 0; turn < 3; ++turn) {
+    const ExplorationOrder order = team.order_at(5 * turn);
+    ASSERT_EQ(order.reason, OrderReason::frontier) << turn;
+    EXPECT_TRUE(order.is_last);
+    const Pose goal = team.planner.project(order.goal->viewpoint);
+    EXPECT_NEAR(goal.x, 0, 1e-9);
+    turned_rad += std::abs(wrap_angle(goal.yaw - pose.yaw));
+    numbers.insert(order.number);
+    team.put("R1", pose = goal);
+  }
+  EXPECT_NEAR(turned_rad, 2 * std::numbers::pi, 1e-6);
+  EXPECT_EQ(numbers.size(), 3U);
+  EXPECT_EQ(team.order_at(20).reason, OrderReason::finished);
+  EXPECT_EQ(team.expedition.counts().given_up, 0U);
+}
+
+TEST(Expedition, ARobotThatIsNotOnTheMapHasNoOrder) {
+  Team team;
+  team.put("R1", {0.4, 0, 0});
+  team.members["R2"] = {{PatchId{9}, {}}, slim};
+  EXPECT_EQ(team.expedition.plan(team.planner, team.members, 0).size(), 1U);
+}
+
+}  // namespace
+}  // namespace isthmus
