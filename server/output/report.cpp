@@ -18,6 +18,7 @@ double seconds_between(std::int64_t from_utime, std::int64_t to_utime) {
 
 Json account_of(const TrialAccount& account) {
   return {{"supporters", account.supporters},
+          {"two_way", account.two_way},
           {"compared", account.compared},
           {"matched", account.matched},
           {"cost", account.cost},
@@ -28,9 +29,12 @@ Json account_of(const TrialAccount& account) {
           {"own_m", account.own_m},
           {"border_contradiction", account.border_contradiction},
           {"look_alikes", account.look_alikes},
+          {"sighting_log_odds", account.sighting_log_odds},
           {"revisit_log_odds", account.revisit_log_odds},
           {"shared_log_odds", account.shared_log_odds},
           {"fit_log_odds", account.fit_log_odds},
+          {"blamed", account.blamed},
+          {"blamed_log_odds", account.blamed_log_odds},
           {"log_odds", account.log_odds()}};
 }
 
@@ -41,6 +45,7 @@ Json closures(const MapCopy& map) {
     list.push_back({{"id", closure.id.value},
                     {"kind", word(closure.kind)},
                     {"state", word(closure.state)},
+                    {"proposed_by", closure.from_scans ? "scans" : "sightings"},
                     {"utime", closure.utime},
                     {"robots", closure.robots},
                     {"reason", word(closure.reason)},

@@ -2,6 +2,7 @@
 
 #include "server/program/command_line.hpp"
 #include "tools/simulate/campaigns/command.hpp"
+#include "tools/simulate/evidence/command.hpp"
 #include "tools/simulate/wild/command.hpp"
 
 int main(int argc, char** argv) {
@@ -12,6 +13,7 @@ int main(int argc, char** argv) {
   isthmus::add_closures_command(app);
   isthmus::add_hostile_command(app);
   isthmus::add_wild_command(app);
+  isthmus::add_evidence_command(app);
   isthmus::add_features_command(app);
   isthmus::add_rendezvous_command(app);
   isthmus::add_floor_plans_command(app);

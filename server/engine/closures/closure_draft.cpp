@@ -5,15 +5,18 @@
 #include <set>
 #include <utility>
 
-#include "server/engine/places/place_candidates.hpp"
+#include "server/engine/map/drift.hpp"
+#include "server/engine/map/ways.hpp"
 
 namespace isthmus {
 namespace {
 
 ClosureDraft draft(Proposal proposal, Joining joining, std::int64_t now_utime) {
-  ClosureDraft made{std::move(proposal), std::move(joining), {}};
+  ClosureDraft made{std::move(proposal), {}};
+  made.record.joining = std::move(joining);
   made.record.id = made.proposal.id;
   made.record.kind = made.proposal.merge ? ClosureKind::merge : ClosureKind::loop;
+  made.record.from_scans = made.proposal.from_scans;
   made.record.start_utime = made.record.end_utime = now_utime;
   return made;
 }
@@ -49,6 +52,22 @@ std::vector<std::string> robots_of(const std::vector<Evidence>& evidence) {
   return {names.begin(), names.end()};
 }
 
+// Of the ends of relations those that lie on the one side of a loop, and those on the other: nearer to the
+// one end of the joining, over the map, than to the other.
+OpenLoop open_loop(const Map& map, const Proposal& proposal, const Joining& joining) {
+  if (proposal.merge || joining.point) return {};
+  const std::vector<double> from_first = ways_over_relations_m(map, std::span(&joining.first, 1));
+  const std::vector<double> from_second = ways_over_relations_m(map, std::span(&joining.second, 1));
+  std::set<PatchId> first, second;
+  for (const Relation& relation : proposal.relations)
+    for (const PatchId end : {relation.a, relation.b})
+      (from_first[index(end)] < from_second[index(end)] ? first : second).insert(end);
+  return {{first.begin(), first.end()},
+          {second.begin(), second.end()},
+          proposal.older_from_younger,
+          from_first[index(joining.second)]};
+}
+
 }  // namespace
 
 ClosureDraft draft_of_sightings(const Map& map, ClosureId id, const SightingGroup& group,
@@ -62,6 +81,7 @@ ClosureDraft draft_of_sightings(const Map& map, ClosureId id, const SightingGrou
   for (const Evidence& evidence : supporters)
     if (auto relation = sighting_relation(map, evidence, id, options.alignment, options.evidence))
       proposal.relations.push_back(std::move(*relation));
+  proposal.loop = open_loop(map, proposal, agreement.joining);
   ClosureDraft made = draft(std::move(proposal), agreement.joining, now_utime);
   made.record.utime = supporters.front().sighting.utime;
   made.record.robots = robots_of(supporters);
@@ -80,6 +100,7 @@ ClosureDraft draft_of_finds(const Map& map, ClosureId id, const ScanProposal& fi
   proposal.look_alikes = finds.look_alikes;
   if (!proposal.merge) proposal.revisit = {finds.first, finds.second, finds.first_from_second, finds.way_m};
   proposal.beyond_covariance = drift_variance(finds.way_m, options.place_candidates);
+  proposal.loop = open_loop(map, proposal, joining);
   ClosureDraft made = draft(std::move(proposal), joining, now_utime);
   made.record.reason = Reason::on_trial;
   made.record.utime = map.manifold().patch(finds.second).utime;

@@ -13,10 +13,9 @@
 
 namespace isthmus {
 
-/// A closure as it is proposed: what its trial begins with, what it would join, and its record.
+/// A closure as it is proposed: what its trial begins with, and its record.
 struct ClosureDraft {
   Proposal proposal;
-  Joining joining;
   ClosureRecord record;
 };
 

@@ -20,8 +20,6 @@ ClosureLedger::Entry& ClosureLedger::enter(const ClosureDraft& draft, std::vecto
     entry.record.work_steps = before.work_steps;
     entry.record.account = before.account;
   }
-  entry.joining = draft.joining;
-  entry.from_scans = draft.proposal.from_scans;
   entry.evidence = std::move(evidence);
   return entry;
 }
@@ -39,7 +37,7 @@ ClosureLedger::Entry* ClosureLedger::find(ClosureId id) {
 void ClosureLedger::decide(Entry& entry, ClosureState state, Reason reason, double value) {
   entry.record.state = state;
   entry.record.reason = reason;
-  if (entry.from_scans) outcomes_.push_back({entry.record.id, state, reason, value});
+  if (entry.record.from_scans) outcomes_.push_back({entry.record.id, state, reason, value});
 }
 
 void ClosureLedger::allow(Entry& entry) {
@@ -48,7 +46,7 @@ void ClosureLedger::allow(Entry& entry) {
   forbidden_ids_.erase(id);
   entry.record.reason = Reason::allowed_again;
   for (auto& [other, its] : entries_) {
-    if (!its.from_scans || (other != id && its.forbidden_as != id)) continue;
+    if (!its.record.from_scans || (other != id && its.forbidden_as != id)) continue;
     its.forbidden_as = {};
     outcomes_.push_back({other, ClosureState::waiting, Reason::allowed_again, 0});
   }
@@ -57,7 +55,7 @@ void ClosureLedger::allow(Entry& entry) {
 std::optional<ClosureId> ClosureLedger::forbidden_by(const Map& map, const Map& tried,
                                                      const EngineOptions& options) const {
   const auto found = std::ranges::find_if(entries_, [&](const auto& entry) {
-    return entry.second.forbidden && brings_about(map, tried, entry.second.joining, options);
+    return entry.second.forbidden && brings_about(map, tried, entry.second.record.joining, options);
   });
   if (found == entries_.end()) return std::nullopt;
   return found->first;

@@ -11,7 +11,6 @@
 
 #include "server/engine/closures/closure_draft.hpp"
 #include "server/engine/closures/closure_record.hpp"
-#include "server/engine/closures/joining.hpp"
 #include "server/engine/sightings/evidence.hpp"
 
 namespace isthmus {
@@ -26,19 +25,18 @@ struct ClosureOutcome {
   auto members() { return std::tie(id, state, reason, value); }
 };
 
-/// All closures that were ever proposed, by id: what each would join, the sightings that speak for it, what
+/// All closures that were ever proposed, by id: what each says, the sightings that speak for it, what
 /// became of it, and whether operators have forbidden it.
 class ClosureLedger {
  public:
   struct Entry {
     ClosureRecord record;
     std::vector<Evidence> evidence;
-    Joining joining;
+    std::vector<Relation> blamed;  ///< of one that was accepted: it took them out of the map
     bool forbidden = false;
-    bool from_scans = false;
     ClosureId forbidden_as;  ///< of one that was refused: it says what this one says, which is forbidden
 
-    auto members() { return std::tie(record, evidence, joining, forbidden, from_scans, forbidden_as); }
+    auto members() { return std::tie(record, evidence, blamed, forbidden, forbidden_as); }
   };
 
   ClosureId take_id() { return ClosureId{next_id_++}; }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "patches/ids.hpp"
+#include "server/engine/closures/joining.hpp"
 #include "server/engine/map/reason.hpp"
 #include "server/engine/propagation/trial_account.hpp"
 
@@ -30,6 +31,7 @@ struct ClosureRecord {
   ClosureId id;
   ClosureKind kind = ClosureKind::loop;
   ClosureState state = ClosureState::waiting;
+  bool from_scans = false;  ///< else sightings propose it, or the operators' measured start
   std::int64_t utime = 0;
   std::vector<std::string> robots;
   Reason reason = Reason::none;
@@ -37,11 +39,12 @@ struct ClosureRecord {
   int work_steps = 0;
   std::int64_t start_utime = 0;  ///< event time
   std::int64_t end_utime = 0;
+  Joining joining;       ///< what it says
   TrialAccount account;  ///< of its last trial
 
   auto members() {
-    return std::tie(id, kind, state, utime, robots, reason, patches_touched, work_steps, start_utime,
-                    end_utime, account);
+    return std::tie(id, kind, state, from_scans, utime, robots, reason, patches_touched, work_steps,
+                    start_utime, end_utime, joining, account);
   }
 };
 

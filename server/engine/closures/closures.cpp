@@ -120,7 +120,7 @@ void Closures::propose_start(World world, const Relation& relation, const std::s
 void Closures::end_trial(World world) {
   const std::unique_ptr<Trial> trial = trials_.take();
   Entry& closure = ledger_.at(trial->proposal().id);
-  if (trial->undecided() && !closure.from_scans) return put_off(closure);
+  if (trial->undecided() && !closure.record.from_scans) return put_off(closure);
   closure.record.patches_touched = trial->patches_touched();
   closure.record.work_steps = trial->work_steps();
   closure.record.account = trial->account();
@@ -138,10 +138,12 @@ void Closures::end_trial(World world) {
 }
 
 void Closures::accept(World world, const Trial& trial, Entry& closure) {
+  for (const RelationId id : trial.blamed())
+    if (const Relation* relation = world.map.graph().find(id)) closure.blamed.push_back(*relation);
   trial.commit(world.map);
   changed_.push_back(trial.proposal().older);
   ledger_.decide(closure, ClosureState::accepted,
-                 closure.from_scans ? Reason::from_scans : closure.record.reason);
+                 closure.record.from_scans ? Reason::from_scans : closure.record.reason);
   const Reason reason = trial.proposal().merge ? Reason::merged_islands : Reason::closed_loop;
   observations_.set_verdict(closure.evidence, Verdict::accepted, reason, closure.record.id);
   proposer_.forget();
@@ -167,7 +169,7 @@ void Closures::withdraw_what_it_contradicts(World world, const Entry& refused) {
 
 // Neither accepted nor refused: as if it had not been proposed yet. Its sightings wait for more.
 void Closures::put_off(Entry& closure) {
-  if (closure.from_scans) return ledger_.decide(closure, ClosureState::waiting, Reason::map_changed);
+  if (closure.record.from_scans) return ledger_.decide(closure, ClosureState::waiting, Reason::map_changed);
   observations_.put_back(std::exchange(closure.evidence, {}), Reason::too_little_support);
   ledger_.strike(closure.record.id);
   observations_.consider_again(tags_.patches());
@@ -178,7 +180,7 @@ void Closures::put_off_trial() {
   const std::unique_ptr<Trial> trial = trials_.take();
   if (!trial) return;
   Entry& closure = ledger_.at(trial->proposal().id);
-  if (closure.from_scans) return put_off(closure);
+  if (closure.record.from_scans) return put_off(closure);
   ledger_.decide(closure, ClosureState::refused, Reason::map_changed);
   observations_.put_back(std::exchange(closure.evidence, {}), Reason::unsupported);
 }
@@ -201,7 +203,8 @@ DropReason Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   const bool accepted = closure->record.state == ClosureState::accepted;
   if (must_be_accepted && !accepted) return DropReason::not_accepted;
   closure->forbidden = true;
-  if (trials_.is_on_trial(id)) closure->joining = as_mapped(trials_.take()->map(), closure->joining);
+  if (trials_.is_on_trial(id))
+    closure->record.joining = as_mapped(trials_.take()->map(), closure->record.joining);
   if (accepted) {
     put_off_trial();  // it was begun on a map that will no longer be
     std::ranges::copy(take_back(world, id, ledger_, observations_, tags_), std::back_inserter(changed_));
@@ -233,7 +236,7 @@ bool Closures::refuse_if_forbidden(World world, Entry& closure, const Map& tried
   const ClosureId id = closure.record.id;
   if (!ledger_.is_forbidden_id(id)) return refuse_as_forbidden(world, closure, tried);
   closure.forbidden = true;
-  closure.joining = as_mapped(tried, closure.joining);
+  closure.record.joining = as_mapped(tried, closure.record.joining);
   ledger_.decide(closure, ClosureState::refused, Reason::forbidden);
   observations_.set_verdict(closure.evidence, Verdict::refused, Reason::forbidden, id);
   return true;
@@ -243,7 +246,7 @@ bool Closures::refuse_if_forbidden(World world, Entry& closure, const Map& tried
 bool Closures::refuse_as_forbidden(World world, Entry& closure, const Map& tried) {
   const std::optional<ClosureId> forbidden = ledger_.forbidden_by(world.map, tried, world.options);
   if (!forbidden) return false;
-  if (closure.from_scans) {
+  if (closure.record.from_scans) {
     closure.forbidden_as = *forbidden;
     ledger_.decide(closure, ClosureState::refused, Reason::forbidden);
     return true;

@@ -3,10 +3,13 @@
 #include <Eigen/Core>
 #include <tuple>
 
-#include "server/engine/input/engine_options.hpp"
-#include "server/engine/map/map.hpp"
+#include "patches/ids.hpp"
+#include "patches/pose.hpp"
 
 namespace isthmus {
+
+class Map;
+struct EngineOptions;
 
 /// What a closure says, by whatever it was found: how a patch of one side lies to one of the other.
 struct Joining {

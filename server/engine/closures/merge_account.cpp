@@ -12,7 +12,7 @@ using Entry = ClosureLedger::Entry;
 // A loop of sightings that agree with one another, but not with the map as it is.
 bool is_contradiction(const Entry& entry) {
   return entry.record.kind == ClosureKind::loop && entry.record.state == ClosureState::refused &&
-         !entry.from_scans && is_refusal_by_trial(entry.record.reason);
+         !entry.record.from_scans && is_refusal_by_trial(entry.record.reason);
 }
 
 RelationGraph without(const RelationGraph& graph, const Dependencies& dependencies, ClosureId closure) {
@@ -34,7 +34,8 @@ bool parted(const RelationGraph& graph, const Evidence& evidence) {
 std::size_t contradicting(const ClosureLedger& ledger, const RelationGraph& rest) {
   std::set<std::size_t> records;
   for (const auto& [id, entry] : ledger.entries()) {
-    if (!is_contradiction(entry) || !parted(rest, entry.joining.first, entry.joining.second)) continue;
+    if (!is_contradiction(entry) || !parted(rest, entry.record.joining.first, entry.record.joining.second))
+      continue;
     for (const Evidence& evidence : entry.evidence) records.insert(evidence.record);
   }
   return records.size();
@@ -69,7 +70,7 @@ std::optional<MergeAccount> contradicted_merge(const World& world, const TagPatc
   for (const auto& [id, merge] : ledger.entries()) {
     if (merge.record.kind != ClosureKind::merge || merge.record.state != ClosureState::accepted) continue;
     const RelationGraph rest = without(graph, dependencies, id);
-    if (!parted(rest, refused.joining.first, refused.joining.second)) continue;
+    if (!parted(rest, refused.record.joining.first, refused.record.joining.second)) continue;
     MergeAccount account{id, supporting_at_once(merge), contradicting(ledger, rest), {}};
     if (account.contradicting <= account.supporting) continue;
     account.agreed = agreed(world, tags, observations, rest);

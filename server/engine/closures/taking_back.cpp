@@ -26,21 +26,28 @@ void put_on_own_ground(World world, const Map& together, ClosureLedger& ledger,
 
 // A closure that has fallen with another: as if it had not been proposed yet.
 void fall(ClosureLedger::Entry& entry, ClosureLedger& ledger, MutualObservations& observations) {
-  if (entry.from_scans) return ledger.decide(entry, ClosureState::waiting, Reason::map_changed);
+  if (entry.record.from_scans) return ledger.decide(entry, ClosureState::waiting, Reason::map_changed);
   ledger.decide(entry, ClosureState::withdrawn, Reason::rested_on_another);
   observations.put_back(std::exchange(entry.evidence, {}), Reason::unsupported);
+}
+
+// What a closure had taken out of the map as wrong.
+void give_back(Map& map, ClosureLedger::Entry& entry) {
+  for (const Relation& relation : std::exchange(entry.blamed, {})) map.relate(relation);
 }
 
 }  // namespace
 
 std::vector<PatchId> take_back(World world, ClosureId id, ClosureLedger& ledger,
                                MutualObservations& observations, TagPlacer& tags) {
-  Joining& joining = ledger.at(id).joining;
+  Joining& joining = ledger.at(id).record.joining;
   joining = as_mapped(world.map, joining);
   const Map together = world.map;
+  give_back(world.map, ledger.at(id));
   Withdrawal withdrawal = withdraw(world.map, id, world.robots, world.options);
   tags.displace(world.map, withdrawal.gone, world.options.evidence);
   put_on_own_ground(world, together, ledger, observations);
+  for (const ClosureId fallen : withdrawal.fallen) give_back(world.map, ledger.at(fallen));
   for (const ClosureId fallen : withdrawal.fallen) fall(ledger.at(fallen), ledger, observations);
   std::set<IslandId> islands;
   std::set<std::size_t> taken_in;

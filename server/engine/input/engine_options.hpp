@@ -51,6 +51,7 @@ struct EngineOptions {
   LocalLoopOptions local_loops;
   ContradictionOptions contradiction;
   MapFitOptions map_fit;
+  WeakLinkOptions weak_links;
   LocaliseOptions localise;
   FollowOptions follow;
   ExtendOptions extend;
@@ -95,6 +96,7 @@ struct EngineOptions {
     group("local_loops", local_loops);
     group("contradiction", contradiction);
     group("map_fit", map_fit);
+    group("weak_links", weak_links);
     group("localise", localise);
     group("follow", follow);
     group("extend", extend);

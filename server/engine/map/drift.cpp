@@ -19,16 +19,22 @@ Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& option
   return {position * position, position * position, yaw * yaw};
 }
 
-double revisit_log_odds(const Pose& found, const Pose& mapped, const Eigen::Matrix3d& covariance,
-                        double way_m, const PlaceCandidateOptions& options) {
+double drift_log_odds(const Pose& found, const Pose& mapped, const Eigen::Matrix3d& covariance, double way_m,
+                      const PlaceCandidateOptions& options) {
   Eigen::Matrix3d errs = covariance;
   errs.diagonal() += systematic_variance(way_m, options);
   const Eigen::Vector3d off = wrapped_difference(found, mapped);
-  const double density = std::exp(-0.5 * off.dot(errs.inverse() * off)) /
-                         std::sqrt(std::pow(2 * std::numbers::pi, off.size()) * errs.determinant());
+  const double log_density =
+      -0.5 * (off.dot(errs.inverse() * off) +
+              std::log(std::pow(2 * std::numbers::pi, off.size()) * errs.determinant()));
   const Eigen::Vector3d half = options.window_sigmas * drift_variance(way_m, options).cwiseSqrt();
-  const double volume = 4 * half.x() * half.y() * 2 * std::min(std::numbers::pi, half.z());
-  return std::log((1 - options.slip_probability) * density * volume + options.slip_probability);
+  return log_density + std::log(4 * half.x() * half.y() * 2 * std::min(std::numbers::pi, half.z()));
+}
+
+double revisit_log_odds(const Pose& found, const Pose& mapped, const Eigen::Matrix3d& covariance,
+                        double way_m, const PlaceCandidateOptions& options) {
+  const double drifted = std::exp(drift_log_odds(found, mapped, covariance, way_m, options));
+  return std::log((1 - options.slip_probability) * drifted + options.slip_probability);
 }
 
 }  // namespace isthmus

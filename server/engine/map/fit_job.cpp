@@ -1,40 +1,69 @@
 #include "server/engine/map/fit_job.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "relations/confidence.hpp"
 #include "relations/fit.hpp"
+#include "server/engine/map/drift.hpp"
 
 namespace isthmus {
 namespace {
 
 constexpr std::size_t max_abandoned = 4;  // so many threads at most are for nothing
 
-FitJob::Result fit_copy(const RelationGraph& graph, std::vector<Pose> poses, IslandId island,
-                        const std::optional<FitJob::ConfidenceQuestion>& question) {
+// How sure a link may be that is to blame rather than the drift of the whole way: which of the links it is,
+// nobody knew before, and a slip can be of any size.
+double max_blamed_log_odds(const FitJob::LoopQuestion& question, std::span<const Pose> poses,
+                           const Eigen::Matrix3d& covariance) {
+  const OpenLoop& loop = question.loop;
+  const Pose &of_a = poses[index(question.a)], &of_b = poses[index(question.b)];
+  const bool a_is_first = std::ranges::find(loop.first, question.a) != loop.first.end();
+  const Pose moved = a_is_first ? loop.first_from_second : inverse(loop.first_from_second);
+  return std::log(std::max(1.0, loop.way_m / question.link_spacing_m)) -
+         drift_log_odds(ominus(moved * of_b, of_a), ominus(of_b, of_a), covariance, loop.way_m,
+                        question.drift);
+}
+
+// `poses` are those before; the result's those of the fit with the loop, which costs so much.
+void answer(const FitJob::LoopQuestion& question, const RelationGraph& graph, std::span<const Pose> poses,
+            double cost, FitJob::Result& result) {
+  const PatchId others[] = {question.b};
+  const auto covariances = exact_relative_covariances(question.before, poses, question.a, others);
+  if (covariances.empty()) return;
+  result.covariance = covariances.front();
+  const double max_log_odds = max_blamed_log_odds(question, poses, *result.covariance);
+  std::optional<Blame> found =
+      blame(question.loop, question.before, poses, graph, cost, max_log_odds, question.weak_links);
+  if (!found) return;
+  result.blamed = std::move(found->wrong);
+  result.blamed_log_odds = found->link.log_odds;
+  result.poses = std::move(found->poses);
+}
+
+FitJob::Result fit_copy(const RelationGraph& graph, const std::vector<Pose>& poses, IslandId island,
+                        const std::optional<FitJob::LoopQuestion>& question) {
   FitJob::Result result;
   result.patches = graph.patches_of(island);
-  if (question) {
-    const PatchId others[] = {question->b};
-    const auto covariances = exact_relative_covariances(question->graph, poses, question->a, others);
-    if (!covariances.empty()) result.covariance = covariances.front();
-  }
-  result.poses = std::move(poses);
-  result.ok = fit_island(graph, island, result.poses).ok;
+  result.poses = poses;
+  const FitReport report = fit_island(graph, island, result.poses);
+  result.ok = report.ok;
+  if (result.ok && question) answer(*question, graph, poses, report.cost_after, result);
   return result;
 }
 
 }  // namespace
 
-FitJob::FitJob(const Map& map, IslandId island, std::int64_t now_utime,
-               std::optional<ConfidenceQuestion> question, const MapFitOptions& options)
+FitJob::FitJob(const Map& map, IslandId island, std::int64_t now_utime, std::optional<LoopQuestion> question,
+               const MapFitOptions& options)
     : island_(island) {
   const auto patches = static_cast<std::int64_t>(map.manifold().size());
   events_left_ = patches;
   due_utime_ = now_utime + patches * options.us_per_patch;
   std::vector<Pose> poses(map.manifold().poses().begin(), map.manifold().poses().end());
-  result_ = std::async(std::launch::async, [graph = map.graph(), poses = std::move(poses), island,
-                                            question = std::move(question)]() mutable {
-    return fit_copy(graph, std::move(poses), island, question);
-  });
+  result_ = std::async(std::launch::async,
+                       [graph = map.graph(), poses = std::move(poses), island,
+                        question = std::move(question)] { return fit_copy(graph, poses, island, question); });
 }
 
 bool FitJob::advance(std::int64_t now_utime) {

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "server/engine/input/options/map_options.hpp"
+#include "server/engine/input/options/place_options.hpp"
 #include "server/engine/map/map.hpp"
+#include "server/engine/map/weak_link.hpp"
 
 namespace isthmus {
 
@@ -24,20 +26,28 @@ class FitJob {
     std::vector<PatchId> patches;  ///< of the island
     std::vector<Pose> poses;       ///< by patch id, of all patches that the map had
     bool ok = false;
-    /// Of the second patch relative to the first, before the change (see `confidence_between`).
+    /// Of a loop: of its second end relative to the first, before it was closed.
     std::optional<Eigen::Matrix3d> covariance;
+    /// Of a loop: relations that were wrong if it is right. The poses are those without them.
+    std::vector<RelationId> blamed;
+    double blamed_log_odds = 0;  ///< that they are right, but for the loop
 
-    auto members() { return std::tie(patches, poses, ok, covariance); }
+    auto members() { return std::tie(patches, poses, ok, covariance, blamed, blamed_log_odds); }
   };
-  /// Also computes how well one patch was determined relative to another, in another graph at the same poses.
-  struct ConfidenceQuestion {
-    RelationGraph graph;
+  /// Asked of a loop that closes: how well one end was determined relative to the other before, and what is
+  /// to blame where that is at odds with it.
+  struct LoopQuestion {
+    RelationGraph before;  ///< at the same poses
     PatchId a;
     PatchId b;
+    OpenLoop loop;
+    WeakLinkOptions weak_links;
+    PlaceCandidateOptions drift;  ///< how far the map may have drifted on the way between them
+    double link_spacing_m = 1;    ///< between links on that way
   };
 
   FitJob() = default;  ///< to be read from a snapshot
-  FitJob(const Map& map, IslandId island, std::int64_t now_utime, std::optional<ConfidenceQuestion> question,
+  FitJob(const Map& map, IslandId island, std::int64_t now_utime, std::optional<LoopQuestion> question,
          const MapFitOptions& options);
 
   /// Tells the job that an event was handled. Returns whether its result is due.

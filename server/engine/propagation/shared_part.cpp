@@ -19,20 +19,12 @@ bool any_near(const Map& map, std::span<const PatchId> others, const Eigen::Vect
                              [&](PatchId other) { return (position(map, other) - at).norm() < radius_m; });
 }
 
-// Way on which patches lie, however often it was driven.
-double way_m(const Map& map, std::span<const PatchId> patches, double stride_m) {
-  std::vector<PatchId> apart;
-  for (const PatchId id : patches)
-    if (!any_near(map, apart, position(map, id), stride_m)) apart.push_back(id);
-  return stride_m * static_cast<double>(apart.size());
-}
-
 double own_way_m(const Map& map, std::span<const PatchId> its, std::span<const PatchId> others,
                  const SharedPartOptions& options) {
   std::vector<PatchId> alone;
   for (const PatchId id : its)
     if (!any_near(map, others, position(map, id), options.near_m)) alone.push_back(id);
-  return way_m(map, alone, options.stride_m);
+  return way_m(map, alone, options);
 }
 
 // Pairs across the border, taken evenly over those whose views may meet: as far from what matched as the map
@@ -60,6 +52,13 @@ double border_contradiction(const Map& map, std::span<const PatchId> first, std:
 
 }  // namespace
 
+double way_m(const Map& map, std::span<const PatchId> patches, const SharedPartOptions& options) {
+  std::vector<PatchId> apart;
+  for (const PatchId id : patches)
+    if (!any_near(map, apart, position(map, id), options.stride_m)) apart.push_back(id);
+  return options.stride_m * static_cast<double>(apart.size());
+}
+
 double width_m(const Map& map, std::span<const PatchId> patches) {
   if (patches.size() < 2) return 0;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -81,8 +80,6 @@ SharedPart shared_part(const Map& map, std::span<const PatchId> island,
   for (const PatchId id : island)
     if (!map.manifold().patch(id).points.empty()) (second(id) ? of_second : of_first).push_back(id);
   SharedPart shared;
-  shared.way_m = way_m(map, matched, options.shared_part.stride_m);
-  shared.width_m = width_m(map, matched);
   shared.own_first_m = own_way_m(map, of_first, of_second, options.shared_part);
   shared.own_second_m = own_way_m(map, of_second, of_first, options.shared_part);
   shared.border_contradiction = border_contradiction(map, of_first, of_second, matched, options);

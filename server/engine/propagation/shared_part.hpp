@@ -8,14 +8,15 @@
 
 namespace isthmus {
 
-/// How much two maps share, laid over one another, and how much each has for itself.
+/// What each of two maps, laid over one another, has for itself, and where they do not fit.
 struct SharedPart {
-  double way_m = 0;        ///< of the matched part
-  double width_m = 0;      ///< of the matched part across its length: in one corridor next to nothing
   double own_first_m = 0;  ///< way of either that is nowhere near the other's
   double own_second_m = 0;
   double border_contradiction = 0;  ///< mean share of hits deep in the other's free space, where views meet
 };
+
+/// Way on which patches lie, however often it was driven.
+double way_m(const Map& map, std::span<const PatchId> patches, const SharedPartOptions& options);
 
 /// How wide patches lie across their length: next to nothing along one corridor.
 double width_m(const Map& map, std::span<const PatchId> patches);

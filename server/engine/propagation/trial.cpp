@@ -39,14 +39,16 @@ Trial::Trial(const Map& map, Proposal proposal, const EngineOptions& options, st
 void Trial::begin_fit(std::int64_t now_utime, bool with_gate) {
   ++fits_;
   matched_at_fit_ = propagation_.matched().size();
-  std::optional<FitJob::ConfidenceQuestion> question;
+  std::optional<FitJob::LoopQuestion> question;
   if (with_gate) {
     RelationGraph before = map_.graph();
     std::vector<RelationId> added;
     for (const auto& [id, relation] : before.relations())
       if (static_cast<std::size_t>(id.value) >= first_relation_) added.push_back(id);
     before.remove(added);
-    question = FitJob::ConfidenceQuestion{std::move(before), ends().first, ends().second};
+    question = FitJob::LoopQuestion{std::move(before),       ends().first,        ends().second,
+                                    proposal_.loop,          options_.weak_links, options_.place_candidates,
+                                    options_.patch_spacing_m};
   }
   job_ = std::make_unique<FitJob>(map_, map_.graph().island(proposal_.relations.front().a), now_utime,
                                   std::move(question), options_.map_fit);
@@ -75,6 +77,13 @@ double Trial::revisit_log_odds(const std::optional<Eigen::Matrix3d>& before) con
   return isthmus::revisit_log_odds(found, *gate_before_, *before, way_m, its) + one_of_them;
 }
 
+// Which of the links around the loop is wrong is not known before: as many could be as there are patches on
+// the way. What the one that is weakest has against it is in the account already.
+double Trial::any_link_log_odds() const {
+  const double links = std::max(1.0, proposal_.revisit->way_m / options_.patch_spacing_m);
+  return std::log(links) - std::log(proposal_.look_alikes);
+}
+
 void Trial::end_fit() {
   const FitJob::Result result = job_->take();
   job_.reset();
@@ -83,16 +92,18 @@ void Trial::end_fit() {
     stage_ = Stage::done;
     return;
   }
+  if (!result.blamed.empty()) take_out(result);
   map_.adopt(result.patches, result.poses);
   if (stage_ != Stage::start) return;
   const bool strong = proposal_.supporters >= options_.trial.strong_support && !proposal_.from_scans;
-  if (gate_before_ && result.covariance && !strong && !proposal_.measured &&
+  if (gate_before_ && result.covariance && !strong && !proposal_.measured && blamed_.empty() &&
       jumps_too_far(*result.covariance)) {
     refusal_ = Reason::implausible_jump;
     stage_ = Stage::done;
     return;
   }
-  if (proposal_.revisit) account_.revisit_log_odds = revisit_log_odds(result.covariance);
+  if (proposal_.revisit)
+    account_.revisit_log_odds = blamed_.empty() ? revisit_log_odds(result.covariance) : any_link_log_odds();
   for (const Relation& relation : proposal_.relations) {
     propagation_.enqueue(relation.a, options_.propagation);
     propagation_.enqueue(relation.b, options_.propagation);
@@ -102,6 +113,13 @@ void Trial::end_fit() {
     for (const PatchId next : map_.graph().nearest_in_graph(end, options_.trial.first_queue))
       propagation_.enqueue(next, options_.propagation);
   stage_ = Stage::propagate;
+}
+
+void Trial::take_out(const FitJob::Result& wrong) {
+  blamed_ = wrong.blamed;
+  map_.remove(blamed_);
+  account_.blamed = static_cast<int>(blamed_.size());
+  account_.blamed_log_odds = wrong.blamed_log_odds;
 }
 
 void Trial::advance(std::int64_t now_utime) {
@@ -216,6 +234,7 @@ double Trial::find_cost() const {
 void Trial::judge() {
   stage_ = Stage::done;
   account_.supporters = proposal_.supporters;
+  account_.two_way = proposal_.two_way;
   account_.look_alikes = proposal_.look_alikes;
   account_.matched = static_cast<int>(propagation_.matched().size());
   account_.compared = account_.matched + static_cast<int>(propagation_.unmatched().size());
@@ -223,18 +242,36 @@ void Trial::judge() {
   account_.cost = proposal_.from_scans ? find_cost() : sighting_cost();
   account_.contradiction = mean_contradiction();
   account_.own_contradiction = own_contradiction();
+  account_.way_m = way_m(map_, propagation_.matched(), options_.shared_part);
+  account_.width_m = width_m(map_, propagation_.matched());
   if (proposal_.from_scans) return judge_scans();
+  judge_sightings();
+}
+
+// Sightings may outweigh walls in free space, and what the map was sure of; but not that they disagree.
+void Trial::judge_sightings() {
   const TrialOptions& its = options_.trial;
+  account_.sighting_log_odds = its.log_odds_per_sighting * std::max(0, proposal_.supporters - 2);
+  account_.shared_log_odds = shared_log_odds();
+  account_.fit_log_odds = -log_odds_by_walls();
+  const bool outweighs = account_.log_odds() >= its.min_loop_log_odds;
   const int enough = proposal_.two_way ? its.min_support_two_way : its.min_support_one_way;
   if (account_.cost > its.max_sighting_cost) {
     refusal_ = Reason::sightings_disagree;
-  } else if (puts_walls_in_free_space(account_.contradiction)) {
+  } else if (puts_walls_in_free_space(account_.contradiction) && !outweighs) {
     refusal_ = Reason::walls_in_free_space;
   } else if (scans_disagree()) {
     refusal_ = Reason::scans_disagree;
+  } else if (!blamed_.empty() && !outweighs) {
+    refusal_ = Reason::sightings_disagree;
   } else if (account_.matched < its.few_compared && proposal_.supporters < enough) {
     undecided_ = true;
   }
+}
+
+double Trial::log_odds_by_walls() const {
+  return options_.trial.log_odds_per_contradiction *
+         std::max(0.0, account_.contradiction - account_.own_contradiction);
 }
 
 bool Trial::puts_walls_in_free_space(double contradiction) const {
@@ -250,9 +287,9 @@ bool Trial::scans_disagree() const {
 // By how much of the building matches: what only looks alike does so over so much more seldom. Where it is
 // known to look alike along the way, the way tells the places apart that the map has, and nothing of one that
 // it does not have yet.
-double Trial::shared_log_odds(const SharedPart& shared) const {
-  const double by_way = proposal_.look_alikes > 1 ? 0 : options_.trial.log_odds_per_way_m * shared.way_m;
-  return by_way + options_.trial.log_odds_per_width_m * shared.width_m;
+double Trial::shared_log_odds() const {
+  const double by_way = proposal_.look_alikes > 1 ? 0 : options_.trial.log_odds_per_way_m * account_.way_m;
+  return by_way + options_.trial.log_odds_per_width_m * account_.width_m;
 }
 
 // Without sightings, guard against perceptual aliasing: many buildings repeat themselves.
@@ -271,11 +308,9 @@ void Trial::judge_scans() {
     const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
     const SharedPart shared =
         isthmus::shared_part(map_, island, is_younger, propagation_.matched(), options_);
-    account_.way_m = shared.way_m;
-    account_.width_m = shared.width_m;
     account_.own_m = std::min(shared.own_first_m, shared.own_second_m);
     account_.border_contradiction = shared.border_contradiction;
-    account_.shared_log_odds = shared_log_odds(shared);
+    account_.shared_log_odds = shared_log_odds();
     proposal_.merge ? judge_merge(shared) : judge_loop();
   }
 }
@@ -283,8 +318,7 @@ void Trial::judge_scans() {
 void Trial::judge_loop() {
   const TrialOptions& its = options_.trial;
   const double by_finds = its.log_odds_per_find_cost * std::max(0.0, account_.cost - its.even_find_cost);
-  const double by_scans =
-      its.log_odds_per_contradiction * std::max(0.0, account_.contradiction - account_.own_contradiction);
+  const double by_scans = log_odds_by_walls();
   account_.fit_log_odds = -by_finds - by_scans;
   if (account_.log_odds() < -its.min_loop_log_odds) {
     refusal_ = by_finds > by_scans ? Reason::finds_disagree : Reason::walls_in_free_space;
@@ -297,7 +331,7 @@ void Trial::judge_merge(const SharedPart& shared) {
   const TrialOptions& its = options_.trial;
   if (puts_walls_in_free_space(shared.border_contradiction)) {
     refusal_ = Reason::walls_in_free_space;
-  } else if (shared.way_m < its.min_way_m) {
+  } else if (account_.way_m < its.min_way_m) {
     leave_undecided(Reason::too_little_support);
   } else if (std::min(shared.own_first_m, shared.own_second_m) < its.min_own_m &&
              account_.shared_log_odds < its.min_whole_log_odds) {
@@ -319,6 +353,7 @@ void Trial::commit(Map& map) const {
   for (const auto& [id, relation] : map_.graph().relations()) {
     if (static_cast<std::size_t>(id.value) >= first_relation_) map.relate(relation);
   }
+  map.remove(blamed_);
 }
 
 }  // namespace isthmus

@@ -47,11 +47,12 @@ struct Proposal {
   bool cautious = false;           ///< the map hardly knows how its ends lie: fitted as more matches
   int look_alikes = 1;             ///< places that look alike, of which this is one
   std::optional<Revisit> revisit;  ///< of a loop from scans
+  OpenLoop loop;                   ///< of a loop: what may be to blame for it
   bool measured = false;           ///< placed by the operators themselves: no test can refuse it
 
   auto members() {
     return std::tie(id, merge, older, younger, older_from_younger, relations, supporters, two_way, from_scans,
-                    beyond_covariance, cautious, look_alikes, revisit, measured);
+                    beyond_covariance, cautious, look_alikes, revisit, loop, measured);
   }
 };
 
@@ -83,14 +84,16 @@ class Trial {
   /// The map as the trial has it now.
   const Map& map() const { return map_; }
   int patches_touched() const { return static_cast<int>(propagation_.matched().size()); }
+  /// Relations of the map that it takes out: wrong, if the closure is right.
+  const std::vector<RelationId>& blamed() const { return blamed_; }
   int work_steps() const { return propagation_.steps() + fits_; }
 
   /// Takes what was accepted over into the map, which may have grown since.
   void commit(Map& map) const;
 
   auto members() {
-    return std::tie(options_, proposal_, map_, patches_at_start_, first_relation_, gate_before_, propagation_,
-                    job_, stage_, fits_, matched_at_fit_, refusal_, undecided_, account_);
+    return std::tie(options_, proposal_, map_, patches_at_start_, first_relation_, blamed_, gate_before_,
+                    propagation_, job_, stage_, fits_, matched_at_fit_, refusal_, undecided_, account_);
   }
 
  private:
@@ -102,16 +105,21 @@ class Trial {
   bool jumps_too_far(const Eigen::Matrix3d& before) const;
   double revisit_log_odds(const std::optional<Eigen::Matrix3d>& before) const;
   void end_fit();
+  void take_out(const FitJob::Result& wrong);
   void propagate(std::int64_t now_utime);
   /// Whether the map is fitted anew while more and more of it matches.
   bool refits() const;
   void judge();
+  void judge_sightings();
   void judge_scans();
   void judge_loop();
   void judge_merge(const SharedPart& shared);
   void leave_undecided(Reason why);
   bool scans_disagree() const;
-  double shared_log_odds(const SharedPart& shared) const;
+  double any_link_log_odds() const;
+  double shared_log_odds() const;
+  /// Against the closure, by walls of one side in the other's free space beyond what each does itself.
+  double log_odds_by_walls() const;
   /// Mean share of hits of one side deep in the other's free space.
   double mean_contradiction() const;
   /// Mean χ² per residual of the sightings that proposed it, after the fit.
@@ -129,6 +137,7 @@ class Trial {
   Map map_;
   std::size_t patches_at_start_ = 0;
   std::size_t first_relation_ = 0;
+  std::vector<RelationId> blamed_;
   std::optional<Pose> gate_before_;  ///< of a loop: of its second end in its first, as the map had it
   Propagation propagation_;
   std::unique_ptr<FitJob> job_;

@@ -8,27 +8,34 @@ namespace isthmus {
 /// in TrialOptions.
 struct TrialAccount {
   int supporters = 0;        ///< sightings, or finds of scans, that propose it
+  bool two_way = false;      ///< of sightings: each of the two has seen the other
   int compared = 0;          ///< patches along the border that were matched with the other side, and
   int matched = 0;           ///< those of them that did match
   double cost = 0;           ///< mean χ² after the fit: of sightings per residual, of finds per relation
   double contradiction = 0;  ///< share of hits of one side deep in the other's free space, and
   double own_contradiction = 0;     ///< of either side in its own
-  double way_m = 0;                 ///< of what matches; this and the rest only where scans alone propose it
+  double way_m = 0;                 ///< of what matches
   double width_m = 0;               ///< of it, across its length
   double own_m = 0;                 ///< way that either of two maps has beyond the other: the lesser
   double border_contradiction = 0;  ///< of two maps, near what matches
   int look_alikes = 1;              ///< places that look alike, of which this is one
-  double revisit_log_odds = 0;  ///< that it is true rather than a look-alike: by where the map had its ends,
-  double shared_log_odds = 0;   ///< by how much matches,
-  double fit_log_odds = 0;      ///< and by how badly finds and scans fit, a loop only: none speaks for it
+  double sighting_log_odds = 0;     ///< that it is true: by how many sightings agree,
+  double revisit_log_odds = 0;      ///< rather than a look-alike: by where the map had its ends,
+  double shared_log_odds = 0;       ///< by how much matches,
+  double fit_log_odds = 0;          ///< and by how badly finds and scans fit: none speaks for it
+
+  int blamed = 0;              ///< relations of the map that are wrong if it is true,
+  double blamed_log_odds = 0;  ///< and that they are right, but for it
 
   /// By all of them.
-  double log_odds() const { return revisit_log_odds + shared_log_odds + fit_log_odds; }
+  double log_odds() const {
+    return sighting_log_odds + revisit_log_odds + shared_log_odds + fit_log_odds - blamed_log_odds;
+  }
 
   auto members() {
-    return std::tie(supporters, compared, matched, cost, contradiction, own_contradiction, way_m, width_m,
-                    own_m, border_contradiction, look_alikes, revisit_log_odds, shared_log_odds,
-                    fit_log_odds);
+    return std::tie(supporters, two_way, compared, matched, cost, contradiction, own_contradiction, way_m,
+                    width_m, own_m, border_contradiction, look_alikes, sighting_log_odds, revisit_log_odds,
+                    shared_log_odds, fit_log_odds, blamed, blamed_log_odds);
   }
 };
 

@@ -17,11 +17,13 @@ void ClosureLog::tell(const std::vector<ClosureRecord>& closures, const Log& log
     if (state == closure.state) continue;
     state = closure.state;
     if (state == ClosureState::waiting || !log) continue;
-    log(LogLevel::info, std::string(word(closure.kind)) + " " + std::string(word(state)),
-        {{"closure", std::to_string(closure.id.value)},
-         {"reason", std::string(word(closure.reason))},
-         {"robots", joined(closure.robots)},
-         {"patches", std::to_string(closure.patches_touched)}});
+    LogFields fields = {{"closure", std::to_string(closure.id.value)},
+                        {"reason", std::string(word(closure.reason))},
+                        {"robots", joined(closure.robots)},
+                        {"patches", std::to_string(closure.patches_touched)}};
+    if (closure.account.blamed > 0)
+      fields.emplace_back("blamed_relations", std::to_string(closure.account.blamed));
+    log(LogLevel::info, std::string(word(closure.kind)) + " " + std::string(word(state)), fields);
   }
 }
 

@@ -124,4 +124,22 @@ struct MapFitOptions {
   }
 };
 
+/// What is wrong where a closure is at odds with the map, see map/weak_link.hpp.
+struct WeakLinkOptions {
+  double match_log_odds = 8;
+  double odometry_log_odds = 4;
+  ChiSquaredBound agreeing{0.999, 3};
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(match_log_odds, "match_log_odds", "log-odds",
+           "that a scan was placed where it belongs, and that two patches were matched rightly: one in three "
+           "thousand is not");
+    option(odometry_log_odds, "odometry_log_odds", "log-odds",
+           "that odometry did not slip, freeze or jump between two patches: once in fifty it does");
+    option(agreeing, "agreeing", "probability",
+           "χ² of 3 of a relation of the link that is right for all that, and stays");
+  }
+};
+
 }  // namespace isthmus

@@ -66,6 +66,7 @@ struct TrialOptions {
   double min_way_m = 15;
   double log_odds_per_way_m = 0.4;
   double log_odds_per_width_m = 1;
+  double log_odds_per_sighting = 1.5;
   double even_find_cost = 0.7;
   double log_odds_per_find_cost = 5;
   double log_odds_per_contradiction = 33;
@@ -117,6 +118,9 @@ struct TrialOptions {
            "that a loop or merge is true, of way that matches: buildings repeat themselves");
     option(log_odds_per_width_m, "log_odds_per_width_m", "log-odds/m",
            "the same of what matches across its length: corridors repeat themselves most");
+    option(log_odds_per_sighting, "log_odds_per_sighting", "log-odds",
+           "of each sighting beyond two that agrees: of false ones that agree by chance, or as one misread "
+           "barcode leads to another, one more does so in one of five sets or fewer");
     option(even_find_cost, "even_find_cost", "χ² of 3",
            "mean over the finds' relations that does not speak against a loop: the median of true ones");
     option(log_odds_per_find_cost, "log_odds_per_find_cost", "log-odds",

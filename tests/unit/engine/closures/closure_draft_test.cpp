@@ -72,7 +72,7 @@ TEST(ClosureDraft, OfFindsOnOneIslandIsALoopByScans) {
   EXPECT_EQ(draft.proposal.relations.at(0).origin, (Origin{OriginKind::hypothesis, closure_id}));
   EXPECT_EQ(draft.record.kind, ClosureKind::loop);
   EXPECT_EQ(draft.record.reason, Reason::on_trial);
-  EXPECT_EQ(draft.joining.first_from_second, finds.first_from_second);
+  EXPECT_EQ(draft.record.joining.first_from_second, finds.first_from_second);
 }
 
 TEST(ClosureDraft, OfSightingsHasARelationForEach) {

@@ -12,7 +12,7 @@ using namespace isthmus::testing;
 ClosureDraft draft_of(ClosureId id, bool from_scans, std::int64_t utime = 1) {
   ClosureDraft draft;
   draft.proposal.id = draft.record.id = id;
-  draft.proposal.from_scans = from_scans;
+  draft.record.from_scans = from_scans;
   draft.record.start_utime = draft.record.end_utime = utime;
   return draft;
 }
@@ -89,7 +89,7 @@ TEST(ClosureLedger, FindsTheForbiddenClosureThatAMapBringsAbout) {
   together.join();
   ClosureLedger ledger;
   ClosureLedger::Entry& entry = ledger.enter(draft_of(ledger.take_id(), false));
-  entry.joining = {apart.first[0], apart.second[0], {0, 1.5, 0}, 0.01 * Eigen::Matrix3d::Identity()};
+  entry.record.joining = {apart.first[0], apart.second[0], {0, 1.5, 0}, 0.01 * Eigen::Matrix3d::Identity()};
   EXPECT_FALSE(ledger.forbidden_by(apart.map, together.map, {})) << "nobody has forbidden it";
   entry.forbidden = true;
   EXPECT_EQ(ledger.forbidden_by(apart.map, together.map, {}), ClosureId{0});

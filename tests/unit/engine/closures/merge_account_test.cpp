@@ -26,8 +26,8 @@ struct Merged {
     ClosureDraft made;
     made.proposal.id = made.record.id = id;
     made.record.kind = kind;
-    made.joining.first = first;
-    made.joining.second = second;
+    made.record.joining.first = first;
+    made.record.joining.second = second;
     return made;
   }
   std::vector<Evidence> evidence(int count) {

@@ -25,7 +25,7 @@ struct JoinedIslands {
     scene.map.relate(relation);
     ClosureDraft draft;
     draft.record.id = ledger.take_id();
-    draft.joining = {scene.first[0], scene.second[0], {0, 1.4, 0}, Eigen::Matrix3d::Zero()};
+    draft.record.joining = {scene.first[0], scene.second[0], {0, 1.4, 0}, Eigen::Matrix3d::Zero()};
     ledger.enter(draft);
   }
   std::vector<PatchId> taken_back() {
@@ -42,8 +42,21 @@ TEST(TakingBack, PartsIslandsAndNamesThem) {
 TEST(TakingBack, KeepsHowTheMapHadWhatWasJoined) {
   JoinedIslands its;
   its.taken_back();
-  EXPECT_NEAR(its.ledger.at(merging_closure).joining.first_from_second.y, 1.5, 1e-6);
-  EXPECT_GT(its.ledger.at(merging_closure).joining.covariance(0, 0), 0);
+  EXPECT_NEAR(its.ledger.at(merging_closure).record.joining.first_from_second.y, 1.5, 1e-6);
+  EXPECT_GT(its.ledger.at(merging_closure).record.joining.covariance(0, 0), 0);
+}
+
+// It was wrong if the closure was right; now the closure is gone.
+TEST(TakingBack, GivesBackWhatTheClosureHadTakenOutAsWrong) {
+  JoinedIslands its;
+  const PatchId a = its.scene.first[1], b = its.scene.first[2];
+  Relation blamed = odometry_relation(a, b, its.scene.map.relative_pose(a, b));
+  blamed.kind = RelationKind::relative_pose;
+  its.ledger.at(merging_closure).blamed = {blamed};
+  const std::size_t before = its.scene.map.graph().between(a, b).size();
+  its.taken_back();
+  EXPECT_EQ(its.scene.map.graph().between(a, b).size(), before + 1);
+  EXPECT_TRUE(its.ledger.at(merging_closure).blamed.empty());
 }
 
 // The map was sure of the sighting by the closure alone.

@@ -127,6 +127,61 @@ TEST(TrialBySightings, ThatPutsWallsInFreeSpaceIsRefused) {
   }
 }
 
+// Thirty that agree are not all wrong, whatever a door or a screen does.
+TEST(TrialBySightings, OfManyThatAgreeOutweighsWallsInFreeSpace) {
+  Case its =
+      merge_of(crooked_room(), {{-1.5, -0.4, 0.2}}, with_a_screen(crooked_room()), {{-1.4, -0.3, 0.4}});
+  its.say(PatchId{0}, PatchId{1});
+  its.proposal.supporters = 30;
+  const Trial trial = its.tried();
+  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
+  EXPECT_LT(trial.account().fit_log_odds, -1) << "it is told all the same";
+}
+
+/// A loop on an island that is sure of something wrong: a relation as narrow as any other has the second way
+/// two metres and a right angle from where it truly is.
+Case loop_across_a_slip(int supporters) {
+  Case made = loop_of(crooked_room(), outward, crooked_room(), homeward);
+  const PatchId a = made.first.back(), b = made.second.front();
+  const Pose slip{2, 0.3, 1.6};
+  made.map.remove(made.map.graph().between(a, b));
+  const Pose of_b = made.map.manifold().pose(b);
+  const Pose wrong = made.map.manifold().pose(a) * made.true_relative(a, b) * slip;
+  made.map.move_island(b, wrong * inverse(of_b));
+  Relation sure = tie(a, b, made.true_relative(a, b) * slip);
+  sure.origin = {OriginKind::odometry, {}};
+  made.map.relate(sure);
+  made.say(PatchId{1}, PatchId{4});
+  made.proposal.supporters = supporters;
+  made.proposal.older_from_younger = made.truth(b) * inverse(wrong);
+  made.proposal.loop = {{PatchId{1}}, {PatchId{4}}, made.truth(b) * inverse(wrong), 5};
+  return made;
+}
+
+TEST(TrialBySightings, OfManyThatAgreeBlamesTheLinkThatTheMapWasSureOf) {
+  Case its = loop_across_a_slip(12);
+  const Trial trial = its.tried();
+  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
+  ASSERT_EQ(trial.blamed().size(), 1U);
+  const RelationId wrong = trial.blamed().front();
+  EXPECT_EQ(trial.account().blamed_log_odds, WeakLinkOptions{}.odometry_log_odds);
+  trial.commit(its.map);
+  EXPECT_EQ(its.map.graph().find(wrong), nullptr);
+  const Pose mapped = its.map.relative_pose(PatchId{0}, PatchId{5});
+  EXPECT_NEAR(mapped.x, its.true_relative(PatchId{0}, PatchId{5}).x, 0.05);
+  EXPECT_NEAR(mapped.y, its.true_relative(PatchId{0}, PatchId{5}).y, 0.05);
+}
+
+// Three agree by chance now and then, oftener than a link is wrong that the map is so sure of.
+TEST(TrialBySightings, OfFewThatAgreeBlamesNothingThatTheMapIsSureOf) {
+  Case its = loop_across_a_slip(3);
+  EngineOptions options;
+  options.weak_links.odometry_log_odds = 20;
+  const Trial trial = its.tried(options);
+  EXPECT_FALSE(trial.accepted());
+  EXPECT_EQ(trial.refusal(), Reason::sightings_disagree);
+}
+
 // Somebody who came and went while the first robot was there: its own map contradicts itself as much.
 TEST(TrialBySightings, MayContradictAsMuchAsTheMapsContradictThemselves) {
   const Walls without = crooked_room(), with = with_a_screen(without);

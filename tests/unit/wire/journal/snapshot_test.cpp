@@ -257,12 +257,12 @@ TEST(Snapshots, OfVersion3AreRead) {
   const std::string path = "tests/unit/wire/snapshots/version-3/snapshot-000001.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
-  EXPECT_EQ(snapshot.map.events, 865);
-  EXPECT_EQ(map.patches.size(), 20U);
-  EXPECT_EQ(map.trajectory_rows, 140U);
-  EXPECT_EQ(map.sightings.size(), 18U);
+  EXPECT_EQ(snapshot.map.events, 806);
+  EXPECT_EQ(map.patches.size(), 19U);
+  EXPECT_EQ(map.trajectory_rows, 130U);
+  EXPECT_EQ(map.sightings.size(), 15U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "1333ee191ae955d50af5b2fd7c3a3901c175cc246750fd4e2e67b3505891e882");
+  EXPECT_EQ(map_sha256(map), "ad10eb5d56c30c508d917eb2e3863c462a1bb157f0e8f4031f947e81eaf2539e");
 }
 
 }  // namespace

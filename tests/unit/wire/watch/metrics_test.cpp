@@ -102,5 +102,16 @@ TEST(ClosureLog, TellsEachVerdictOnce) {
   EXPECT_EQ(told, "level=info msg=\"merge accepted\" closure=4 reason=\"\" robots=R1,R2 patches=0\n");
 }
 
+TEST(ClosureLog, TellsHowManyRelationsAClosureTookOutAsWrong) {
+  std::string told;
+  ClosureRecord loop;
+  loop.state = ClosureState::accepted;
+  loop.account.blamed = 3;
+  ClosureLog().tell({loop}, [&](LogLevel level, std::string_view message, const LogFields& fields) {
+    told = log_line(0, level, message, fields);
+  });
+  EXPECT_NE(told.find(" blamed_relations=3"), std::string::npos) << told;
+}
+
 }  // namespace
 }  // namespace isthmus

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "relations/fit.hpp"
+#include "relations/weakest_cut.hpp"
+#include "server/engine/input/options/map_options.hpp"
+
+namespace isthmus {
+
+/// The relations of an island as links that may be wrong. The relations that a patch's scan left when it was
+/// placed are wrong together: a scan that was taken for one that lies elsewhere fits all that it seemed to
+/// fit. What was matched later, and what odometry said, are mistakes of their own. The worse a relation fits
+/// where the map has its patches, the likelier it is wrong.
+std::vector<UncertainLink> uncertain_links(const RelationGraph& graph, IslandId island,
+                                           std::span<const Pose> poses, const WeakLinkOptions& options);
+
+/// A loop that closes otherwise than a map has it: the patches that lie near one another by it, of either
+/// side, how the second side moves by it, in the plane of the island, and the way over the map between them.
+struct OpenLoop {
+  std::vector<PatchId> first;
+  std::vector<PatchId> second;
+  Pose first_from_second;
+  double way_m = 0;
+
+  auto members() { return std::tie(first, second, first_from_second, way_m); }
+};
+
+/// What the relations of a map were wrong in, if a closure is right that they are at odds with.
+struct Blame {
+  WeakestCut link;
+  std::vector<RelationId> wrong;  ///< those of the link that do not agree with the closure, by id
+  std::vector<Pose> poses;        ///< of the island, fitted with the closure and without those
+};
+
+/// Whether the link that is weakest around a loop was wrong, rather than all of them off by a little: where
+/// the island, fitted with the closure, costs more than without the link by more than the log-odds that the
+/// link is right. (The costs are negative log-likelihoods.) `before` is the graph without the closure, with
+/// `poses_before`; `fitted` that with it, and what its fit costs. A link that is surer than `max_log_odds` is
+/// not to blame.
+std::optional<Blame> blame(const OpenLoop& loop, const RelationGraph& before,
+                           std::span<const Pose> poses_before, const RelationGraph& fitted, double cost,
+                           double max_log_odds, const WeakLinkOptions& options);
+
+}  // namespace isthmus

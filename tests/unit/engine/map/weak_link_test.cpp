@@ -1,0 +1,105 @@
+#include "server/engine/map/weak_link.hpp"
+
+#include <gtest/gtest.h>
+
+#include "relations/fit.hpp"
+#include "tests/support/ways.hpp"
+
+namespace isthmus {
+namespace {
+
+using testing::odometry_relation;
+
+/// A way round a square of 4 m, a patch each metre, each tied to the two before it by matches:
+///
+///     12 11 10  9  8
+///     13           7
+///     14     <--   6      15 comes to lie beside 0, where it began: the loop
+///     15           5
+///      0  1  2  3  4
+struct Square {
+  std::vector<Pose> truth;
+  RelationGraph graph;
+  std::vector<Pose> poses;  ///< as the map has them, without the loop
+
+  /// The scan of patch `slipped` was placed so far from where it was.
+  explicit Square(int slipped = -1, const Pose& slip = {}, const Pose& drift = {}) {
+    for (int side = 0; side < 4; ++side)
+      for (int i = 0; i < 4; ++i) {
+        const Pose corner =
+            truth.empty() ? Pose{} : truth.back() * Pose{1, 0, i == 0 ? std::numbers::pi / 2 : 0};
+        truth.push_back(corner);
+      }
+    for (int i = 0; i < 16; ++i) {
+      graph.add_patch(PatchId{i});
+      poses.push_back(i == 0 ? Pose{}
+                             : poses.back() * step(i - 1, i) * (i == slipped ? slip : Pose{}) * drift);
+      if (i == 0) continue;
+      graph.add(odometry_relation(PatchId{i - 1}, PatchId{i}, step(i - 1, i), {10, 10, 10}));
+      graph.add(match(i - 1, i));
+      if (i > 1 && i != slipped && i != slipped + 1) graph.add(match(i - 2, i));
+    }
+  }
+  Pose step(int a, int b) const { return ominus(truth[at(b)], truth[at(a)]); }
+  Relation match(int a, int b) const {
+    Relation relation =
+        odometry_relation(PatchId{a}, PatchId{b}, ominus(poses[at(b)], poses[at(a)]), {2500, 2500, 10000});
+    relation.origin = {OriginKind::match, {}};
+    return relation;
+  }
+  /// What is to blame if patch 15 lies by patch 0 where it truly does.
+  std::optional<Blame> closed(double max_log_odds = 100, const WeakLinkOptions& options = {}) const {
+    RelationGraph with = graph;
+    Relation closure = odometry_relation(PatchId{0}, PatchId{15}, step(0, 15), {2500, 2500, 10000});
+    closure.origin = {OriginKind::hypothesis, ClosureId{0}};
+    with.add(closure);
+    std::vector<Pose> fitted = poses;
+    const FitReport report = fit_island(with, IslandId{PatchId{0}}, fitted);
+    const OpenLoop loop{{PatchId{0}}, {PatchId{15}}, truth[15] * inverse(poses[15])};
+    return blame(loop, graph, poses, with, report.cost_after, max_log_odds, options);
+  }
+
+  static std::size_t at(int patch) { return static_cast<std::size_t>(patch); }
+};
+
+TEST(WeakLink, IsThePlacingAtWhichTheRobotSlipped) {
+  const Square square(6, {0.3, 0.2, 0.6});
+  const auto found = square.closed();
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->link.beyond.front(), PatchId{6});
+  EXPECT_EQ(found->link.beyond.size(), 10U);
+  EXPECT_LT(found->link.log_odds, WeakLinkOptions{}.match_log_odds + WeakLinkOptions{}.odometry_log_odds)
+      << "odometry says otherwise";
+  EXPECT_EQ(found->wrong.size(), 1U) << "odometry was right";
+  for (int i = 0; i < 16; ++i) {
+    const Pose off = ominus(found->poses[Square::at(i)], square.truth[Square::at(i)]);
+    EXPECT_LT(std::hypot(off.x, off.y), 0.05) << i;
+  }
+}
+
+// What all links err by a little, no link is to blame for.
+TEST(WeakLink, IsNoneWhereTheWholeWayDriftedALittle) {
+  EXPECT_FALSE(Square(-1, {}, {0.003, 0.002, 0.001}).closed());
+}
+
+// The surer a placing, the more has to speak against it.
+TEST(WeakLink, IsNoneThatIsSurerThanWhatTheLoopCosts) {
+  const Square square(6, {0.3, 0.2, 0.6});
+  EXPECT_FALSE(square.closed(1e9, {1e6, 1e6}));
+  EXPECT_FALSE(square.closed(5)) << "than the drift of all the way would be";
+}
+
+TEST(WeakLink, TellsThePlacingOfAScanFromWhatWasMatchedLater) {
+  Square square;
+  square.graph.add(square.match(3, 9));
+  const std::vector<UncertainLink> links =
+      uncertain_links(square.graph, IslandId{PatchId{0}}, square.poses, {});
+  ASSERT_EQ(links.size(), square.graph.relations().size());
+  EXPECT_FALSE(links[0].of_placing) << "odometry, a mistake of its own";
+  EXPECT_TRUE(links[1].of_placing);
+  EXPECT_EQ(links[1].b, PatchId{1});
+  EXPECT_FALSE(links.back().of_placing) << "long after either patch was placed";
+}
+
+}  // namespace
+}  // namespace isthmus
