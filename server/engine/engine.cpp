@@ -24,6 +24,9 @@ Outcome Engine::handle(const Event& event) {
   if (counters.events++ == 0) counters.first_receive_utime = event.receive_utime;
   counters.last_receive_utime = std::max(counters.last_receive_utime, event.receive_utime);
   Outcome outcome = std::visit([&](const auto& body) { return state.take(body); }, event.body);
+  // An order that is refused leaves no trace: it is no step of anybody's work either.
+  if (std::holds_alternative<CommandEvent>(event.body) && outcome.drop_reason != DropReason::none)
+    return outcome;
   for (auto& [name, robot] : state.robots) state.answer_pending(robot, outcome, false);
   state.handling->work(event.receive_utime);
   return outcome;

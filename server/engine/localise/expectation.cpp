@@ -27,7 +27,28 @@ bool is_plausible(const Pose& step, double seconds, const Pose& odom_from_robot,
          !(way_m > options.restart_jump_m && begins_again(odom_from_robot, options));
 }
 
+// How far two motions over the same time are apart, in those that a robot can make in it.
+double apart(const Pose& one, const Pose& other, double seconds, const LocaliseOptions& options) {
+  const Eigen::Vector3d off = wrapped_difference(one, other);
+  return std::hypot(off.head<2>().norm() / (options.max_speed_m_per_s * seconds),
+                    off.z() / (options.max_turn_rad_per_s * seconds));
+}
+
+// Odometry that stood still while the robot moved may have lost that motion, or tell it late and at once. A
+// robot's motion goes on much as it was: of the two, that is taken which is more like the last one.
+bool is_catching_up(const Localisation& place, const Pose& told, const Pose& caught_up, double seconds,
+                    const EngineOptions& options) {
+  if (is_rest(place.untold, options.odometry_learning) || is_rest(told, options.odometry_learning))
+    return false;
+  return apart(caught_up, place.last_step, seconds, options.localise) <
+         apart(told, place.last_step, seconds, options.localise);
+}
+
 }  // namespace
+
+bool is_rest(const Pose& step, const OdometryLearningOptions& options) {
+  return std::hypot(step.x, step.y) < options.rest_m && std::abs(step.yaw) < options.rest_rad;
+}
 
 void OdometryPath::append(const Pose& step, const Eigen::Matrix3d& step_covariance) {
   covariance = covariance_after(covariance, compose_jacobians(start_from_end, step), step_covariance);
@@ -41,9 +62,13 @@ Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t
   expectation.step = expectation.claimed_step = ominus(odom_from_robot, place.odom_from_robot);
   const LocaliseOptions& its = options.localise;
   const double seconds = std::max(its.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
-  expectation.plausible = is_plausible(expectation.step, seconds, odom_from_robot, its);
   expectation.step = robot.bias.corrected(expectation.claimed_step);
   Eigen::Matrix3d noise = robot.noise.covariance(expectation.step, options.odometry_noise);
+  const Pose caught_up = inverse(place.untold) * expectation.step;
+  expectation.catches_up = is_catching_up(place, expectation.claimed_step, caught_up, seconds, options);
+  if (expectation.catches_up) expectation.step = caught_up;
+  expectation.plausible = is_plausible(expectation.catches_up ? caught_up : expectation.claimed_step, seconds,
+                                       odom_from_robot, its);
   if (!expectation.plausible) {
     expectation.step = Pose{};  // what it says is no motion of a robot; where it is, only matching can tell
     noise = Eigen::Vector3d(its.implausible_variance_m2, its.implausible_variance_m2,

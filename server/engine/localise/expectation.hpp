@@ -14,7 +14,11 @@ struct Expectation {
   Pose step;              ///< odometry since the last scan, without its bias; none where that is implausible
   Pose claimed_step;      ///< what odometry said
   bool plausible = true;  ///< false: no robot moves like that
+  bool catches_up = false;  ///< what odometry said is taken to hold what it had not told before
 };
+/// Whether a motion is so small that it tells only how matching trembles.
+bool is_rest(const Pose& step, const OdometryLearningOptions& options);
+
 Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
                    const EngineOptions& options);
 

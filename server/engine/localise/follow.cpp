@@ -74,7 +74,7 @@ void follow(const Map& map, Robot& robot, const Expectation& expectation, const 
             const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options) {
   Localisation& place = *robot.place;
   const Pose matched_step = ominus(placement.local_from_robot, place.pose.patch_from_object);
-  if (placement.matched && expectation.plausible) {
+  if (placement.matched && expectation.plausible && !expectation.catches_up) {
     const double yaw = place.pose.patch_from_object.yaw;
     const Eigen::Matrix2d local_from_step = Eigen::Rotation2Dd(yaw).toRotationMatrix();
     const Eigen::Matrix2d trust =
@@ -93,6 +93,11 @@ void follow(const Map& map, Robot& robot, const Expectation& expectation, const 
     robot.health.unmatched();
   }
   place.last_step = matched_step;
+  if (!is_rest(expectation.claimed_step, options.odometry_learning)) {
+    place.untold = {};
+  } else if (placement.matched) {
+    place.untold = place.untold * matched_step;
+  }
   place.since_last_patch.append(expectation.plausible ? expectation.step : matched_step,
                                 robot.noise.covariance(expectation.step, options.odometry_noise));
   place.odom_from_robot = odom_from_robot;

@@ -38,6 +38,7 @@ struct Localisation {
   Eigen::Matrix3d tracking_covariance = Eigen::Matrix3d::Zero();
   Pose odom_from_robot;
   Pose last_step;  ///< motion over the last scan period
+  Pose untold;     ///< motion that scans showed while odometry stood still: it may yet tell it, all at once
   std::int64_t utime = 0;
   PatchId last_patch;             ///< the robot's newest own patch
   OdometryPath since_last_patch;  ///< odometry since that patch
@@ -45,8 +46,8 @@ struct Localisation {
   bool suspect = false;           ///< odometry did something implausible since the last match
 
   auto members() {
-    return std::tie(pose, covariance, tracking_covariance, odom_from_robot, last_step, utime, last_patch,
-                    since_last_patch, lost_scans, suspect);
+    return std::tie(pose, covariance, tracking_covariance, odom_from_robot, last_step, untold, utime,
+                    last_patch, since_last_patch, lost_scans, suspect);
   }
 };
 

@@ -73,6 +73,31 @@ TEST(Expect, AddsTheNoiseOfOdometryInTheRobotsOwnDirections) {
   EXPECT_TRUE(expected(aside, step).covariance.isApprox(turn * noise * turn.transpose(), 1e-9));
 }
 
+// Odometry froze while the robot turned by 60 degrees, which scans showed: then it tells them all at once.
+TEST(Expect, TakesWhatOdometryHadNotToldOutOfAStepThatTellsIt) {
+  Robot robot = robot_at({1, 0, 0.2});
+  robot.place->untold = {0.1, 0, 1.05};
+  robot.place->last_step = {0.02, 0, 0.2};
+  const Pose going_on{0.02, 0, 0.19};
+  const Expectation expectation = expected(robot, robot.place->untold * going_on, 0.25);
+  EXPECT_TRUE(expectation.catches_up);
+  EXPECT_TRUE(expectation.plausible) << "as a whole no robot turns like that";
+  expect_near(expectation.step, going_on);
+  expect_near(expectation.local_from_robot, robot.place->pose.patch_from_object * going_on);
+}
+
+// Odometry froze and goes on from where it stopped, or only told late that the robot began to move.
+TEST(Expect, TakesAStepAsItIsWhereItIsLikeTheLastOne) {
+  Robot robot = robot_at({1, 0, 0.2});
+  robot.place->untold = {0.1, 0, 1.05};
+  robot.place->last_step = {0.02, 0, 0.2};
+  const Expectation expectation = expected(robot, {0.02, 0, 0.19}, 0.25);
+  EXPECT_FALSE(expectation.catches_up);
+  expect_near(expectation.step, {0.02, 0, 0.19});
+  robot.place->untold = {};
+  EXPECT_FALSE(expected(robot, {0.02, 0, 0.19}, 0.25).catches_up);
+}
+
 // No robot is faster than some metres and half a turn a second.
 TEST(Expect, TakesNoStepThatNoRobotMakes) {
   for (const Pose& jump : {Pose{10, 0, 0}, Pose{0, -10, 0}, Pose{0, 0, 3}}) {
