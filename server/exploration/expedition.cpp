@@ -91,7 +91,8 @@ void Expedition::share(Planner& planner, const std::map<std::string, ExpeditionM
     if (state.just_visited) explorer.given_up.push_back(state.visited.back());
     for (const auto& [until_s, goal] : state.deferred) explorer.given_up.push_back(goal);
   }
-  const auto goals = share_frontiers(planner, explorers, options_.exploration);
+  frontiers_.clear();
+  const auto goals = share_frontiers(planner, explorers, options_.exploration, &frontiers_);
   for (const auto& [name, member] : team) {
     State& state = states_.at(name);
     const auto found = goals.find(name);

@@ -61,6 +61,8 @@ class Expedition {
                                                double time_s);
 
   const ExpeditionCounts& counts() const { return counts_; }
+  /// All that were there to share out when that was last done, as goals of cost 0.
+  const std::vector<ExplorationGoal>& frontiers() const { return frontiers_; }
 
  private:
   struct State {
@@ -95,6 +97,7 @@ class Expedition {
   Coordinator coordinator_;
   std::map<std::string, State> states_;
   std::optional<double> shared_s_;
+  std::vector<ExplorationGoal> frontiers_;
   ExpeditionCounts counts_;
 };
 

@@ -48,6 +48,10 @@ class IslandShare {
     }
   }
 
+  void list(std::vector<ExplorationGoal>& frontiers) const {
+    for (std::size_t place = 0; place < frontiers_.size(); ++place) frontiers.push_back(goal(place, 0));
+  }
+
  private:
   /// With viewpoints that robots can come to: what lies behind a gap is looked at from this side of it. Where
   /// known ground is in parts, as while robots that begin hide one another's, there are some in each part
@@ -190,13 +194,18 @@ class IslandShare {
 
 std::map<std::string, ExplorationGoal> share_frontiers(Planner& planner,
                                                        const std::map<std::string, Explorer>& team,
-                                                       const ExplorationOptions& options) {
+                                                       const ExplorationOptions& options,
+                                                       std::vector<ExplorationGoal>* frontiers) {
   std::map<IslandId, std::vector<const NamedExplorer*>> islands;
   for (const NamedExplorer& member : team)
     if (check(planner.map(), member.second.pose) == Refusal::none)
       islands[planner.map().graph.island(member.second.pose.patch)].push_back(&member);
   std::map<std::string, ExplorationGoal> goals;
-  for (const auto& [island, members] : islands) IslandShare(planner, island, members, options).share(goals);
+  for (const auto& [island, members] : islands) {
+    const IslandShare share(planner, island, members, options);
+    share.share(goals);
+    if (frontiers) share.list(*frontiers);
+  }
   return goals;
 }
 

@@ -48,9 +48,11 @@ struct ExplorationGoal {
 
 /// Goals of a team's robots by name: a robot keeps the one that it drives to while that is a frontier. None
 /// for a robot that stands nowhere, or for which nothing is left. On each island by itself: what robots of
-/// two islands see in common is not known. A function of its arguments.
+/// two islands see in common is not known. A function of its arguments. `frontiers`: gets all that there
+/// were to share out, at a cost of 0.
 std::map<std::string, ExplorationGoal> share_frontiers(Planner& planner,
                                                        const std::map<std::string, Explorer>& team,
-                                                       const ExplorationOptions& options = {});
+                                                       const ExplorationOptions& options = {},
+                                                       std::vector<ExplorationGoal>* frontiers = nullptr);
 
 }  // namespace isthmus

@@ -290,10 +290,11 @@ Viewers viewers_of(PageServer* page, FoxgloveServer* foxglove, bool frozen) {
     if (page) page->model().show(LiveView{std::move(map), status, latency_p99_s, frozen});
   };
   if (foxglove) viewers.event = [=](const Event& event) { foxglove->show(event); };
-  if (page)
-    viewers.order = [=](std::int64_t order_utime, DropReason reason) {
-      page->orders().answered(order_utime, reason);
-    };
+  if (!page) return viewers;
+  viewers.goals = [=](TeamGoals team) { page->model().show(std::move(team)); };
+  viewers.order = [=](std::int64_t order_utime, DropReason reason) {
+    page->orders().answered(order_utime, reason);
+  };
   return viewers;
 }
 

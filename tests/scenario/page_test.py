@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The page in a browser: Chromium, without a screen, watches a server to which a simulated team is played.
 
-    tests/scenario/page_test.py --build .build/dev [--pictures DIR]
+    tests/scenario/page_test.py --build .build/dev [--pictures DIR] [Page.test_an_exploration_is_shown_live]
 
 Exit code 0 where all holds, 1 with what does not; 0 and "no browser" where Chromium, its driver or Selenium are
 missing (tools/install-dependencies.sh --browser).
@@ -157,9 +157,11 @@ class Page(unittest.TestCase):
         self.wait_for("two islands are on the screen", lambda: self.islands() == 2)
         self.browser.execute_script(WATCH_PAINT)
         self.wait_for("robots are named", lambda: self.text("robots").count("scans/s") == 2)
+        self.assertTrue(self.js("document.getElementById('with-exploration').hidden"), "nobody explores")
         self.wait_for("they have merged", lambda: self.islands() == 1)
         self.picture("merged")
         player.wait()
+        self.look_at_a_closure()
         self.check_no_flicker()
         self.follow_a_robot()
         self.name_a_place()
@@ -242,6 +244,22 @@ class Page(unittest.TestCase):
             const at = isthmus.map.latLngToContainerPoint([points[0][1] + oy, points[0][0] + ox]);
             return [at.x - isthmus.map.getSize().x / 2, at.y - isthmus.map.getSize().y / 2];
         }})()""")
+
+    def look_at_a_closure(self):
+        """It is brought into view where it holds the map together, and what came out of its trial is told."""
+        merge = "//ul[@id='closures']/li[contains(., 'merge') and contains(., 'accepted')]"
+        self.browser.find_element(By.XPATH, f"{merge}//button[text()='Show']").click()
+        self.assertIsNotNone(self.js("isthmus.marked"))
+        line = "isthmus.closures.find(({id}) => id === isthmus.marked).line"
+        self.assertTrue(self.js(f"""[[1, 2], [3, 4]].every(([x, y]) => {{
+            const [east, north] = isthmus.scene.offsets.get({line}[0]);
+            return isthmus.map.getBounds().contains([{line}[y] + north, {line}[x] + east]);
+        }})"""))
+        self.browser.find_element(By.XPATH, f"{merge}//summary").click()
+        self.wait_for("its evidence is told", lambda: "propose it" in self.text("closures"))
+        time.sleep(0.3)
+        self.picture("closure")
+        self.click("fit")
 
     def name_a_place(self):
         """Pressed where it is, dragged the way it faces: it stands there as long as the map does."""
@@ -389,6 +407,29 @@ class Page(unittest.TestCase):
         self.picture("not_moved")
         self.check_console()
 
+    def test_an_exploration_is_shown_live(self):
+        """Two robots explore by the server's goals: where each is sent, by which way, and what is left."""
+        config = os.path.join(self.work, "explore.toml")
+        with open(config, "w", encoding="utf-8") as file:
+            file.write("[exploration]\nenabled = true\n")
+        self.server.start("--config", config, "--status-period", "0.25")
+        self.open_page()
+        drive = subprocess.Popen([program("isthmus-simulate"), "--scenario", "meeting", "--live", "--lcm-url", self.server.url,
+                                  "--speed", "4", "--max-time", "160"], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(drive.wait)
+        self.addCleanup(drive.kill)
+        self.wait_for("both are sent somewhere by a way", lambda: self.js(
+            "isthmus.exploration?.goals.filter(({goal, way}) => goal && way.length > 1).length") == 2)
+        self.assertEqual(self.js("document.getElementById('with-exploration').hidden"), False)
+        self.assertGreater(self.js("isthmus.exploration.frontiers.length"), 0)
+        self.wait_for("it is said in the list", lambda: "explores" in self.text("robots"))
+        self.wait_for("their maps have merged", lambda: self.islands() == 1)
+        self.picture("exploring")
+        drive.communicate(timeout=4 * LIMIT_S)
+        self.assertEqual(drive.returncode, 0)
+        self.picture("explored")
+        self.check_console()
+
     def place(self, robot, where, sigma_m):
         """Says that a robot is at x, y (pixels from the map's middle) and faces a direction."""
         x, y, yaw = where
@@ -426,8 +467,9 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default=ARGUMENTS.build)
     parser.add_argument("--pictures", metavar="DIR", help="keep pictures of the screen in this directory")
+    parser.add_argument("tests", nargs="*", help="only these")
     ARGUMENTS = parser.parse_args()
     if missing():
         print(f"no browser: {', '.join(missing())} missing (tools/install-dependencies.sh --browser)")
         sys.exit(0)
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1] + ARGUMENTS.tests)

@@ -18,8 +18,10 @@ ExpeditionOptions expedition_options(const ExplorationConfiguration& configurati
 
 }  // namespace
 
-GoalPublisher::GoalPublisher(SendGoal send, const ExplorationConfiguration& configuration, GoalLimits limits)
+GoalPublisher::GoalPublisher(SendGoal send, const ExplorationConfiguration& configuration, ShowGoals show,
+                             GoalLimits limits)
     : send_(std::move(send)),
+      show_(std::move(show)),
       configuration_(configuration),
       limits_(limits),
       expedition_(expedition_options(configuration)),
@@ -80,12 +82,16 @@ void GoalPublisher::loop(const std::stop_token& stop) {
 void GoalPublisher::tell(const Work& work) {
   planner_.update(work.map);
   const double time_s = 1e-6 * static_cast<double>(work.utime);
+  TeamGoals told;
   for (const auto& [robot, order] : expedition_.plan(planner_, work.team, time_s)) {
     goal_t message = goal_message(*work.map, robot, work.team.at(robot).pose, order);
     message.utime = work.utime;
     message.pose_utime = work.pose_utimes.at(robot);
     send_(robot + "_GOAL", encoded(message));
+    told.goals.push_back(std::move(message));
   }
+  told.frontiers = expedition_.frontiers();
+  if (show_) show_(std::move(told));
 }
 
 }  // namespace isthmus

@@ -15,12 +15,16 @@
 #include "server/engine/record/map_copy.hpp"
 #include "server/engine/robot/robot_pose.hpp"
 #include "server/exploration/expedition.hpp"
+#include "server/wire/goals/team_goals.hpp"
 #include "server/wire/message/server_configuration.hpp"
 
 namespace isthmus {
 
 /// Sends a message; called from another thread, and must not throw.
 using SendGoal = std::function<void(const std::string& channel, const std::vector<std::uint8_t>& bytes)>;
+
+/// Shows what a team was told; called from another thread, and must not throw.
+using ShowGoals = std::function<void(TeamGoals)>;
 
 struct GoalLimits {
   std::chrono::seconds silent{
@@ -33,7 +37,9 @@ struct GoalLimits {
 /// thread.
 class GoalPublisher {
  public:
-  GoalPublisher(SendGoal send, const ExplorationConfiguration& configuration, GoalLimits limits = {});
+  /// `show`: empty: nobody looks.
+  GoalPublisher(SendGoal send, const ExplorationConfiguration& configuration, ShowGoals show = {},
+                GoalLimits limits = {});
 
   /// The newest map, of an event time in microseconds; goals are made of it and of where robots are now,
   /// which must be on it.
@@ -60,6 +66,7 @@ class GoalPublisher {
   void tell(const Work& work);
 
   SendGoal send_;
+  ShowGoals show_;
   ExplorationConfiguration configuration_;
   GoalLimits limits_;
   Planner planner_;        ///< the thread's own

@@ -69,7 +69,7 @@ void LiveServer::begin_goals() {
   const std::string& toml = options_.toml.empty() ? journalled : options_.toml;
   const ServerConfiguration configuration = parse_server_configuration(toml, "configuration");
   if (!configuration.exploration.enabled) return;
-  goals_ = std::make_unique<GoalPublisher>(publish_, configuration.exploration);
+  goals_ = std::make_unique<GoalPublisher>(publish_, configuration.exploration, options_.viewers.goals);
   for (const auto& [name, robot] : configuration.engine.robots)
     if (robot.declared) goals_->note_radius(name, robot.robot.footprint_radius_m);
 }

@@ -1,33 +1,19 @@
 #include "server/wire/page/asked.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "server/wire/page/drawn_points.hpp"
+
 namespace isthmus {
-namespace {
 
 using Json = nlohmann::json;
 
-ManifoldPose pose_of(const path_pose_t& pose) {
-  const auto& [x, y, yaw] = pose.patch_from_robot;
-  return {PatchId{pose.patch}, {x, y, yaw}};
-}
-
-/// To the centimetre.
-double to_centimetres(double value) { return std::isfinite(value) ? std::round(value * 1e2) / 1e2 : 0; }
-
-}  // namespace
-
 void Asked::add(const reply_t& reply) {
   if (!reply.done || (reply.poses.empty() && reply.frontiers.empty())) return;
-  Answer answer{reply.kind, reply.utime, {}, {}};
-  const std::size_t step = 1 + reply.poses.size() / max_poses;
-  for (std::size_t i = 0; i < reply.poses.size(); i += step) answer.poses.push_back(pose_of(reply.poses[i]));
-  if (!reply.poses.empty() && (reply.poses.size() - 1) % step != 0)
-    answer.poses.push_back(pose_of(reply.poses.back()));
+  Answer answer{reply.kind, reply.utime, thinned(reply.poses), {}};
   for (const frontier_t& frontier : reply.frontiers) {
-    answer.poses.push_back(pose_of(frontier.viewpoint));
+    answer.poses.push_back(manifold_pose(frontier.viewpoint));
     answer.gains_m2.push_back(frontier.gain_m2);
   }
   answers_[reply.asker + " " + (reply.frontiers.empty() ? "path" : "frontiers")] = std::move(answer);

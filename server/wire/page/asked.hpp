@@ -16,8 +16,6 @@ class Asked {
  public:
   /// Of so many askers, the newest; others are let go.
   static constexpr std::size_t max_askers = 32;
-  /// Of a path; longer ones are thinned.
-  static constexpr std::size_t max_poses = 500;
   /// For so long after it was asked for, a path is shown.
   static constexpr std::int64_t shown_us = 60'000'000;
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/wire/message/wall_clock.hpp"
+#include "server/wire/page/exploration_text.hpp"
 #include "server/wire/page/page_texts.hpp"
 #include "server/wire/questions/low_priority.hpp"
 
@@ -50,6 +51,11 @@ void PageModel::show(reply_t reply) {
   if (replies_.size() < max_replies) replies_.push_back(std::move(reply));
 }
 
+void PageModel::show(TeamGoals team) {
+  const std::lock_guard lock(mutex_);
+  team_ = std::move(team);
+}
+
 void PageModel::show(LiveView view) {
   std::optional<LiveView> newest(std::move(view));
   {
@@ -92,22 +98,29 @@ void PageModel::take(LiveView view) {
   const auto fresh = std::make_shared<const ShownMap>(shown_map(std::move(view), before.get(), ++version_));
   tiles_.update(fresh->map());
   std::vector<reply_t> replies;
+  std::optional<TeamGoals> team;
   {
     const std::lock_guard lock(mutex_);
     shown_ = fresh;
     replies = std::exchange(replies_, {});
+    team = team_;
   }
   for (const reply_t& reply : replies) asked_.add(reply);
-  bulletin_.post("asked", asked_.text(*fresh, wall_clock_utime()));
-  bulletin_.post("islands", islands_text(*fresh, tiles_.islands()));
-  bulletin_.post("trails", trails_text(trails_, *fresh));
-  bulletin_.post("tags", tags_text(*fresh));
-  bulletin_.post("annotations", annotations_text(*fresh));
-  bulletin_.post("closures", closures_text(*fresh));
-  bulletin_.post("sightings", sightings_text(trails_, *fresh));
-  bulletin_.post("status", status_text(*fresh));
-  bulletin_.post("meeting", meeting_text(*fresh));
-  bulletin_.post("robots", robots_text(trails_, *fresh));
+  bulletin_.post("exploration", team ? exploration_text(*team, *fresh) : "null");
+  post(*fresh);
+}
+
+void PageModel::post(const ShownMap& map) {
+  bulletin_.post("asked", asked_.text(map, wall_clock_utime()));
+  bulletin_.post("islands", islands_text(map, tiles_.islands()));
+  bulletin_.post("trails", trails_text(trails_, map));
+  bulletin_.post("tags", tags_text(map));
+  bulletin_.post("annotations", annotations_text(map));
+  bulletin_.post("closures", closures_text(map));
+  bulletin_.post("sightings", sightings_text(trails_, map));
+  bulletin_.post("status", status_text(map));
+  bulletin_.post("meeting", meeting_text(map));
+  bulletin_.post("robots", robots_text(trails_, map));
   bulletin_.post("past", nlohmann::json(past_.snapshots()).dump());
 }
 

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/wire/goals/team_goals.hpp"
 #include "server/wire/page/asked.hpp"
 #include "server/wire/page/bulletin.hpp"
 #include "server/wire/page/past_maps.hpp"
@@ -33,9 +34,10 @@ class PageModel {
   void show(RobotPose pose);  ///< any thread
   void show(LiveView view);   ///< any thread; only the newest counts
   void show(reply_t reply);   ///< any thread: what somebody has asked for
+  void show(TeamGoals team);  ///< any thread: who explores what; only the newest counts
 
   /// Events of the topics robots (at most once an interval), trails, islands, tags, annotations, asked,
-  /// closures, sightings, status, meeting and past.
+  /// exploration, closures, sightings, status, meeting and past.
   Bulletin& bulletin() { return bulletin_; }
   TileStore& tiles() { return tiles_; }
   PastMaps& past() { return past_; }
@@ -49,6 +51,7 @@ class PageModel {
  private:
   void loop(const std::stop_token& stop);
   void take(LiveView view);
+  void post(const ShownMap& map);
 
   std::chrono::milliseconds interval_;
   std::int64_t run_;
@@ -63,6 +66,7 @@ class PageModel {
   std::vector<RobotPose> poses_;
   std::vector<reply_t> replies_;
   std::optional<LiveView> view_;
+  std::optional<TeamGoals> team_;  ///< none: nobody has explored
   std::shared_ptr<const ShownMap> shown_;
   std::jthread thread_;  ///< last: it uses all above
 };

@@ -95,7 +95,44 @@ Json box_json(const MapBox& box) {
                       to_millimetres(box.high.y())});
 }
 
-Json closure_json(const ClosureRecord& closure, int relations) {
+/// What a closure has on the map.
+struct ClosureRelations {
+  int count = 0;
+  RelationId first;
+};
+
+std::map<ClosureId, ClosureRelations> relations_of_closures(const MapCopy& map) {
+  std::map<ClosureId, ClosureRelations> all;
+  for (const auto& [id, relation] : map.graph.relations()) {
+    if (!relation.origin.closure.valid()) continue;
+    ClosureRelations& of = all[relation.origin.closure];
+    if (++of.count == 1) of.first = id;
+  }
+  return all;
+}
+
+/// From where to where a closure holds the map together; null where it has nothing on it.
+Json line_json(const ShownMap& shown, const ClosureRelations& relations) {
+  if (relations.count == 0) return nullptr;
+  const Relation& relation = *shown.map().graph.find(relations.first);
+  const Pose& a = shown.map().poses[static_cast<std::size_t>(relation.a.value)];
+  const Pose& b = shown.map().poses[static_cast<std::size_t>(relation.b.value)];
+  return {shown.island(relation.a).value, to_millimetres(a.x), to_millimetres(a.y), to_millimetres(b.x),
+          to_millimetres(b.y)};
+}
+
+/// Of its last trial; null where it has had none.
+Json trial_json(const TrialAccount& trial) {
+  if (trial.supporters == 0 && trial.compared == 0) return nullptr;
+  return {{"supporters", trial.supporters},
+          {"compared", trial.compared},
+          {"matched", trial.matched},
+          {"contradiction", to_millimetres(trial.contradiction)},
+          {"own_contradiction", to_millimetres(trial.own_contradiction)},
+          {"log_odds", to_millimetres(trial.log_odds())}};
+}
+
+Json closure_json(const ShownMap& shown, const ClosureRecord& closure, const ClosureRelations& relations) {
   return {{"id", closure.id.value},
           {"kind", std::string(word(closure.kind))},
           {"state", std::string(word(closure.state))},
@@ -103,7 +140,9 @@ Json closure_json(const ClosureRecord& closure, int relations) {
           {"robots", closure.robots},
           {"patches", closure.patches_touched},
           {"steps", closure.work_steps},
-          {"relations", relations},
+          {"relations", relations.count},
+          {"line", line_json(shown, relations)},
+          {"trial", trial_json(closure.account)},
           {"start", as_seconds(closure.start_utime)},
           {"end", as_seconds(closure.end_utime)}};
 }
@@ -195,13 +234,11 @@ std::string annotations_text(const ShownMap& shown) {
 
 std::string closures_text(const ShownMap& shown) {
   const MapCopy& map = shown.map();
-  std::map<ClosureId, int> relations;
-  for (const auto& [id, relation] : map.graph.relations())
-    if (relation.origin.closure.valid()) relations[relation.origin.closure] += 1;
+  std::map<ClosureId, ClosureRelations> relations = relations_of_closures(map);
   Json closures = Json::array();
   for (auto closure = map.closures.rbegin(); closure != map.closures.rend(); ++closure) {
     if (closures.size() >= max_closures) break;
-    closures.push_back(closure_json(*closure, relations[closure->id]));
+    closures.push_back(closure_json(shown, *closure, relations[closure->id]));
   }
   return line(closures);
 }

@@ -6,6 +6,7 @@ const OF_ROBOTS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#3a9b
 export const OF_VERDICTS = { accepted: "#0072b2", waiting: "#b07500", refused: "#c03c00" };
 export const DASHES = { accepted: [], waiting: [7, 4], refused: [2, 4] };
 export const OF_ZONES = { keep_out: "#b3261e", speed: "#8a6d00" };
+export const OF_CLOSURES = "#a3004f";
 export const INK = "#1d252c";
 export const OF_ORIGINS = ["#5b6770", "#5b6770", "#d55e00", "#0072b2", "#cc79a7", "#009e73"];
 

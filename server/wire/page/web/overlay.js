@@ -2,7 +2,8 @@
 // change, over several frames; and what moves, drawn again several times a second.
 
 import { PatientCanvas, QuickCanvas } from "./canvases.js";
-import { DASHES, INK, OF_ORIGINS, OF_VERDICTS, OF_ZONES, ofRobot } from "./colours.js";
+import { DASHES, INK, OF_CLOSURES, OF_ORIGINS, OF_VERDICTS, OF_ZONES, ofRobot } from "./colours.js";
+import { OF_ORDERS } from "./words.js";
 
 const FONT = "600 12px system-ui, 'DejaVu Sans', sans-serif";
 const HATCH_PIXELS = 9;
@@ -69,7 +70,9 @@ export const Overlay = L.Layer.extend({
     }
     if (show.trails && !isPart) yield* this.drawTrails(view);
     if (show.annotations) yield* this.drawAnnotations(view);
+    if (show.closures && history.isNow) yield* this.drawClosures(view);
     if (show.asked && history.isNow) yield* this.drawAsked(view);
+    if (show.exploration && history.isNow) yield* this.drawExploration(view);
   },
 
   /** Zones as areas, hatched where nobody may go; places as pins. */
@@ -101,12 +104,7 @@ export const Overlay = L.Layer.extend({
       context.strokeStyle = context.fillStyle = ofRobot(asker.toUpperCase(), this.world.names);
       context.lineWidth = 2.5;
       if (kind === "frontiers") {
-        for (const [x, y, gain] of points) {
-          const [px, py] = at(x, y);
-          context.beginPath();
-          context.arc(px, py, 3 + Math.min(8, Math.sqrt(gain)), 0, 7);
-          context.stroke();
-        }
+        for (const [x, y, gain] of points) drawFrontier(context, at(x, y), gain);
         continue;
       }
       context.setLineDash([9, 5]);
@@ -116,6 +114,59 @@ export const Overlay = L.Layer.extend({
       context.setLineDash([]);
       const last = points[points.length - 1];
       if (last) label(context, `${asker}: ${kind.replaceAll("_", " ")}`, at(...last)[0] + 8, at(...last)[1] + 4, INK);
+    }
+  },
+
+  /** Each where the first of its relations is, with its number where there is room for it. */
+  * drawClosures({ context, place }) {
+    context.font = FONT;
+    const taken = []; // boxes of numbers
+    for (const { id, kind, line } of this.world.closures) {
+      const at = line && place(line[0]);
+      if (!at) continue;
+      const [[x0, y0], [x1, y1]] = [at(line[1], line[2]), at(line[3], line[4])];
+      const isMarked = id === this.world.marked;
+      context.strokeStyle = context.fillStyle = OF_CLOSURES;
+      context.lineWidth = (kind === "merge" ? 3 : 1.5) + (isMarked ? 2 : 0);
+      context.setLineDash(kind === "merge" ? [] : [6, 4]);
+      context.beginPath();
+      context.moveTo(x0, y0);
+      context.lineTo(x1, y1);
+      context.stroke();
+      context.setLineDash([]);
+      context.beginPath();
+      for (const [x, y] of [[x0, y0], [x1, y1]]) context.arc(x, y, isMarked ? 5 : 3, 0, 7);
+      context.fill();
+      const [x, y, text] = [(x0 + x1) / 2 + 6, (y0 + y1) / 2 - 5, `${kind} ${id}`];
+      const right = x + context.measureText(text).width;
+      const isFree = taken.every((box) => right < box[0] || x > box[1] || Math.abs(y - box[2]) > 13);
+      if (isMarked || isFree) label(context, text, x, y, OF_CLOSURES, isMarked);
+      if (isFree) taken.push([x, right, y]);
+      yield;
+    }
+  },
+
+  /** Frontiers; where each robot that explores is sent, by which way, and why it is to wait there. */
+  * drawExploration({ context, place }) {
+    const { exploration, names } = this.world;
+    if (!exploration) return;
+    context.strokeStyle = "#5b6770";
+    context.lineWidth = 1.5;
+    for (const [island, x, y, yaw, gain] of exploration.frontiers) {
+      const at = place(island);
+      if (at) drawFrontier(context, at(x, y), gain, yaw);
+    }
+    yield;
+    for (const { robot, reason, island, goal, way } of exploration.goals) {
+      const at = place(island);
+      if (!at) continue;
+      drawWay(context, way.map(([x, y]) => at(x, y)), ofRobot(robot, names));
+      if (goal) drawGoal(context, at(goal[0], goal[1]), goal[2]);
+      const words = OF_ORDERS[reason];
+      const [x, y] = way.length > 0 ? at(...way[way.length - 1]) : [NaN, NaN];
+      context.font = FONT;
+      if (reason !== "frontier" && way.length > 0) label(context, `${robot} ${words}`, x + 8, y + 14, INK);
+      yield;
     }
   },
 
@@ -249,11 +300,14 @@ export const Overlay = L.Layer.extend({
     }
   },
 
+  /** The last ones, the older the fainter. */
   drawSightings({ context, place }) {
+    const { sightings } = this.world;
     context.lineWidth = 1.5;
-    for (const { verdict, ray } of this.world.sightings) {
+    sightings.forEach(({ verdict, ray }, i) => {
       const at = ray && place(ray[0]);
-      if (!at) continue;
+      if (!at) return;
+      context.globalAlpha = 1 - 0.85 * (i / sightings.length);
       const [x0, y0] = at(ray[1], ray[2]);
       const [x1, y1] = at(ray[3], ray[4]);
       context.strokeStyle = OF_VERDICTS[verdict];
@@ -273,7 +327,8 @@ export const Overlay = L.Layer.extend({
         context.arc(x1, y1, 3, 0, 7);
       }
       context.stroke();
-    }
+    });
+    context.globalAlpha = 1;
   },
 
   drawMeeting({ context, place }) {
@@ -368,6 +423,44 @@ function drawPin(context, [x, y], yaw, name) {
   context.lineTo(x + 20 * Math.cos(yaw), y - 20 * Math.sin(yaw));
   context.stroke();
   label(context, name, x + 11, y - 13, INK);
+}
+
+/** From where it is seen, and which way where that is known; the larger, the more would be seen. */
+function drawFrontier(context, [x, y], gain, yaw = null) {
+  const radius = 3 + Math.min(8, Math.sqrt(gain));
+  context.beginPath();
+  context.arc(x, y, radius, 0, 7);
+  if (yaw !== null) {
+    context.moveTo(x + radius * Math.cos(yaw), y - radius * Math.sin(yaw));
+    context.lineTo(x + (radius + 6) * Math.cos(yaw), y - (radius + 6) * Math.sin(yaw));
+  }
+  context.stroke();
+}
+
+/** The way that a robot is to drive: dots, on white so that they are seen on walls. */
+function drawWay(context, points, colour) {
+  context.lineCap = "round";
+  for (const [style, width] of [["#ffffffcc", 6], [colour, 3.5]]) {
+    context.strokeStyle = style;
+    context.lineWidth = width;
+    context.setLineDash([0.1, 8]);
+    context.beginPath();
+    for (const point of points) context.lineTo(...point);
+    context.stroke();
+  }
+  context.setLineDash([]);
+  context.lineCap = "butt";
+  context.strokeStyle = colour;
+}
+
+/** Where a robot is to look, and which way, in the colour of its way. */
+function drawGoal(context, [x, y], yaw) {
+  context.lineWidth = 2.5;
+  context.beginPath();
+  context.arc(x, y, 8, 0, 7);
+  context.moveTo(x + 8 * Math.cos(yaw), y - 8 * Math.sin(yaw));
+  context.lineTo(x + 18 * Math.cos(yaw), y - 18 * Math.sin(yaw));
+  context.stroke();
 }
 
 /** Words that can be read on any ground. */

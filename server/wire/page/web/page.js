@@ -11,7 +11,8 @@ import { Patches } from "./patches.js";
 import { listen } from "./stream.js";
 import { IslandTiles } from "./tiles.js";
 
-const TOPICS = ["about", "islands", "robots", "trails", "tags", "annotations", "asked", "closures", "sightings", "status", "meeting", "past"];
+const TOPICS = ["about", "islands", "robots", "trails", "tags", "annotations", "asked", "exploration", "closures", "sightings", "status",
+  "meeting", "past"];
 /** How long what is on the screen may stay while the next is loaded. */
 const PREPARE_MS = 3000;
 /** A click so near a robot is meant for it. */
@@ -47,9 +48,11 @@ class Page {
     this.tags = [];
     this.annotations = [];
     this.asked = [];
+    this.exploration = null; // nobody explores
     this.sightings = [];
     this.closures = [];
     this.meeting = null;
+    this.marked = null; // a closure
     this.names = [];
     this.status = null;
     this.next = null;
@@ -114,7 +117,7 @@ class Page {
       this.fit();
     };
     element("refine").onclick = () => this.order({ verb: "refine" });
-    for (const name of ["patches", "relations", "trails", "sightings", "tags", "annotations", "asked"]) {
+    for (const name of ["patches", "relations", "trails", "sightings", "tags", "annotations", "asked", "exploration", "closures"]) {
       const box = element(`show-${name}`);
       const take = () => {
         this.show[name] = box.checked;
@@ -155,6 +158,16 @@ class Page {
       },
       erase: ({ name }) => this.order({ verb: "erase", name }),
     };
+  }
+
+  /** Brings a closure into view, where it is on the map, and marks it. */
+  showClosure({ id, line: [island, x0, y0, x1, y1] }) {
+    const [east, north] = this.scene.offsets.get(island) ?? [NaN, NaN];
+    if (Number.isNaN(east)) return;
+    this.fits = false;
+    this.marked = id;
+    this.map.fitBounds([[y0 + north, x0 + east], [y1 + north, x1 + east]], { animate: false, padding: [160, 160], maxZoom: 1 });
+    this.overlay.redraw(true);
   }
 
   follow(name) {
@@ -277,11 +290,17 @@ const handlers = {
     page.asked = asked;
     page.overlay.redraw(true);
   },
+  exploration(exploration) {
+    page.exploration = exploration;
+    element("with-exploration").hidden = exploration === null;
+    page.overlay.redraw(true);
+  },
   past: () => page.history.list(),
   meeting: (meeting) => { page.meeting = meeting; },
   closures(closures) {
     page.closures = closures;
-    showClosures(closures, (order) => page.order(order));
+    showClosures(closures, (order) => page.order(order), (closure) => page.showClosure(closure));
+    page.overlay.redraw(true);
   },
   sightings(sightings) {
     page.sightings = sightings;

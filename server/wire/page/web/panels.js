@@ -2,6 +2,7 @@
 // button does not move away under the pointer.
 
 import { ofRobot } from "./colours.js";
+import { OF_ORDERS } from "./words.js";
 
 const element = (id) => document.getElementById(id);
 
@@ -74,8 +75,9 @@ export function showRobots(world, follow, order) {
     name.firstChild.style.setProperty("--colour", ofRobot(robot.name, world.names));
     row.className = world.followed === robot.name ? "followed" : "";
     const silent_s = world.status.time - robot.heard;
+    const told = world.exploration?.goals.find((goal) => goal.robot === robot.name);
     tell(figures, robot.heard === 0 ? "not heard yet" : silent_s > 5 ? `silent for ${Math.round(silent_s)} s`
-      : `${robot.scan_hz.toFixed(1)} scans/s, ${Math.round(100 * robot.matched)} % matched`);
+      : `${robot.scan_hz.toFixed(1)} scans/s, ${Math.round(100 * robot.matched)} % matched${told ? `; ${OF_ORDERS[told.reason]}` : ""}`);
     const verb = left_out.includes(robot.name) ? "allow" : "drop";
     act.firstChild.dataset.verb = verb;
     tell(act.firstChild, verb === "drop" ? "Drop" : "Allow");
@@ -130,25 +132,48 @@ function closureText(closure) {
   return words.join("; ");
 }
 
+const percent = (share) => `${(100 * share).toFixed(1)} %`;
+
+/** What came out where a closure was tried beside the map. */
+function trialText(trial) {
+  if (!trial) return "";
+  const words = [`${trial.supporters} propose it`];
+  if (trial.compared > 0) {
+    words.push(`${trial.matched} of ${trial.compared} patches along the border match`,
+      `${percent(trial.contradiction)} of hits lie in free space of the other side, ${percent(trial.own_contradiction)} in that of their own`);
+  }
+  if (trial.log_odds !== 0) words.push(`odds of e^${trial.log_odds.toFixed(1)} that it is no look-alike`);
+  return `On trial: ${words.join("; ")}. `;
+}
+
 /** What speaks for a closure, as the server has it now. */
-async function showEvidence(id, node) {
+async function showEvidence({ id, trial }, node) {
   const answer = await fetch(`preview?closure=${id}`);
   if (!answer.ok) return;
   const { sightings, relations, dependent } = await answer.json();
   const listed = (counts) => Object.entries(counts).map(([word, count]) => `${count} ${word}`).join(", ") || "none";
-  tell(node, `Sightings: ${listed(sightings)}. Relations on the map: ${listed(relations)}; made with its help: ${dependent}.`);
+  tell(node, `${trialText(trial)}Sightings: ${listed(sightings)}. Relations on the map: ${listed(relations)}; ` +
+    `made with its help: ${dependent}.`);
 }
 
-export function showClosures(closures, order) {
+/** `show`: brings one into view. */
+export function showClosures(closures, order, show) {
   element("no-closures").hidden = closures.length > 0;
-  const make = (closure) => {
+  const make = () => {
     const evidence = made("details", {}, made("summary", { textContent: "Evidence" }), made("p", { className: "more" }));
-    evidence.ontoggle = () => { if (evidence.open) showEvidence(closure.id, evidence.lastChild); };
+    const where = made("button", { type: "button", textContent: "Show" });
     return made("li", {}, made("div", { className: "head" }, made("span", { className: "what" }), made("span")),
-      made("div", { className: "more" }), made("div", { className: "acts" }), evidence);
+      made("div", { className: "more" }), made("div", { className: "acts" }, made("span", { className: "acts" }), where), evidence);
   };
   bring(element("closures"), closures, (closure) => closure.id, make, (row, closure) => {
-    const [head, more, acts] = row.children;
+    const [head, more, { firstChild: acts, lastChild: where }, evidence] = row.children;
+    where.hidden = !closure.line;
+    where.onclick = () => show(closure);
+    // Told anew while somebody reads it, as far as it is another.
+    const seen = `${closure.state} ${closure.relations} ${JSON.stringify(closure.trial)}`;
+    evidence.ontoggle = () => { if (evidence.open) showEvidence(closure, evidence.lastChild); };
+    if (evidence.open && evidence.dataset.seen !== seen) showEvidence(closure, evidence.lastChild);
+    evidence.dataset.seen = seen;
     tell(head.firstChild, `${closure.id} ${closure.kind} of ${closure.robots.join(", ")}`);
     head.lastChild.className = closure.state;
     tell(head.lastChild, closure.reason === "on_trial" ? "on trial" : closure.state);
@@ -173,11 +198,15 @@ export function showSightings(sightings) {
 const HISTORY = 120;
 const histories = { scans: [], latency: [] };
 
-function plot(canvas, values) {
+/** From 0 at the bottom to the largest, which is written at the top. */
+function plot(canvas, values, unit) {
   const context = canvas.getContext("2d");
   const { width, height } = canvas;
   const most = Math.max(...values, 1e-9);
   context.clearRect(0, 0, width, height);
+  context.fillStyle = "#5b6770";
+  context.font = "10px system-ui, 'DejaVu Sans', sans-serif";
+  context.fillText(`${most.toFixed(1)} ${unit}`, 3, 11);
   context.strokeStyle = "#0072b2";
   context.lineWidth = 1.5;
   context.beginPath();
@@ -192,10 +221,10 @@ function plot(canvas, values) {
 
 export function showRates(status) {
   const scans = status.robots.reduce((sum, robot) => sum + robot.scan_hz, 0);
-  for (const [name, value] of [["scans", scans], ["latency", status.latency_p99_ms]]) {
+  for (const [name, value, unit] of [["scans", scans, "/s"], ["latency", status.latency_p99_ms, "ms"]]) {
     histories[name].push(value);
     if (histories[name].length > HISTORY) histories[name].shift();
-    plot(element(`plot-${name}`), histories[name]);
+    plot(element(`plot-${name}`), histories[name], unit);
   }
   tell(element("rate-scans"), `${scans.toFixed(1)} scans/s of all robots, ${HISTORY / 60} minutes`);
   tell(element("rate-latency"), `${status.latency_p99_ms.toFixed(1)} ms: 99 % of events take less`);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <mutex>
+
 #include "isthmus/goal_t.hpp"
 #include "tests/support/box_room.hpp"
 #include "tests/support/ground_scenes.hpp"
@@ -58,6 +60,34 @@ TEST_F(GoalPublisherTest, TellsEachRobotItsGoalAndTheWayThere) {
   EXPECT_LT((one.goal.map_from_robot[0] - 2) * (other.goal.map_from_robot[0] - 2), 0);
 }
 
+TEST_F(GoalPublisherTest, WhoeverLooksIsShownTheTeamWithAllFrontiersAndNobodyOnceItIsSilent) {
+  std::mutex mutex;
+  std::vector<TeamGoals> shown;
+  const auto show = [&](TeamGoals team) {
+    const std::lock_guard lock(mutex);
+    shown.push_back(std::move(team));
+  };
+  const auto seen = [&](std::size_t count) {
+    const std::lock_guard lock(mutex);
+    return shown.size() >= count;
+  };
+  GoalLimits limits;
+  limits.silent = std::chrono::seconds(1);
+  GoalPublisher goals_of(published_.sink(), {true, 0.1, 0.5}, show, limits);
+  goals_of.note(pose_of("R1", 0.4));
+  goals_of.offer(corridor_map(), 7'000'000);
+  ASSERT_TRUE(happens([&] { return seen(1); }));
+  ASSERT_EQ(shown[0].goals.size(), 1U);
+  EXPECT_EQ(shown[0].goals[0].robot, "R1");
+  EXPECT_EQ(shown[0].goals[0].goal.map_from_robot[0], goals("R1").front().goal.map_from_robot[0]);
+  ASSERT_EQ(shown[0].frontiers.size(), 2U) << "at either end of what was seen";
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  goals_of.offer(corridor_map(), 17'000'000);
+  ASSERT_TRUE(happens([&] { return seen(2); }));
+  EXPECT_TRUE(shown[1].goals.empty());
+  EXPECT_TRUE(shown[1].frontiers.empty());
+}
+
 // It looks around where it stands first.
 TEST_F(GoalPublisherTest, ARobotTooLargeForTheMapIsToldThatNothingIsLeft) {
   GoalPublisher goals_of(published_.sink(), {true, 0.1, 0.5});
@@ -81,7 +111,7 @@ TEST_F(GoalPublisherTest, ARobotTooLargeForTheMapIsToldThatNothingIsLeft) {
 TEST_F(GoalPublisherTest, ARobotThatIsSilentForLongIsNotPlannedFor) {
   GoalLimits limits;
   limits.silent = std::chrono::seconds(0);
-  GoalPublisher goals_of(published_.sink(), {true, 0.1, 0.5}, limits);
+  GoalPublisher goals_of(published_.sink(), {true, 0.1, 0.5}, {}, limits);
   goals_of.note(pose_of("R1", 0.4));
   std::this_thread::sleep_for(std::chrono::milliseconds(2));
   goals_of.note_radius("R2", 0.2);

@@ -72,6 +72,31 @@ TEST(PageTexts, ClosuresComeNewestFirstWithTheirRelations) {
   EXPECT_EQ(closures[1].at("state"), "waiting");
 }
 
+TEST(PageTexts, AClosureIsDrawnWhereItsFirstRelationIsAndToldWithItsTrial) {
+  MapCopy map = map_of_islands({{{0, 0, 0}, {1, 0, 0}, {2, 3, 0}}});
+  for (const int end : {2, 1}) {
+    Relation relation = testing::odometry_between(0, end);
+    relation.origin = {OriginKind::propagation, ClosureId{1}, -1};
+    map.graph.add(relation);
+  }
+  map.closures.resize(2);
+  for (int i = 0; i < 2; ++i) map.closures[static_cast<std::size_t>(i)].id = ClosureId{i};
+  TrialAccount& trial = map.closures[1].account;
+  trial.supporters = 3;
+  trial.compared = 40;
+  trial.matched = 34;
+  trial.contradiction = 0.0123;
+  trial.revisit_log_odds = 5;
+  trial.fit_log_odds = -1.5;
+  const Json closures = Json::parse(closures_text(shown_of(map)));
+  EXPECT_EQ(closures[0].at("line"), Json::parse("[0, 0.0, 0.0, 2.0, 3.0]"));
+  EXPECT_EQ(closures[0].at("relations"), 2);
+  EXPECT_EQ(closures[0].at("trial"), Json::parse(R"({"supporters": 3, "compared": 40, "matched": 34,
+      "contradiction": 0.012, "own_contradiction": 0.0, "log_odds": 3.5})"));
+  EXPECT_TRUE(closures[1].at("line").is_null());
+  EXPECT_TRUE(closures[1].at("trial").is_null()) << "it has had none";
+}
+
 TEST(PageTexts, RobotsThatHaveNotBeenHeardAndThoseLeftOutAreToldToo) {
   MapCopy map = map_of_islands({{{0, 0, 0}}});
   map.left_out = {PatchId{0}};
