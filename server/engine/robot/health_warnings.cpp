@@ -37,6 +37,22 @@ std::string unit_of(double ratio, double near) {
   return "";
 }
 
+/// "90 s", "4 days".
+std::string lasting(double time_s) {
+  constexpr double minute_s = 60, hour_s = 3600, day_s = 86'400;
+  if (time_s < 5 * minute_s) return text("%.0f s", time_s);
+  if (time_s < 3 * hour_s) return text("%.0f minutes", time_s / minute_s);
+  return time_s < 3 * day_s ? text("%.0f hours", time_s / hour_s) : text("%.0f days", time_s / day_s);
+}
+
+/// What was refused of a robot, and why; empty where nothing was.
+std::string dropped_text(const std::map<DropReason, std::int64_t>& dropped) {
+  std::string why;
+  for (const auto& [reason, count] : dropped)
+    why += (why.empty() ? "; dropped: " : ", ") + std::string(word(reason)) + " " + std::to_string(count);
+  return why;
+}
+
 /// Collects the warnings of one robot.
 class Judge {
  public:
@@ -47,9 +63,10 @@ class Judge {
   std::vector<HealthWarning> judge(const std::map<DropReason, std::int64_t>& dropped) {
     judge_clock();
     if (laser_.range_max_m > 0) {
-      judge_presence(dropped);
-      judge_scans();
-      judge_motion();
+      const std::string refused = dropped_text(dropped);
+      judge_presence(refused);
+      judge_scans(refused);
+      if (f_.odometry_messages > 0) judge_motion();
     }
     return std::move(warnings_);
   }
@@ -63,26 +80,29 @@ class Judge {
     if (std::max(f_.odometry_messages, f_.scans) < o_.min_messages || !f_.clock_ahead_s) return;
     const double ahead_s = *f_.clock_ahead_s;
     if (ahead_s > o_.other_clock_s) {
-      warn("clock_ahead",
-           text("%s's clock is ahead by %.0f s: its sightings cannot be paired", name(), ahead_s));
+      warn("clock_ahead", text("%s's clock is ahead by %s: its sightings cannot be paired", name(),
+                               lasting(ahead_s).c_str()));
     } else if (ahead_s < -o_.other_clock_s) {
-      warn("clock_behind", text("%s's clock is behind by %.0f s, or all that it sent came so late: its "
+      warn("clock_behind", text("%s's clock is behind by %s, or all that it sent came so late: its "
                                 "sightings may not be paired",
-                                name(), -ahead_s));
+                                name(), lasting(-ahead_s).c_str()));
     }
   }
 
-  void judge_presence(const std::map<DropReason, std::int64_t>& dropped) {
-    std::string why;
-    for (const auto& [reason, count] : dropped)
-      why += (why.empty() ? "; dropped: " : ", ") + std::string(word(reason)) + " " + std::to_string(count);
+  void judge_presence(const std::string& refused) {
+    const auto why = [&](const char* suffix) {
+      return refused.empty() ? text(": none came on %s_%s, or the channel that is configured", name(), suffix)
+                             : refused;
+    };
     if (f_.scans == 0 && f_.odometry_messages >= o_.min_messages)
-      warn("no_scans", text("%s declares a laser and no scan of it was taken%s", name(), why.c_str()));
+      warn("no_scans",
+           text("%s declares a laser and no scan of it was taken%s", name(), why("SCAN").c_str()));
     if (f_.odometry_messages == 0 && f_.scans >= o_.min_messages)
-      warn("no_odometry", text("%s sends scans and no odometry of it was taken%s", name(), why.c_str()));
+      warn("no_odometry",
+           text("%s sends scans and no odometry of it was taken%s", name(), why("ODOMETRY").c_str()));
   }
 
-  void judge_scans() {
+  void judge_scans(const std::string& refused) {
     if (f_.scans < o_.min_messages) return;
     if (f_.max_beams < o_.min_beams) {
       warn("few_beams", f_.max_beams == 1 ? text("%s's scans have one beam", name())
@@ -93,9 +113,11 @@ class Judge {
     } else if (share(f_.scans_with_few_returns, f_.scans) > o_.mostly) {
       warn("few_returns", text("%.0f %% of %s's scans have too few returns to be matched",
                                100 * share(f_.scans_with_few_returns, f_.scans), name()));
-    } else if (share(f_.scans_matched, f_.scans_matched + f_.scans_unmatched) < o_.mostly) {
-      warn("few_matches", text("%.0f %% of %s's scans could be matched",
-                               100 * share(f_.scans_matched, f_.scans_matched + f_.scans_unmatched), name()));
+    } else if (f_.odometry_messages > 0 &&
+               share(f_.scans_matched, f_.scans_matched + f_.scans_unmatched) < o_.mostly) {
+      warn("few_matches", text("%.0f %% of %s's scans could be matched%s",
+                               100 * share(f_.scans_matched, f_.scans_matched + f_.scans_unmatched), name(),
+                               refused.c_str()));
     }
   }
 

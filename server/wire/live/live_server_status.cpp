@@ -17,6 +17,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// In another unit, any clock is years off.
+void forget_clock(const std::string& robot, std::vector<LiveWarning>& warnings) {
+  std::erase_if(warnings,
+                [&](const LiveWarning& one) { return one.robot == robot && one.kind.starts_with("clock_"); });
+}
+
 }  // namespace
 
 void LiveServer::publish_status_if_due() {
@@ -47,7 +53,10 @@ void LiveServer::update_warnings(const MapCopy& map, status_t& status) {
   std::vector<LiveWarning> now = health_warnings_of(map);
   for (LiveWarning& lost : warnings_of_lost(map_.engine.lost_robots())) now.push_back(std::move(lost));
   for (LiveWarning& lost : warnings_of_annotations(map.annotations)) now.push_back(std::move(lost));
-  for (LiveWarning& mistake : options_.mistakes->warnings()) now.push_back(std::move(mistake));
+  for (LiveWarning& mistake : options_.mistakes->warnings()) {
+    if (mistake.kind == word(Mistake::wrong_time_unit)) forget_clock(mistake.robot, now);
+    now.push_back(std::move(mistake));
+  }
   constexpr std::size_t patches_looked_at = 16;
   self_check_.look_at(map, patches_looked_at);
   for (LiveWarning& of_map : warnings_of_contradictions(self_check_.found(map)))

@@ -30,6 +30,9 @@ constexpr Rule rule_of(Mistake mistake) {
       return {3, 60s};  // sent every few seconds
     case Mistake::name_differs:
       return {2, 30s};
+    case Mistake::introduction_refused:
+    case Mistake::wrong_time_unit:
+      return {1, 30s};  // one is enough to tell
     default:
       return {5, 10s};
   }
@@ -38,6 +41,22 @@ constexpr Rule rule_of(Mistake mistake) {
 bool is_robots(Input input) {
   return input == Input::robot || input == Input::odometry || input == Input::scan ||
          input == Input::sighting;
+}
+
+/// What a channel of a robot carries.
+std::string type_of(Input input) {
+  if (input == Input::robot) return "isthmus.robot_t";
+  if (input == Input::odometry) return "bot_core.pose_t";
+  return input == Input::scan ? "bot_core.planar_lidar_t" : "isthmus.sighting_t";
+}
+
+/// Why an introduction is not taken.
+std::string why(DropReason reason, const robot_t& robot) {
+  if (reason == DropReason::barcode_taken)
+    return "another robot wears barcode " + std::to_string(robot.barcode) + " (barcode_taken)";
+  if (reason == DropReason::absurd_value) return "a value is beyond what is possible (absurd_value)";
+  if (reason == DropReason::not_finite) return "a value is no number (not_finite)";
+  return std::string(word(reason));
 }
 
 std::string plural(Input input) {
@@ -59,8 +78,12 @@ std::string sentence(Mistake mistake, const std::string& robot, const std::strin
   switch (mistake) {
     case Mistake::always_restarted:
       return robot + " says 'restarted' in every " + robot + "_ROBOT: each begins a new session; say it once";
+    case Mistake::another_type:
+      return detail + ", by its fingerprint, and is refused";
     case Mistake::barcode_of_nobody:
       return robot + " sees barcode " + detail + ", which no robot wears and no ISTHMUS_TAG declares";
+    case Mistake::introduction_refused:
+      return robot + "_ROBOT is refused, and all that it sends with it: " + detail;
     case Mistake::name_differs:
       return robot + "_ROBOT says that it is '" + detail + "': name and channel must be the same";
     case Mistake::not_introduced:
@@ -100,6 +123,9 @@ void Mistakes::note(const Channel& channel, std::span<const std::uint8_t> bytes,
   const std::lock_guard lock(mutex_);
   if (reason == DropReason::unknown_robot && channel.input != Input::robot)
     return add(Mistake::not_introduced, channel.robot, plural(channel.input));
+  if (reason == DropReason::bad_fingerprint)
+    return add(Mistake::another_type, channel.robot,
+               default_channel(channel.input, channel.robot) + " is no " + type_of(channel.input));
   if (!is_readable(reason)) return;  // from here on the bytes are those of the channel's type
   note_stamp(channel, read_int64(bytes.subspan(stamp_at)), utime);
   if (channel.input == Input::robot) return note_introduction(channel, bytes, reason);
@@ -115,11 +141,13 @@ void Mistakes::note_stamp(const Channel& channel, std::int64_t stamp, std::int64
 
 void Mistakes::note_introduction(const Channel& channel, std::span<const std::uint8_t> bytes,
                                  DropReason reason) {
-  if (reason != DropReason::none && reason != DropReason::bad_name) return;
   robot_t robot;
   const int size = static_cast<int>(bytes.size());
   if (robot.decode(bytes.data(), 0, size) != size) return;
   if (reason == DropReason::bad_name) return add(Mistake::name_differs, channel.robot, robot.name);
+  if (reason != DropReason::none)
+    return add(Mistake::introduction_refused, channel.robot, why(reason, robot));
+  found_.erase({Mistake::introduction_refused, channel.robot});
   if (robot.restarted)
     add(Mistake::always_restarted, channel.robot);
   else
@@ -152,6 +180,15 @@ void Mistakes::add(Mistake mistake, const std::string& robot, const std::string&
   found.detail = detail;
 }
 
+/// Whether another mistake brings this one about: it is none of its own, then.
+bool Mistakes::has_cause(Mistake mistake, const std::string& robot) const {
+  const auto made = [&](Mistake cause) { return found_.contains({cause, robot}); };
+  if (mistake == Mistake::introduction_refused) return made(Mistake::wrong_time_unit);
+  return mistake == Mistake::not_introduced &&
+         (made(Mistake::name_differs) || made(Mistake::introduction_refused) ||
+          made(Mistake::wrong_time_unit) || made(Mistake::another_type));
+}
+
 std::vector<LiveWarning> Mistakes::warnings() {
   const std::lock_guard lock(mutex_);
   const Clock::time_point now = now_();
@@ -160,8 +197,7 @@ std::vector<LiveWarning> Mistakes::warnings() {
   std::vector<LiveWarning> warnings;
   for (const auto& [key, found] : found_) {
     const auto& [mistake, robot] = key;
-    // What is refused because of a wrong name is not another mistake.
-    if (mistake == Mistake::not_introduced && found_.contains({Mistake::name_differs, robot})) continue;
+    if (has_cause(mistake, robot)) continue;
     if (found.messages >= rule_of(mistake).messages)
       warnings.push_back({std::string(word(mistake)), robot, sentence(mistake, robot, found.detail), 0});
   }

@@ -21,21 +21,25 @@ namespace isthmus {
 
 /// What those who connect a robot commonly get wrong, and what their robot's messages tell of it.
 enum class Mistake : std::uint8_t {
-  always_restarted,     ///< each robot_t says so, and each begins a new session
-  barcode_of_nobody,    ///< it is seen, but nobody wears it and no tag has it
-  name_differs,         ///< robot_t.name is another than the channel's
-  not_introduced,       ///< scans, and no robot_t before them
-  other_server,         ///< on the same network
-  scans_without_laser,  ///< range_max_m = 0 says that there is none
-  signed_without_keys,  ///< envelopes, and the configuration has no keys
-  not_signed,           ///< the configuration has keys, and no envelopes come
-  wrong_time_unit,      ///< stamps are not in microseconds
+  always_restarted,      ///< each robot_t says so, and each begins a new session
+  another_type,          ///< a channel carries another type than its own
+  barcode_of_nobody,     ///< it is seen, but nobody wears it and no tag has it
+  introduction_refused,  ///< no robot_t of it was taken, for another reason than its name
+  name_differs,          ///< robot_t.name is another than the channel's
+  not_introduced,        ///< scans, and no robot_t before them
+  other_server,          ///< on the same network
+  scans_without_laser,   ///< range_max_m = 0 says that there is none
+  signed_without_keys,   ///< envelopes, and the configuration has no keys
+  not_signed,            ///< the configuration has keys, and no envelopes come
+  wrong_time_unit,       ///< stamps are not in microseconds
 };
 
 template <>
 inline constexpr auto words_of<Mistake> = std::to_array<std::string_view>({
     "always_restarted",
+    "another_type",
     "barcode_of_nobody",
+    "introduction_refused",
     "name_differs",
     "not_introduced",
     "other_server",
@@ -76,6 +80,7 @@ class Mistakes {
   };
 
   void add(Mistake mistake, const std::string& robot, const std::string& detail = "");
+  bool has_cause(Mistake mistake, const std::string& robot) const;
   void note_stamp(const Channel& channel, std::int64_t stamp, std::int64_t utime);
   void note_introduction(const Channel& channel, std::span<const std::uint8_t> bytes, DropReason reason);
 

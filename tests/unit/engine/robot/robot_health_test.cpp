@@ -67,6 +67,29 @@ TEST(RobotHealth, AClockOfAnotherTimeIsTold) {
 }
 
 // What comes late out of a radio shadow says nothing of the clock.
+TEST(RobotHealth, HowFarAClockIsOffIsToldInAUnitThatOneCanRead) {
+  const auto told = [](double ahead_s) {
+    return health_warnings("R1", laser_of_30_m, with_clock_ahead(ahead_s).figures({}), {}, {})[0].text;
+  };
+  EXPECT_EQ(told(3600), "R1's clock is ahead by 60 minutes: its sightings cannot be paired");
+  EXPECT_EQ(told(-95'557'795),
+            "R1's clock is behind by 1106 days, or all that it sent came so late: its "
+            "sightings may not be paired");
+}
+
+// Nothing of it can be matched, and its odometry does not stand still: it is not there.
+TEST(RobotHealth, WhoseOdometryIsRefusedHasThatWarningAlone) {
+  RobotHealth health;
+  for (int i = 0; i < 200; ++i) {
+    health.heard_scan(scan_with(181, static_cast<std::size_t>(60 + i % 120)), laser_of_30_m, {}, {});
+    health.unmatched();
+  }
+  const auto warnings =
+      health_warnings("R1", laser_of_30_m, health.figures({}), {{DropReason::absurd_value, 20}}, {});
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].text, "R1 sends scans and no odometry of it was taken; dropped: absurd_value 20");
+}
+
 TEST(RobotHealth, DataThatComesLateIsNoClockBehind) { EXPECT_EQ(keys(with_clock_ahead(0)), Keys{}); }
 
 TEST(RobotHealth, OdometryThatAgreesWarnsOfNothing) {

@@ -146,7 +146,39 @@ TEST(Mistakes, ThatAreNoMessagesAreNotRead) {
     server.mistakes.note(*find_channel({}, "R1_ROBOT"), {}, DropReason::bad_fingerprint, now_utime);
     server.mistakes.note(*find_channel({}, "ISTHMUS_TAG"), {}, DropReason::absurd_value, now_utime);
   }
-  EXPECT_EQ(server.told(), Lines{});
+  EXPECT_EQ(server.told(),
+            Lines{"another_type R1: R1_ROBOT is no isthmus.robot_t, by its fingerprint, and is refused"});
+}
+
+TEST(Mistakes, AnIntroductionThatIsRefusedIsToldWithWhyAndNotAsIfNoneHadCome) {
+  Server server;
+  server.take(introduction(false), 1, DropReason::barcode_taken);
+  server.take(scan(), 9, DropReason::unknown_robot);
+  EXPECT_EQ(server.told(),
+            Lines{"introduction_refused R1: R1_ROBOT is refused, and all that it sends with it: "
+                  "another robot wears barcode -1 (barcode_taken)"});
+  server.take(introduction(false), 1);
+  EXPECT_EQ(server.told().size(), 1U);
+  EXPECT_TRUE(server.told()[0].starts_with("not_introduced")) << "until the next scans are taken";
+}
+
+TEST(Mistakes, AnIntroductionThatIsRefusedForItsTimeUnitIsOneMistake) {
+  Server server;
+  RobotEvent robot;
+  robot.robot = "R1";
+  robot.utime = now_utime * 1000;
+  server.take({now_utime, robot}, 1, DropReason::absurd_value);
+  server.take(scan(), 9, DropReason::unknown_robot);
+  EXPECT_EQ(server.told(),
+            Lines{"wrong_time_unit R1: R1's stamps seem to be in nanoseconds: they must be in microseconds"});
+}
+
+TEST(Mistakes, ScansOfAnotherTypeAreToldWithTheTypeThatTheyMustBe) {
+  Server server;
+  server.take(scan(), 5, DropReason::bad_fingerprint);
+  EXPECT_EQ(
+      server.told(),
+      Lines{"another_type R1: R1_SCAN is no bot_core.planar_lidar_t, by its fingerprint, and is refused"});
 }
 
 TEST(Mistakes, AreABoundedNumber) {
