@@ -89,6 +89,9 @@ class Map:
             yield "annotations", [{"kind": "keep_out", "name": f"zone {i}", "max_speed": 0, "island": 0, "moved": 0, "lost": False,
                                    "points": [[40 * i, 40, 0], [40 * i + 20, 40, 0], [40 * i + 20, 80, 0], [40 * i, 80, 0]]}
                                   for i in range(9)]
+            yield "closures", [{"id": i, "kind": "merge" if i % 9 == 0 else "closure", "state": "accepted", "reason": "", "robots": ["R1"], "patches": 9,
+                                "steps": 9, "relations": 9, "trial": None, "start": 0, "end": 1,
+                                "line": [0, *self.position(31 * i % self.patches), *self.position(57 * i % self.patches)]} for i in range(300)]
             share = self.patches // len(self.robots)
             yield "trails", {name: [[0, *self.position(i * share + j)] for j in range(share)] for i, name in enumerate(self.robots)}
         robots = []
@@ -96,6 +99,12 @@ class Map:
             x, y = self.position((i * self.patches // len(self.robots) + step) % self.patches)
             robots.append({"name": name, "time": 0, "matched": True, "at": [0, x, y, 0.1 * step]})
         yield "robots", robots
+        if step % 5 == 0:  # with each status
+            ahead = [[self.position((i * self.patches // len(self.robots) + step + j) % self.patches) for j in range(40)]
+                     for i in range(len(self.robots))]
+            yield "exploration", {"goals": [{"robot": name, "reason": "frontier", "island": 0, "gain": 9, "goal": [*ahead[i][-1], 0], "way": ahead[i]}
+                                            for i, name in enumerate(self.robots)],
+                                  "frontiers": [[0, *self.position(160 * i % self.patches), i, 12] for i in range(60)]}
 
 
 def pack(kind, values):

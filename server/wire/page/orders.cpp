@@ -64,7 +64,9 @@ ParsedOrder parse_annotation(const Json& json, AnnotationKind kind) {
   const Json points = json.value("points", Json::array());
   if (!name.is_string() || !replace.is_boolean() || !speed.is_number() || !yaw.is_number() ||
       !points.is_array() || points.size() > max_annotation_points)
-    return {{}, "name, replace, max_speed, yaw or points are none"};
+    return {{},
+            "name must be text, replace true or false, max_speed and yaw numbers, points at most " +
+                std::to_string(max_annotation_points)};
   order.name = name.get<std::string>();
   order.replace = replace.get<bool>();
   order.max_speed_m_s = speed.get<double>();

@@ -47,6 +47,12 @@ RequestOrigin origin_of(const Request& request) {
           request.get_header_value("Cookie"), request.get_header_value("Authorization")};
 }
 
+/// Whether what is posted is no larger than it says: httplib puts no bound to what comes in chunks, nor to
+/// what a few compressed bytes are inflated to.
+bool is_bounded(const Request& request) {
+  return !request.has_header("Transfer-Encoding") && !request.has_header("Content-Encoding");
+}
+
 /// The pool as httplib has it.
 class Tasks : public httplib::TaskQueue {
  public:
@@ -136,8 +142,13 @@ class PageServer::Site {
   bool route(const Request& request, Response& response) {
     const RequestOrigin origin = origin_of(request);
     if (request.method == "POST" && request.path == "/command") {
-      if (access_.may_order(origin)) return false;
-      refuse(response, 403, "not from here");
+      const bool is_allowed = access_.may_order(origin);
+      if (is_allowed && is_bounded(request)) return false;
+      if (is_allowed) {
+        refuse(response, 411, "an order is sent with its length, and as it is");
+      } else {
+        refuse(response, 403, "not from here");
+      }
       return true;
     }
     response.status = 200;

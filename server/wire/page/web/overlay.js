@@ -14,6 +14,8 @@ const HEADING_SCALE = 6;
 const LEAST_STEP = 3;
 /** Patches and relations that are drawn at a time. */
 const PIECE = 256;
+/** Closures, with their numbers. */
+const PIECE_OF_LABELS = 16;
 
 export const Overlay = L.Layer.extend({
   initialize(world) {
@@ -121,11 +123,14 @@ export const Overlay = L.Layer.extend({
   * drawClosures({ context, place }) {
     context.font = FONT;
     const taken = []; // boxes of numbers
-    for (const { id, kind, line } of this.world.closures) {
+    let drawn = 0;
+    const { closures, marked } = this.world;
+    const inOrder = [...closures.filter(({ id }) => id === marked), ...closures.filter(({ id }) => id !== marked)];
+    for (const { id, kind, line } of inOrder) {
       const at = line && place(line[0]);
       if (!at) continue;
       const [[x0, y0], [x1, y1]] = [at(line[1], line[2]), at(line[3], line[4])];
-      const isMarked = id === this.world.marked;
+      const isMarked = id === marked;
       context.strokeStyle = context.fillStyle = OF_CLOSURES;
       context.lineWidth = (kind === "merge" ? 3 : 1.5) + (isMarked ? 2 : 0);
       context.setLineDash(kind === "merge" ? [] : [6, 4]);
@@ -140,9 +145,9 @@ export const Overlay = L.Layer.extend({
       const [x, y, text] = [(x0 + x1) / 2 + 6, (y0 + y1) / 2 - 5, `${kind} ${id}`];
       const right = x + context.measureText(text).width;
       const isFree = taken.every((box) => right < box[0] || x > box[1] || Math.abs(y - box[2]) > 13);
-      if (isMarked || isFree) label(context, text, x, y, OF_CLOSURES, isMarked);
+      if (isFree) label(context, text, x, y, OF_CLOSURES, isMarked);
       if (isFree) taken.push([x, right, y]);
-      yield;
+      if (++drawn % PIECE_OF_LABELS === 0) yield;
     }
   },
 

@@ -260,6 +260,33 @@ TEST(PageServer, AnOrderIsAnsweredWithWhatBecameOfIt) {
             403);
 }
 
+// Neither chunks nor what is compressed has an end that is known before it is in memory.
+TEST(PageServer, AnOrderWhoseLengthIsNotKnownIsRefusedBeforeItIsRead) {
+  const PageServer page({}, takes_nothing);
+  httplib::Client client = client_of(page);
+  std::size_t sent = 0;
+  const auto chunks = client.Post(
+      "/command",
+      [&](std::size_t, httplib::DataSink& sink) {
+        const std::string chunk(65'536, 'a');
+        sent += chunk.size();
+        const bool goes_on = sink.write(chunk.data(), chunk.size());
+        if (sent > 100'000'000) sink.done();
+        return goes_on;
+      },
+      "application/json");
+  EXPECT_LT(sent, 100'000'000U) << "the server did not wait for the end";
+  EXPECT_TRUE(!chunks || chunks->status == 411);
+  httplib::Client other = client_of(page);
+  const httplib::Headers deflated = {{"Content-Encoding", "gzip"}};
+  EXPECT_EQ(other.Post("/command", deflated, "bytes", "application/json")->status, 411);
+  EXPECT_EQ(other
+                .Post("/command", {{"Origin", "http://evil.example"}, {"Content-Encoding", "gzip"}}, "bytes",
+                      "application/json")
+                ->status,
+            403);
+}
+
 TEST(PageServer, WhereKeysAreConfiguredOrdersMustBeSigned) {
   PageOptions options;
   options.orders_signed = true;
