@@ -16,6 +16,9 @@ namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
 
+/// Of a point of two dimensions, 95 % lie in the ellipse of so many: what pictures draw.
+constexpr double sigmas_of_both_axes = 2.4477;
+
 [[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...) {
   std::array<char, 256> text{};
   std::va_list arguments;
@@ -59,8 +62,8 @@ std::string confidence_text(const RelationGraph& graph, std::span<const Pose> po
       print("  pose   x %.4f m, y %.4f m, yaw %.3f deg\n", a_from_b.x, a_from_b.y, degrees * a_from_b.yaw);
   text += print("  sigma  x %.4f m, y %.4f m, yaw %.3f deg\n", std::sqrt(c(0, 0)), std::sqrt(c(1, 1)),
                 degrees * yaw_sigma_rad);
-  text += print("  95 %%   %.4f m along the longer axis, %.3f deg\n", 1.96 * longer_axis_m,
-                1.96 * degrees * yaw_sigma_rad);
+  text += print("  95 %%   %.4f m along the longer axis, %.3f deg; both axes at once %.4f m\n",
+                1.96 * longer_axis_m, 1.96 * degrees * yaw_sigma_rad, sigmas_of_both_axes * longer_axis_m);
   text += "  covariance (m, rad)\n";
   for (int row = 0; row < 3; ++row)
     text += print("  %12.5e %12.5e %12.5e\n", c(row, 0), c(row, 1), c(row, 2));

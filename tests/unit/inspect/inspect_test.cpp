@@ -78,7 +78,9 @@ TEST(Confidence, IsThatOfTheChainInTheFirstPatchsFrame) {
   EXPECT_NE(text.find("patch 1 relative to patch 0"), std::string::npos) << text;
   EXPECT_NE(text.find("pose   x 1.0000 m, y 0.0000 m, yaw 90.000 deg"), std::string::npos) << text;
   EXPECT_NE(text.find("sigma  x 0.0500 m, y 0.1000 m, yaw 1.910 deg"), std::string::npos) << text;
-  EXPECT_NE(text.find("95 %   0.1960 m along the longer axis, 3.743 deg"), std::string::npos) << text;
+  EXPECT_NE(text.find("95 %   0.1960 m along the longer axis, 3.743 deg; both axes at once 0.2448 m"),
+            std::string::npos)
+      << text;
 }
 
 TEST(Confidence, WhatCannotBeAnsweredIsSaid) {
