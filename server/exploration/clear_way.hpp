@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "server/paths/roadmap.hpp"
+#include "server/paths/roads/roadmap.hpp"
 
 namespace isthmus {
 

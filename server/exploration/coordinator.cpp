@@ -8,7 +8,7 @@
 
 #include "server/exploration/clear_way.hpp"
 #include "server/exploration/timed_way.hpp"
-#include "server/paths/relative_pose.hpp"
+#include "server/paths/questions/relative_pose.hpp"
 
 namespace isthmus {
 namespace {

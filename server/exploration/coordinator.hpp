@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/paths/planner.hpp"
+#include "server/paths/questions/planner.hpp"
 
 namespace isthmus {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "server/paths/relative_pose.hpp"
+#include "server/paths/questions/relative_pose.hpp"
 
 namespace isthmus {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "server/exploration/routes.hpp"
-#include "server/paths/relative_pose.hpp"
-#include "server/paths/route.hpp"
+#include "server/paths/questions/relative_pose.hpp"
+#include "server/paths/roads/route.hpp"
 
 namespace isthmus {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "server/paths/frontiers.hpp"
-#include "server/paths/planner.hpp"
+#include "server/paths/questions/frontiers.hpp"
+#include "server/paths/questions/planner.hpp"
 
 namespace isthmus {
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "server/output/tables/annotation_table.hpp"
-#include "server/paths/planner.hpp"
+#include "server/paths/questions/planner.hpp"
 #include "server/wire/message/message.hpp"
 #include "tests/scenario/event_sequences.hpp"
 

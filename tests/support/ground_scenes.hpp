@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/engine/record/map_copy.hpp"
-#include "server/paths/roadmap.hpp"
+#include "server/paths/roads/roadmap.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus::testing {

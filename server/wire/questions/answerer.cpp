@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "server/engine/annotations/annotations.hpp"
-#include "server/paths/frontiers.hpp"
-#include "server/paths/relative_pose.hpp"
+#include "server/paths/questions/frontiers.hpp"
+#include "server/paths/questions/relative_pose.hpp"
 #include "server/wire/message/path_pose.hpp"
 
 namespace isthmus {

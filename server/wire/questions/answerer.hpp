@@ -8,8 +8,8 @@
 #include "isthmus/reply_t.hpp"
 #include "server/engine/record/map_copy.hpp"
 #include "server/engine/robot/robot_pose.hpp"
-#include "server/paths/driven_ways.hpp"
-#include "server/paths/planner.hpp"
+#include "server/paths/questions/driven_ways.hpp"
+#include "server/paths/questions/planner.hpp"
 #include "server/wire/questions/map_versions.hpp"
 #include "server/wire/questions/question.hpp"
 

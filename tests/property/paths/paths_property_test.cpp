@@ -5,11 +5,11 @@
 #include <numbers>
 #include <optional>
 
-#include "server/paths/cell_line.hpp"
-#include "server/paths/ground_keeper.hpp"
-#include "server/paths/pull.hpp"
-#include "server/paths/relative_pose.hpp"
-#include "server/paths/route.hpp"
+#include "server/paths/ground/cell_line.hpp"
+#include "server/paths/ground/ground_keeper.hpp"
+#include "server/paths/questions/relative_pose.hpp"
+#include "server/paths/roads/pull.hpp"
+#include "server/paths/roads/route.hpp"
 #include "tests/support/ground_scenes.hpp"
 
 namespace isthmus {

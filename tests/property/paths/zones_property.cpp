@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "server/paths/planner.hpp"
-#include "server/paths/zones.hpp"
+#include "server/paths/ground/zones.hpp"
+#include "server/paths/questions/planner.hpp"
 #include "tests/support/ground_scenes.hpp"
 #include "tests/support/zones.hpp"
 

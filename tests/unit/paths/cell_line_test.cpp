@@ -1,4 +1,4 @@
-#include "server/paths/cell_line.hpp"
+#include "server/paths/ground/cell_line.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/paths/driven_ways.hpp"
+#include "server/paths/questions/driven_ways.hpp"
 
 #include <gtest/gtest.h>
 

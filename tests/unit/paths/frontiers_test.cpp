@@ -1,4 +1,4 @@
-#include "server/paths/frontiers.hpp"
+#include "server/paths/questions/frontiers.hpp"
 
 #include <gtest/gtest.h>
 

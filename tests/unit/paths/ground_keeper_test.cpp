@@ -1,4 +1,4 @@
-#include "server/paths/ground_keeper.hpp"
+#include "server/paths/ground/ground_keeper.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "server/paths/ground.hpp"
+#include "server/paths/ground/ground.hpp"
 
 #include <gtest/gtest.h>
 
-#include "server/paths/ground_keeper.hpp"
+#include "server/paths/ground/ground_keeper.hpp"
 #include "tests/support/ground_scenes.hpp"
 
 namespace isthmus {

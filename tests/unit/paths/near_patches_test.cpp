@@ -1,4 +1,4 @@
-#include "server/paths/near_patches.hpp"
+#include "server/paths/ground/near_patches.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/paths/patch_raster.hpp"
+#include "server/paths/ground/patch_raster.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/paths/planner.hpp"
+#include "server/paths/questions/planner.hpp"
 
 #include <gtest/gtest.h>
 

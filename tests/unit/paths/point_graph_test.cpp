@@ -1,4 +1,4 @@
-#include "server/paths/point_graph.hpp"
+#include "server/paths/roads/point_graph.hpp"
 
 #include <gtest/gtest.h>
 

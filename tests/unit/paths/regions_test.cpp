@@ -1,11 +1,11 @@
-#include "server/paths/regions.hpp"
+#include "server/paths/roads/regions.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "server/paths/roadmap.hpp"
-#include "server/paths/route.hpp"
+#include "server/paths/roads/roadmap.hpp"
+#include "server/paths/roads/route.hpp"
 #include "tests/support/ground_scenes.hpp"
 
 namespace isthmus {

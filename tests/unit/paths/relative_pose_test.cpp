@@ -1,4 +1,4 @@
-#include "server/paths/relative_pose.hpp"
+#include "server/paths/questions/relative_pose.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "server/paths/roadmap.hpp"
+#include "server/paths/roads/roadmap.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "server/paths/ground_keeper.hpp"
-#include "server/paths/pull.hpp"
-#include "server/paths/route.hpp"
+#include "server/paths/ground/ground_keeper.hpp"
+#include "server/paths/roads/pull.hpp"
+#include "server/paths/roads/route.hpp"
 #include "tests/support/ground_scenes.hpp"
 
 namespace isthmus {

@@ -1,11 +1,11 @@
-#include "server/paths/zones.hpp"
+#include "server/paths/ground/zones.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "server/paths/driven_ways.hpp"
-#include "server/paths/planner.hpp"
+#include "server/paths/questions/driven_ways.hpp"
+#include "server/paths/questions/planner.hpp"
 #include "tests/support/ground_scenes.hpp"
 #include "tests/support/zones.hpp"
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "server/paths/relative_pose.hpp"
+#include "server/paths/questions/relative_pose.hpp"
 #include "tools/evaluate/alignment.hpp"
 #include "tools/simulate/live/reachable_ground.hpp"
 #include "tools/simulate/live/served_team.hpp"

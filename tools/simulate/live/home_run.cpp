@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "server/paths/driven_ways.hpp"
+#include "server/paths/questions/driven_ways.hpp"
 #include "tools/simulate/live/served_team.hpp"
 
 namespace isthmus {

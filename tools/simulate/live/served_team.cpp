@@ -4,7 +4,7 @@
 #include <set>
 #include <utility>
 
-#include "server/paths/relative_pose.hpp"
+#include "server/paths/questions/relative_pose.hpp"
 
 namespace isthmus {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "server/output/grid/grid.hpp"
-#include "server/paths/cell.hpp"
-#include "server/paths/roadmap.hpp"
+#include "server/paths/ground/cell.hpp"
+#include "server/paths/roads/roadmap.hpp"
 
 namespace isthmus {
 

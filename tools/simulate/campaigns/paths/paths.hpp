@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/paths/planner.hpp"
+#include "server/paths/questions/planner.hpp"
 #include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/run/simulation.hpp"
 
