@@ -1,6 +1,7 @@
 #include "server/client/ask.hpp"
 
 #include <chrono>
+#include <deque>
 #include <lcm/lcm-cpp.hpp>
 #include <span>
 #include <stdexcept>
@@ -32,6 +33,9 @@ constexpr std::array reply_members = {number,
                                       name,
                                       fixed(1),
                                       name,
+                                      integer,
+                                      name,
+                                      fixed(1),
                                       number,
                                       integer,
                                       integer,
@@ -49,19 +53,31 @@ std::int64_t wall_clock_utime() {
   return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
 }
 
-/// Listens for the reply to one question, as long as it exists.
+/// Hears the replies to one question, as long as it exists.
 class Listener {
  public:
   Listener(lcm_t* link, const request_t& request) : link_(link), request_(request) {
     subscription_ = lcm_subscribe(link_, reply_channel, note, this);
+    lcm_subscription_set_queue_capacity(subscription_, max_waiting);
   }
   ~Listener() { lcm_unsubscribe(link_, subscription_); }
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
-  std::optional<reply_t> reply;
+  /// The next that was heard; nothing where there is none until a time. Other messages that come are handled.
+  std::optional<reply_t> next(lcm::LCM& lcm, Clock::time_point end) {
+    while (heard_.empty()) {
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
+      if (left <= 0 || lcm.handleTimeout(static_cast<int>(left)) <= 0) return std::nullopt;
+    }
+    std::optional<reply_t> reply = std::move(heard_.front());
+    heard_.pop_front();
+    return reply;
+  }
 
  private:
+  static constexpr int max_waiting = 100;
+
   static void note(const lcm_recv_buf_t* buffer, const char*, void* self) noexcept {
     const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
     if (check_bytes(reply_t::getHash(), reply_members, bytes) != DropReason::none) return;
@@ -72,13 +88,32 @@ class Listener {
     const request_t& request = listener.request_;
     if (reply.asker == request.asker && reply.request_id == request.id &&
         reply.request_utime == request.utime)
-      listener.reply = std::move(reply);
+      listener.heard_.push_back(std::move(reply));
   }
 
   lcm_t* link_;
   const request_t& request_;
   lcm_subscription_t* subscription_ = nullptr;
+  std::deque<reply_t> heard_;
 };
+
+void set_time(request_t& request) {
+  request.utime = wall_clock_utime();
+  if (request.id == 0) request.id = request.utime;
+}
+
+/// Publishes a question. The clock counts signatures on from one to the next, in whatever process.
+void publish(lcm::LCM& lcm, const request_t& request, const std::optional<QuestionKey>& key) {
+  Message message{request.utime, request_channel, encoded(request)};
+  if (key) message = seal(key->key, key->name, request.utime, message);
+  const auto size = static_cast<unsigned>(message.bytes.size());
+  if (lcm.publish(message.channel, message.bytes.data(), size) != 0)
+    throw std::runtime_error("the network refused the message");
+}
+
+Clock::time_point in_s(double seconds) {
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
 
 }  // namespace
 
@@ -96,22 +131,29 @@ request_t question(const std::string& kind, const std::string& asker, const std:
 }
 
 std::optional<reply_t> ask(lcm::LCM& lcm, request_t request, const std::optional<QuestionKey>& key) {
-  request.utime = wall_clock_utime();
-  if (request.id == 0) request.id = request.utime;
+  set_time(request);
   Listener listener(lcm.getUnderlyingLCM(), request);
-  Message message{request.utime, request_channel, encoded(request)};
-  // The clock counts on from one question to the next, in whatever process.
-  if (key) message = seal(key->key, key->name, request.utime, message);
-  const auto size = static_cast<unsigned>(message.bytes.size());
-  if (lcm.publish(message.channel, message.bytes.data(), size) != 0)
-    throw std::runtime_error("the network refused the message");
-  const std::chrono::duration<double> wait(request.timeout_s);
-  const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(wait);
-  while (!listener.reply) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
-    if (left <= 0 || lcm.handleTimeout(static_cast<int>(left)) <= 0) break;
+  publish(lcm, request, key);
+  return listener.next(lcm, in_s(request.timeout_s));
+}
+
+bool follow(lcm::LCM& lcm, request_t request, const std::function<bool(const reply_t&)>& tell,
+            const std::optional<QuestionKey>& key) {
+  set_time(request);
+  Listener listener(lcm.getUnderlyingLCM(), request);
+  publish(lcm, request, key);
+  const Clock::time_point end = in_s(request.follow_s + request.timeout_s);
+  for (bool is_first = true;; is_first = false) {
+    const auto reply = listener.next(lcm, is_first ? in_s(request.timeout_s) : end);
+    if (!reply) return false;
+    const bool goes_on = tell(*reply);
+    if (!reply->followed) return true;
+    if (goes_on) continue;
+    request.follow_s = 0;  // the same id again: it is followed no more
+    request.utime = wall_clock_utime();
+    publish(lcm, request, key);
+    return true;
   }
-  return std::move(listener.reply);
 }
 
 }  // namespace isthmus

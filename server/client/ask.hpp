@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -29,5 +30,11 @@ request_t question(const std::string& kind, const std::string& asker, const std:
 /// is 0. Other messages that come meanwhile are handled. Throws std::runtime_error where the network does not
 /// take the message.
 std::optional<reply_t> ask(lcm::LCM& lcm, request_t request, const std::optional<QuestionKey>& key = {});
+
+/// Asks for a path, and is told what becomes of it for `follow_s` of the request: `tell` gets the answer and
+/// each update until it says false, or the last has come. Whether it ended so; false where the server was not
+/// heard in time. Else as `ask`.
+bool follow(lcm::LCM& lcm, request_t request, const std::function<bool(const reply_t&)>& tell,
+            const std::optional<QuestionKey>& key = {});
 
 }  // namespace isthmus

@@ -22,5 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   answerer.update(std::make_shared<const MapCopy>(), 1);
   const reply_t reply = answerer.answer(*reading.question, {}, {});
   if ((reply.done != 0) != reply.reason.empty()) std::abort();
+  const bool is_way = reading.question->kind == QuestionKind::path;
+  if (is_way && answerer.update_of(*reading.question, reply, {}, {})) std::abort();  // nothing has changed
   return 0;
 }

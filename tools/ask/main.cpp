@@ -9,6 +9,7 @@
 #include "server/client/ask.hpp"
 #include "server/program/command_line.hpp"
 #include "server/program/finite_number.hpp"
+#include "server/wire/questions/question.hpp"
 #include "tools/ask/reply_text.hpp"
 #include "tools/command/send.hpp"
 
@@ -49,6 +50,13 @@ void add_footprint(CLI::App& command, request_t& request) {
       ->capture_default_str();
 }
 
+void add_follow(CLI::App& command, request_t& request) {
+  command
+      .add_option("--follow", request.follow_s,
+                  "so many seconds: prints also what becomes of it, until the robot is there")
+      ->check(finite_number & CLI::Range(0.0, max_follow_s));
+}
+
 CLI::App& add_kind(CLI::App& app, request_t& request, const char* kind, const char* help, bool of_a_robot) {
   CLI::App* command = app.add_subcommand(kind, help);
   if (of_a_robot) command->add_option("ROBOT", request.robot, "from where it is")->required();
@@ -60,16 +68,27 @@ void add_kinds(CLI::App& app, request_t& request) {
   CLI::App& path = add_kind(app, request, "path", "a way for a robot", true);
   add_target(path, request);
   add_footprint(path, request);
+  add_follow(path, request);
   add_target(add_kind(app, request, "relative_pose", "where something is as seen from a robot", true),
              request);
-  add_kind(app, request, "retro_traverse", "a robot's own way back", true)
-      .add_option("--since", request.since,
+  CLI::App& back = add_kind(app, request, "retro_traverse", "a robot's own way back", true);
+  add_follow(back, request);
+  back.add_option("--since", request.since,
                   "to where it was at this time, its clock, microseconds; 0: its start");
   add_footprint(add_kind(app, request, "frontiers", "free ground that borders on the unseen", true), request);
   add_kind(app, request, "map_version", "which map this is", false);
   add_kind(app, request, "changes", "patches that changed", false)
       .add_option("VERSION", request.since, "since this version of the map")
       ->required();
+}
+
+/// Where the question is refused for good there is nothing to follow.
+bool print_update(const reply_t& reply) {
+  if (!reply.done && !reply.followed && reply.update == 0)
+    throw std::runtime_error("refused: " + reply.reason);
+  std::fputs(update_text(reply).c_str(), stdout);
+  std::fflush(stdout);
+  return true;
 }
 
 void ask_server(const Arguments& arguments) {
@@ -81,8 +100,13 @@ void ask_server(const Arguments& arguments) {
   }
   lcm::LCM lcm(arguments.lcm_url);
   if (!lcm.good()) throw std::runtime_error("cannot open LCM network " + arguments.lcm_url);
+  const std::runtime_error silent("no answer: is a server running on " + arguments.lcm_url + "?");
+  if (arguments.request.follow_s > 0) {
+    if (!follow(lcm, arguments.request, print_update, key)) throw silent;
+    return;
+  }
   const std::optional<reply_t> reply = ask(lcm, arguments.request, key);
-  if (!reply) throw std::runtime_error("no answer: is a server running on " + arguments.lcm_url + "?");
+  if (!reply) throw silent;
   if (!reply->done) throw std::runtime_error("refused: " + reply->reason);
   std::fputs(to_text(*reply).c_str(), stdout);
 }

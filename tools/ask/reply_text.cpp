@@ -62,4 +62,10 @@ std::string to_text(const reply_t& reply) {
   return poses(reply);
 }
 
+std::string update_text(const reply_t& reply) {
+  const std::string head = "# " + (reply.change.empty() ? "path" : reply.change);
+  return reply.done ? head + ", " + number(reply.length_m) + " m\n" + to_text(reply)
+                    : head + ", none: " + reply.reason + "\n";
+}
+
 }  // namespace isthmus

@@ -8,6 +8,7 @@
 #include "server/engine/annotations/annotations.hpp"
 #include "server/paths/questions/frontiers.hpp"
 #include "server/paths/questions/relative_pose.hpp"
+#include "server/paths/questions/told_path.hpp"
 #include "server/wire/message/path_pose.hpp"
 
 namespace isthmus {
@@ -20,6 +21,22 @@ const Pose& pose_of_patch(const MapCopy& map, PatchId patch) {
 }
 
 bool is_on_map(const MapCopy& map, PatchId patch) { return check(map, {patch, {}}) == Refusal::none; }
+
+Footprint footprint_of(const request_t& request) { return {request.radius_m, request.clearance_m}; }
+
+void settle(reply_t& reply, Refusal refusal) {
+  reply.done = refusal == Refusal::none ? 1 : 0;
+  if (!reply.done) reply.reason = word(refusal);
+}
+
+ToldPath told_path(const reply_t& reply) {
+  ToldPath told;
+  for (const path_pose_t& pose : reply.poses) {
+    told.poses.push_back({PatchId{pose.patch}, pose_of(pose.patch_from_robot)});
+    told.map_points.emplace_back(pose.map_from_robot[0], pose.map_from_robot[1]);
+  }
+  return told;
+}
 
 /// What somebody asks from or about, or why it is nowhere.
 struct Place {
@@ -110,21 +127,23 @@ void Answerer::update(std::shared_ptr<const MapCopy> map, std::int64_t utime) {
 
 reply_t Answerer::answer(const Question& question, const RobotPoses& robots,
                          const RobotPoses& robots_before) {
+  reply_t reply = empty_reply(question);
+  settle(reply, fill(question, {planner_.map(), robots, robots_before}, reply));
+  return reply;
+}
+
+reply_t Answerer::empty_reply(const Question& question) const {
   reply_t reply = reply_to(question.request);
   reply.map_version = versions_.version();
   reply.patches = static_cast<std::int32_t>(planner_.map().patches.size());
-  const Refusal refusal = fill(question, {planner_.map(), robots, robots_before}, reply);
-  reply.done = refusal == Refusal::none ? 1 : 0;
-  if (!reply.done) reply.reason = word(refusal);
   return reply;
 }
 
 Refusal Answerer::fill(const Question& question, const Asked& asked, reply_t& reply) {
   switch (question.kind) {
     case QuestionKind::path:
-      return fill_path(question, asked, reply);
     case QuestionKind::retro_traverse:
-      return fill_way_back(question, reply);
+      return add_poses(find_path(question, asked, reply), reply);
     case QuestionKind::relative_pose:
       return fill_relative_pose(question, asked, reply);
     case QuestionKind::frontiers:
@@ -137,24 +156,44 @@ Refusal Answerer::fill(const Question& question, const Asked& asked, reply_t& re
   return Refusal::none;
 }
 
-Refusal Answerer::fill_path(const Question& question, const Asked& asked, reply_t& reply) {
-  const Place start = asked.start(question.request);
-  if (start.refusal != Refusal::none) return start.refusal;
+Path Answerer::find_path(const Question& question, const Asked& asked, reply_t& reply) {
+  const request_t& request = question.request;
+  if (question.kind == QuestionKind::retro_traverse)
+    return ways_.back(planner_.map(), planner_.near(), planner_.zones(), request.robot, request.since,
+                      std::max(0.0, request.radius_m));
+  const Place start = asked.start(request);
+  if (start.refusal != Refusal::none) return {start.refusal, {}, 0, {}};
   const Place target = asked.target(question, start);
-  if (target.refusal != Refusal::none) return target.refusal;
+  if (target.refusal != Refusal::none) return {target.refusal, {}, 0, {}};
   PathQuestion path;
   path.from = start.object.pose;
   path.to = target.object.pose;
-  path.footprint = {question.request.radius_m, question.request.clearance_m};
+  path.footprint = footprint_of(request);
   reply.target_utime = target.utime;
-  return add_poses(planner_.path(path), reply);
+  return planner_.path(path);
 }
 
-Refusal Answerer::fill_way_back(const Question& question, reply_t& reply) const {
-  const request_t& request = question.request;
-  return add_poses(ways_.back(planner_.map(), planner_.near(), planner_.zones(), request.robot, request.since,
-                              std::max(0.0, request.radius_m)),
-                   reply);
+std::optional<reply_t> Answerer::update_of(const Question& question, const reply_t& told,
+                                           const RobotPoses& robots, const RobotPoses& robots_before) {
+  const Asked asked{planner_.map(), robots, robots_before};
+  reply_t reply = empty_reply(question);
+  PathNow now;
+  now.path = find_path(question, asked, reply);
+  const Refusal refusal = add_poses(now.path, reply);
+  if (refusal != Refusal::none) now.path = {refusal, {}, 0, {}};
+  const Place start = asked.start(question.request);
+  if (start.refusal == Refusal::none)
+    now.robot = start.object.pose;
+  else if (refusal == Refusal::none)
+    now.robot = now.path.poses.front();
+  now.footprint = footprint_of(question.request);
+  now.over_ground = question.kind == QuestionKind::path;
+  now.drives = !question.request.robot.empty();
+  const PathChange change = change_of(planner_, told_path(told), now);
+  if (change == PathChange::none) return std::nullopt;
+  reply.change = word(change);
+  settle(reply, refusal);
+  return reply;
 }
 
 Refusal Answerer::fill_relative_pose(const Question& question, const Asked& asked, reply_t& reply) const {
@@ -177,7 +216,7 @@ Refusal Answerer::fill_relative_pose(const Question& question, const Asked& aske
 Refusal Answerer::fill_frontiers(const Question& question, const Asked& asked, reply_t& reply) {
   const Place start = asked.start(question.request);
   if (start.refusal != Refusal::none) return start.refusal;
-  const Footprint footprint{question.request.radius_m, question.request.clearance_m};
+  const Footprint footprint = footprint_of(question.request);
   if (check(footprint) != Refusal::none) return Refusal::bad_value;
   const IslandId island = asked.map.graph.island(start.object.pose.patch);
   const auto roadmap = planner_.roadmap(island, footprint);

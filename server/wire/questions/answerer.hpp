@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "isthmus/reply_t.hpp"
@@ -30,6 +31,11 @@ class Answerer {
   /// The map that is asked from now on, of an event time in microseconds.
   void update(std::shared_ptr<const MapCopy> map, std::int64_t utime);
 
+  /// Of a path that was told, and is followed: another where the map, or its target, has changed it, with the
+  /// change in it; nothing while it holds. Whoever asked and was told nothing may be told now.
+  std::optional<reply_t> update_of(const Question& question, const reply_t& told, const RobotPoses& robots,
+                                   const RobotPoses& robots_before);
+
   /// Without the server's clock in it. `robots`: a pose on a patch that the copy does not have yet is passed
   /// over for that of `robots_before`, of the time of the copy.
   reply_t answer(const Question& question, const RobotPoses& robots, const RobotPoses& robots_before);
@@ -37,9 +43,9 @@ class Answerer {
  private:
   struct Asked;
 
+  reply_t empty_reply(const Question& question) const;
+  Path find_path(const Question& question, const Asked& asked, reply_t& reply);
   Refusal fill(const Question& question, const Asked& asked, reply_t& reply);
-  Refusal fill_path(const Question& question, const Asked& asked, reply_t& reply);
-  Refusal fill_way_back(const Question& question, reply_t& reply) const;
   Refusal fill_relative_pose(const Question& question, const Asked& asked, reply_t& reply) const;
   Refusal fill_frontiers(const Question& question, const Asked& asked, reply_t& reply);
   Refusal fill_changes(const Question& question, reply_t& reply) const;

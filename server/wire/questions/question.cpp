@@ -18,7 +18,7 @@ constexpr Member planar_pose = fixed(3 * 8);
 constexpr std::array request_members = {
     members::number,  members::number,  members::name,   members::name,   members::number, members::name,
     members::integer, planar_pose,      members::name,   members::name,   members::name,   members::integer,
-    planar_pose,      members::integer, members::number, members::number, members::number};
+    planar_pose,      members::integer, members::number, members::number, members::number, members::number};
 
 bool are_finite(const double (&values)[3]) {
   return std::all_of(std::begin(values), std::end(values), [](double value) { return std::isfinite(value); });
@@ -28,6 +28,12 @@ bool is_name(const std::string& upper) { return upper.empty() || is_robot_name(u
 
 bool has_target(QuestionKind kind) {
   return kind == QuestionKind::path || kind == QuestionKind::relative_pose;
+}
+
+bool is_way(QuestionKind kind) { return kind == QuestionKind::path || kind == QuestionKind::retro_traverse; }
+
+bool can_follow(QuestionKind kind, double follow_s) {
+  return follow_s == 0 || (is_way(kind) && follow_s > 0 && follow_s <= max_follow_s);
 }
 
 bool are_believable(const request_t& request) {
@@ -56,7 +62,8 @@ QuestionReading read_question(request_t request) {
   request.target_robot = upper_case(request.target_robot);
   if (request.asker.empty() || !is_name(request.robot) || !is_name(request.target_robot))
     return {std::nullopt, QuestionRefusal::bad_name};
-  if (!are_believable(request)) return {std::nullopt, QuestionRefusal::bad_value};
+  if (!are_believable(request) || !can_follow(*kind, request.follow_s))
+    return {std::nullopt, QuestionRefusal::bad_value};
   return {Question{std::move(request), *kind, *target}, QuestionRefusal::none};
 }
 

@@ -16,11 +16,17 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* answered = "answered";
+constexpr const char* updated = "updated";
+/// So often paths that are followed are looked at, one each time.
+constexpr auto look_again = 20ms;
 
 }  // namespace
 
 QuestionDesk::QuestionDesk(SendReply send, QuestionLimits limits)
-    : send_(std::move(send)), limits_(limits), thread_([this](const std::stop_token& stop) { loop(stop); }) {}
+    : send_(std::move(send)),
+      limits_(limits),
+      followed_(limits.followed, limits.followed_of_asker),
+      thread_([this](const std::stop_token& stop) { loop(stop); }) {}
 
 QuestionDesk::~QuestionDesk() { stop(); }
 
@@ -34,6 +40,7 @@ void QuestionDesk::stop() {
   thread_.request_stop();
   thread_.join();
   for (const Waiting& waiting : left) refuse(waiting.question.request, word(QuestionRefusal::stopped));
+  end(followed_.take_all(), FollowEnd::stopped);
 }
 
 void QuestionDesk::take(std::span<const std::uint8_t> bytes, const std::string& signer) {
@@ -103,22 +110,29 @@ void QuestionDesk::loop(const std::stop_token& stop) {
   while (const std::optional<Work> work = next_work(stop)) {
     try {
       keep_map(*work);
-      answer(*work);
+      if (work->next) answer(*work);
+      if (!followed_.empty()) look_at_followed(*work);
     } catch (const std::exception&) {
-      refuse(work->next->question.request, word(QuestionRefusal::failed));
+      if (work->next) refuse(work->next->question.request, word(QuestionRefusal::failed));
     }
   }
 }
 
 /// The next question, with a newer map where it is time for one; nothing once stopped. Before the first map
-/// questions wait.
+/// questions wait. None, while paths are followed: it is time to look at them.
 std::optional<QuestionDesk::Work> QuestionDesk::next_work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   const auto ready = [this] { return !waiting_.empty() && (has_map_ || offered_); };
-  if (!asked_.wait(lock, stop, ready) || stop.stop_requested()) return std::nullopt;
+  if (followed_.empty())
+    asked_.wait(lock, stop, ready);
+  else
+    asked_.wait_for(lock, stop, look_again, ready);
+  if (stop.stop_requested()) return std::nullopt;
   Work work;
-  work.next = std::move(waiting_.front());
-  waiting_.pop_front();
+  if (ready()) {
+    work.next = std::move(waiting_.front());
+    waiting_.pop_front();
+  }
   if (offered_ && (!has_map_ || Clock::now() >= next_map_time_)) {
     work.map = std::exchange(offered_, nullptr);
     work.map_utime = offered_utime_;
@@ -134,6 +148,7 @@ void QuestionDesk::keep_map(const Work& work) {
   const Clock::time_point begun = Clock::now();
   answerer_.update(work.map, work.map_utime);
   has_map_ = true;
+  ++maps_;
   const Clock::time_point done = Clock::now();
   next_map_time_ = done + (limits_.map_time_share - 1) * (done - begun);
 }
@@ -144,8 +159,50 @@ void QuestionDesk::answer(const Work& work) {
   if (too_late()) return refuse(next.question.request, word(QuestionRefusal::timed_out));
   reply_t reply = answerer_.answer(next.question, work.robots, work.robots_before);
   if (too_late()) return refuse(next.question.request, word(QuestionRefusal::timed_out));
+  end(followed_.take(next.asker, next.question.request.id), FollowEnd::replaced);
+  if (next.question.request.follow_s > 0) follow(next, reply);
   count(reply.done ? answered : reply.reason);
   send(reply);
+}
+
+/// Whoever is told that there is no way is told when there is one.
+void QuestionDesk::follow(const Waiting& asked, reply_t& reply) {
+  if (reply.reason == word(Refusal::bad_value)) return;
+  if (!followed_.has_room(asked.asker)) {
+    reply = reply_to(asked.question.request);
+    reply.reason = word(QuestionRefusal::too_many_followed);
+    return;
+  }
+  reply.followed = 1;
+  const std::chrono::duration<double> time(asked.question.request.follow_s);
+  followed_.add({asked.question, asked.asker,
+                 Clock::now() + std::chrono::duration_cast<Clock::duration>(time), reply, maps_});
+}
+
+void QuestionDesk::end(std::vector<FollowedPath> paths, FollowEnd why) {
+  for (FollowedPath& path : paths) {
+    reply_t reply = path.last(why);
+    send(reply);
+  }
+}
+
+/// One after the other, each once on a map, in its share of the time.
+void QuestionDesk::look_at_followed(const Work& work) {
+  const Clock::time_point begun = Clock::now();
+  end(followed_.take_ended(begun), FollowEnd::expired);
+  if (begun < next_look_) return;
+  FollowedPath* const path = followed_.next(maps_);
+  if (!path) return;
+  auto reply = answerer_.update_of(path->question, path->told, work.robots, work.robots_before);
+  if (reply) {
+    const bool arrived = reply->change == word(PathChange::arrived);
+    path->number(*reply, !arrived);
+    count(updated);
+    send(*reply);
+    if (arrived) followed_.erase(path);
+  }
+  const Clock::time_point done = Clock::now();
+  next_look_ = done + (limits_.follow_time_share - 1) * (done - begun);
 }
 
 void QuestionDesk::send(reply_t& reply) {

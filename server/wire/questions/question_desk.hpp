@@ -16,6 +16,7 @@
 
 #include "isthmus/reply_t.hpp"
 #include "server/wire/questions/answerer.hpp"
+#include "server/wire/questions/followed_paths.hpp"
 #include "server/wire/questions/question.hpp"
 
 namespace isthmus {
@@ -26,6 +27,9 @@ struct QuestionLimits {
   std::size_t waiting_of_asker = 8;  ///< so that one asker's flood leaves room for others
   std::size_t refusals_per_s = 50;   ///< that are sent before the map is asked; others are only counted
   int map_time_share = 4;            ///< at most one in so many seconds goes into keeping the ground
+  std::size_t followed = 32;         ///< paths, of all askers
+  std::size_t followed_of_asker = 4;
+  int follow_time_share = 4;  ///< at most one in so many seconds goes into looking at them again
 };
 
 /// Sends a message; called from several threads, and must not throw.
@@ -68,7 +72,7 @@ class QuestionDesk {
     Clock::time_point deadline;
   };
   struct Work {
-    std::optional<Waiting> next;
+    std::optional<Waiting> next;         ///< none: paths that are followed are to be looked at
     std::shared_ptr<const MapCopy> map;  ///< none: the one there is will do
     std::int64_t map_utime = 0;
     RobotPoses robots, robots_before;
@@ -79,6 +83,9 @@ class QuestionDesk {
   std::optional<Work> next_work(const std::stop_token& stop);
   void keep_map(const Work& work);
   void answer(const Work& work);
+  void follow(const Waiting& asked, reply_t& reply);
+  void look_at_followed(const Work& work);
+  void end(std::vector<FollowedPath> paths, FollowEnd why);
   void send(reply_t& reply);
   void count(const std::string& outcome);
   bool may_tell_refusal();
@@ -89,6 +96,9 @@ class QuestionDesk {
   Answerer answerer_;                ///< the thread's own
   Clock::time_point next_map_time_;  ///< the thread's own: before it the map that it has will do
   bool has_map_ = false;             ///< the thread's own
+  std::int64_t maps_ = 0;            ///< the thread's own: so many it has looked at
+  FollowedPaths followed_;           ///< the thread's own
+  Clock::time_point next_look_;      ///< the thread's own: at paths that are followed
 
   mutable std::mutex mutex_;
   std::condition_variable_any asked_;

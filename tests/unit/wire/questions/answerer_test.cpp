@@ -142,6 +142,43 @@ TEST_F(AnswererTest, WhatTheMapDoesNotTellIsRefusedWithTheReason) {
   EXPECT_EQ(why_not(request), "bad_value");
 }
 
+TEST_F(AnswererTest, AFollowedPathIsToldAnewWhereTheMapMovesIt) {
+  request_t request = path_to_robot("R2");
+  request.follow_s = 10;
+  const reply_t told = ask(request);
+  const Question question = *read_question(request).question;
+  EXPECT_FALSE(answerer_.update_of(question, told, robots_, robots_before_));
+  map_.move_island(IslandId{0}, {0.5, 0, 0});
+  update(2000);
+  const auto moved = answerer_.update_of(question, told, robots_, robots_before_);
+  ASSERT_TRUE(moved && moved->done);
+  EXPECT_EQ(moved->change, "moved");
+  EXPECT_EQ(moved->map_version, 2000);
+  EXPECT_NEAR(moved->poses.front().map_from_robot[0], -0.5, 1e-9);
+  EXPECT_FALSE(answerer_.update_of(question, *moved, robots_, robots_before_));
+  robots_["R2"].pose.patch_from_object.y += 1;
+  EXPECT_EQ(answerer_.update_of(question, *moved, robots_, robots_before_)->change, "target_moved");
+  robots_.erase("R2");
+  const auto blocked = answerer_.update_of(question, *moved, robots_, robots_before_);
+  ASSERT_TRUE(blocked && !blocked->done);
+  EXPECT_EQ(blocked->change, "blocked");
+  EXPECT_EQ(blocked->reason, "unknown_robot");
+}
+
+TEST_F(AnswererTest, APathToAnotherIslandOpensWhenTheTwoBecomeOne) {
+  request_t request = path_to_robot("R3");
+  request.follow_s = 10;
+  const reply_t told = ask(request);
+  EXPECT_EQ(told.reason, "other_island");
+  const Question question = *read_question(request).question;
+  EXPECT_FALSE(answerer_.update_of(question, told, robots_, robots_before_));
+  map_.relate(testing::odometry_relation(PatchId{1}, PatchId{2}, {-1, 0.5, 0}));
+  update(2000);
+  const auto opened = answerer_.update_of(question, told, robots_, robots_before_);
+  ASSERT_TRUE(opened && opened->done) << (opened ? opened->reason : "no update");
+  EXPECT_EQ(opened->change, "opened");
+}
+
 TEST_F(AnswererTest, AFootprintThatCannotBeIsRefusedForFrontiersToo) {
   request_t request = question_of("frontiers", "R1");
   request.radius_m = 1e6;

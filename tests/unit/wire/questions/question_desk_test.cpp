@@ -121,6 +121,96 @@ TEST_F(QuestionDeskTest, WhatWaitsAtTheStopIsRefused) {
   EXPECT_EQ(replies().back().reason, "stopped");
 }
 
+class FollowedPathsTest : public QuestionDeskTest {
+ protected:
+  FollowedPathsTest() { testing::add_round_way(map_, testing::furnished_room(), {{-1, 0, 0}, {1, 0, 0}}); }
+
+  void offer() { desk_->offer(testing::shared_copy(map_), utime_ += 1000); }
+  request_t path(std::int64_t id, double follow_s) {
+    request_t request = question_of("path", "");
+    request.asker = "R1";
+    request.id = id;
+    request.follow_s = follow_s;
+    request.target = "patch";
+    request.target_patch = 1;
+    return request;
+  }
+  /// Waits for so many replies; the last.
+  reply_t reply(std::size_t number) {
+    EXPECT_TRUE(happens([&] { return replies().size() >= number; }));
+    return replies().size() < number ? reply_t{} : replies()[number - 1];
+  }
+
+  Map map_;
+  std::int64_t utime_ = 0;
+};
+
+TEST_F(FollowedPathsTest, WhatTheMapDoesToAPathIsToldUntilItsTimeIsOver) {
+  offer();
+  ask(path(1, 1));
+  EXPECT_TRUE(reply(1).followed);
+  EXPECT_EQ(reply(1).update, 0);
+  map_.move_island(IslandId{0}, {0.5, 0, 0});
+  offer();
+  const reply_t moved = reply(2);
+  EXPECT_EQ(moved.change, "moved");
+  EXPECT_EQ(moved.update, 1);
+  EXPECT_EQ(moved.request_id, 1);
+  EXPECT_TRUE(moved.followed);
+  const reply_t last = reply(3);
+  EXPECT_EQ(last.change, "expired");
+  EXPECT_EQ(last.update, 2);
+  EXPECT_FALSE(last.followed);
+  EXPECT_EQ(last.nposes, moved.nposes) << "it holds as it was told";
+  map_.move_island(IslandId{0}, {0.5, 0, 0});
+  offer();
+  ask(question_of("map_version", "R1"));
+  EXPECT_EQ(reply(4).kind, "map_version") << "nobody is told any more";
+}
+
+TEST_F(FollowedPathsTest, WhoAsksAgainReplacesItAndTheStopEndsIt) {
+  offer();
+  ask(path(1, 60));
+  ask(path(2, 60));
+  ask(path(1, 0));
+  EXPECT_EQ(reply(3).change, "replaced");
+  EXPECT_EQ(reply(3).request_id, 1);
+  EXPECT_FALSE(reply(4).followed);
+  desk_->stop();
+  EXPECT_EQ(reply(5).change, "stopped");
+  EXPECT_EQ(reply(5).request_id, 2);
+  EXPECT_EQ(replies().size(), 5U);
+}
+
+TEST_F(FollowedPathsTest, SoManyAreFollowedAndNoMore) {
+  offer();
+  const QuestionLimits limits;
+  std::size_t asked = 0;
+  for (std::size_t i = 0; i <= limits.followed_of_asker; ++i) {
+    ask(path(static_cast<std::int64_t>(i + 1), 60));
+    EXPECT_EQ(reply(++asked).reason, i < limits.followed_of_asker ? "" : "too_many_followed");
+  }
+  for (std::size_t i = limits.followed_of_asker; i <= limits.followed; ++i) {
+    request_t request = path(1, 60);
+    request.asker = "another " + std::to_string(i);
+    ask(request);
+    EXPECT_EQ(reply(++asked).reason, i < limits.followed ? "" : "too_many_followed");
+  }
+}
+
+TEST_F(FollowedPathsTest, OnlyPathsAreFollowedAndNotForEver) {
+  const auto reason = [this](request_t request) {
+    ask(request);
+    return replies().back().reason;
+  };
+  request_t other = question_of("map_version", "R1");
+  other.follow_s = 1;
+  EXPECT_EQ(reason(other), "bad_value");
+  EXPECT_EQ(reason(path(1, 3601)), "bad_value");
+  EXPECT_EQ(reason(path(1, -1)), "bad_value");
+  EXPECT_EQ(reason(path(1, std::numeric_limits<double>::quiet_NaN())), "bad_value");
+}
+
 TEST_F(QuestionDeskTest, WithKeysOnlySignedQuestionsAreTaken) {
   Authentication keys;
   keys.robots["R1"] = {1, 2, 3};
