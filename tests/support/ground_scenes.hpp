@@ -86,7 +86,7 @@ inline std::shared_ptr<const Ground> ground_of(int size, const std::function<See
   for (int y = 0; y < ground_tile_cells; ++y) {
     for (int x = 0; x < ground_tile_cells; ++x) {
       const Seen seen = x < size && y < size ? at(x, y) : Seen::nothing;
-      if (seen != Seen::nothing) tile->layers.push_back({PatchId{0}, seen == Seen::occupied});
+      if (seen != Seen::nothing) tile->layers.push_back({PatchId{0}, seen == Seen::occupied, false});
       tile->first.push_back(static_cast<std::uint32_t>(tile->layers.size()));
     }
   }

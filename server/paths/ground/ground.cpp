@@ -1,15 +1,62 @@
 #include "server/paths/ground/ground.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <map>
 
 #include "server/paths/ground/distance_field.hpp"
+#include "server/paths/ground/gaps.hpp"
 
 namespace isthmus {
+namespace {
+
+/// The same with layers put into cells that had none.
+GroundTile with_layers(const GroundTile& tile, const std::vector<std::pair<std::size_t, Layer>>& added) {
+  GroundTile filled{tile.low, {0}, {}};
+  filled.first.reserve(tile.first.size());
+  filled.layers.reserve(tile.layers.size() + added.size());
+  auto next = added.begin();
+  for (std::size_t cell = 0; cell + 1 < tile.first.size(); ++cell) {
+    filled.layers.insert(filled.layers.end(), tile.layers.begin() + tile.first[cell],
+                         tile.layers.begin() + tile.first[cell + 1]);
+    if (next != added.end() && next->first == cell) filled.layers.push_back((next++)->second);
+    filled.first.push_back(static_cast<std::uint32_t>(filled.layers.size()));
+  }
+  return filled;
+}
+
+}  // namespace
+
 Ground::Ground(std::vector<std::shared_ptr<const GroundTile>> tiles, std::shared_ptr<const NearPatches> near)
     : tiles_(std::move(tiles)), near_(std::move(near)) {
   lay_out();
+  fill_gaps();
   measure();
+}
+
+/// Tiles are shared with other grounds: those with gaps are copied.
+void Ground::fill_gaps() {
+  std::map<std::size_t, std::vector<std::pair<std::size_t, Layer>>> layers;  // by tile: by cell, in order
+  for (const GapCell& gap : find_gaps(*this)) {
+    const std::int32_t tile = tile_index(gap.cell);
+    if (tile < 0) continue;
+    const Cell& low = tiles_[static_cast<std::size_t>(tile)]->low;
+    layers[static_cast<std::size_t>(tile)].emplace_back(
+        GroundTile::index(gap.cell.x - low.x, gap.cell.y - low.y), Layer{gap.leader, false, true});
+  }
+  if (layers.empty()) return;
+  for (const auto& [tile, added] : layers)
+    tiles_[tile] = std::make_shared<const GroundTile>(with_layers(*tiles_[tile], added));
+  first_node_.clear();
+  layers_.clear();
+  cells_.clear();
+  lay_out();
+}
+
+std::int32_t Ground::tile_index(const Cell& cell) const {
+  const int column = tile_of(cell.x) - low_tile_.x, row = tile_of(cell.y) - low_tile_.y;
+  if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return -1;
+  return tile_at_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                  static_cast<std::size_t>(column)];
 }
 
 void Ground::lay_out() {
@@ -54,10 +101,7 @@ void Ground::measure() {
 }
 
 std::pair<NodeId, NodeId> Ground::at(const Cell& cell) const {
-  const int column = tile_of(cell.x) - low_tile_.x, row = tile_of(cell.y) - low_tile_.y;
-  if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return {0, 0};
-  const std::int32_t tile = tile_at_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
-                                     static_cast<std::size_t>(column)];
+  const std::int32_t tile = tile_index(cell);
   if (tile < 0) return {0, 0};
   const GroundTile& cells = *tiles_[static_cast<std::size_t>(tile)];
   const std::size_t i = GroundTile::index(cell.x - cells.low.x, cell.y - cells.low.y);

@@ -50,7 +50,10 @@ class Ground {
  private:
   static std::size_t index(NodeId node) { return static_cast<std::size_t>(node); }
   void lay_out();
+  void fill_gaps();
   void measure();
+  /// Of the tile of a cell; -1: there is none.
+  std::int32_t tile_index(const Cell& cell) const;
 
   std::vector<std::shared_ptr<const GroundTile>> tiles_;
   std::shared_ptr<const NearPatches> near_;

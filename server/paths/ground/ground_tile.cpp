@@ -75,7 +75,7 @@ class Layering {
         return near_[leader * patches_.size() + Views::patch(view)] != 0;
       });
       const auto own = views.first(static_cast<std::size_t>(rest - views.begin()));
-      layers.push_back({patches_[leader].id, is_occupied(own)});
+      layers.push_back({patches_[leader].id, is_occupied(own), false});
       views = views.subspan(own.size());
     }
   }

@@ -24,6 +24,7 @@ constexpr std::int32_t tile_of(std::int32_t cell) {
 struct Layer {
   PatchId leader;  ///< of the patches of the stretch that see the cell, the one with the nearest origin
   bool occupied = false;
+  bool is_gap = false;  ///< nobody has seen it, and it is free by what lies around it: see `find_gaps`
 };
 
 /// A patch as it lies on a tile.

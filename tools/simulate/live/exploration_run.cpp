@@ -106,7 +106,9 @@ class ExplorationRun {
     for (const Eigen::Vector2d& point : ground_.points())
       found += std::any_of(grounds.begin(), grounds.end(), [&](const auto& ground) {
         const auto [first, last] = ground.second->ground().at(cell_of(ground.first * point));
-        return first != last;
+        for (NodeId node = first; node < last; ++node)
+          if (!ground.second->ground().layer(node).is_gap) return true;
+        return false;
       });
     score_.share = static_cast<double>(found) / static_cast<double>(ground_.points().size());
     score_.way_m = robots().way_m();
