@@ -60,9 +60,11 @@ void drive(const Arguments& arguments) {
   std::printf(
       "seen %.1f %% of %.0f m2 in %.0f s (%.0f s of the clock), %.0f m driven to %zu goals, walls touched "
       "%zu, "
-      "robots touched %zu%s%s\n",
+      "robots touched %zu%s%s%s\n",
       100 * score.share, score.reachable_m2, score.end_s, score.wall_s, score.way_m, score.goals,
       score.touched_walls, score.touched_robots, score.finished ? ", finished" : ", out of time",
+      score.out_of_reach > 0 ? (", out of reach " + std::to_string(score.out_of_reach) + " times").c_str()
+                             : "",
       score.late_ticks > 0 ? (", late " + std::to_string(score.late_ticks) + " times").c_str() : "");
 }
 
@@ -80,6 +82,10 @@ void add_live_options(CLI::App& app, Arguments& arguments) {
       ->check(positive);
   app.add_option("--robots", drive.robots, "Only the scenario's first")->type_name("N");
   app.add_flag("--side-by-side", drive.side_by_side, "They start beside the first one");
+  app.add_option("--radio-range", drive.radio_range_m,
+                 "Beyond it from there a robot is not heard and hears nothing")
+      ->type_name("M")
+      ->check(positive);
   app.add_option("--pictures", drive.pictures, "Where to draw the run, every 60 s")->type_name("DIR");
 }
 
@@ -107,7 +113,7 @@ int main(int argc, char** argv) {
     if (arguments.scenario.empty()) throw CLI::RequiredError("--scenario");
     const bool live_only = app.count("--speed") + app.count("--max-time") + app.count("--robots") +
                                app.count("--lcm-url") + app.count("--side-by-side") +
-                               app.count("--pictures") >
+                               app.count("--radio-range") + app.count("--pictures") >
                            0;
     if (live_only && !arguments.live) throw CLI::RequiredError("--live");
     if (arguments.log.empty() != arguments.live)

@@ -26,7 +26,9 @@ class ExplorationRun {
                  const WatchExploration& watch)
       : options_(options),
         watch_(watch),
-        served_(scenario, seed, starts_side_by_side(scenario, options.robots, options.clearance_m),
+        served_(scenario, seed,
+                options.apart ? own_starts(scenario, options.robots)
+                              : starts_side_by_side(scenario, options.robots, options.clearance_m),
                 options.clearance_m),
         orders_(served_.robots().size()),
         expedition_(options.expedition),
@@ -65,6 +67,8 @@ class ExplorationRun {
   void plan() {
     const double begin_ms = cpu_now_ms();
     served_.update_map();
+    if (score_.merged_s == 0 && served_.members().size() == robots().size() && served_.islands() == 1)
+      score_.merged_s = robots().time_s();
     const auto orders = expedition_.plan(served_.planner(), served_.members(), robots().time_s());
     for (std::size_t i = 0; i < robots().size(); ++i) {
       const auto found = orders.find(robots()[i].name());

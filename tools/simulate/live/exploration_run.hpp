@@ -11,7 +11,8 @@
 namespace isthmus {
 
 struct ExplorationRunOptions {
-  std::size_t robots = 1;  ///< the first of the scenario's; they start beside one another
+  std::size_t robots = 1;  ///< the first of the scenario's; they start beside one another,
+  bool apart = false;      ///< or where the scenario has them
   ExpeditionOptions expedition;
   double clearance_m = 0.1;  ///< asked of paths
   double max_s = 3600;       ///< the run is given up then
@@ -30,6 +31,7 @@ struct ExplorationScore {
   double way_m = 0;         ///< of the whole team
   bool given_up = false;
   std::size_t islands = 0;         ///< with a robot on them, in the end
+  double merged_s = 0;             ///< when all robots were on one for the first time; 0: never
   std::size_t touched_walls = 0;   ///< times that a robot came to touch one
   std::size_t touched_robots = 0;  ///< pairs that came to touch
   std::size_t gave_way = 0;        ///< times that one made way for another

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "server/paths/questions/driven_ways.hpp"
@@ -13,14 +12,6 @@ namespace {
 
 constexpr int plan_ticks = 20;
 constexpr double moved_m = 0.3;
-
-std::vector<Pose> starts_of(const Scenario& scenario, std::size_t robots) {
-  if (scenario.robots.size() < robots || robots == 0)
-    throw std::runtime_error("the scenario has fewer robots");
-  std::vector<Pose> starts;
-  for (std::size_t i = 0; i < robots; ++i) starts.push_back(scenario.robots[i].start);
-  return starts;
-}
 
 /// A robot on its way home.
 struct Homing {
@@ -36,7 +27,7 @@ class HomeRun {
  public:
   HomeRun(const Scenario& scenario, std::uint64_t seed, const HomeRunOptions& options)
       : options_(options),
-        starts_(starts_of(scenario, options.robots)),
+        starts_(own_starts(scenario, options.robots)),
         served_(scenario, seed, starts_, options.clearance_m),
         homing_(options.robots) {}
 

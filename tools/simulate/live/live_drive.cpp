@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <thread>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "server/client/goal.hpp"
@@ -18,6 +19,7 @@
 #include "server/wire/network/lcm_url.hpp"
 #include "tools/simulate/live/drive_picture.hpp"
 #include "tools/simulate/live/live_team.hpp"
+#include "tools/simulate/live/radio.hpp"
 #include "tools/simulate/live/reachable_ground.hpp"
 #include "tools/simulate/live/seen_ground.hpp"
 
@@ -28,16 +30,15 @@ using Clock = std::chrono::steady_clock;
 
 /// So long nobody may have anything to do before the run is over.
 constexpr double idle_s = 10;
+/// A robot that has stood out of reach for so long comes back, so far at a time.
+constexpr double come_back_s = 5, come_back_m = 5;
 
 std::chrono::nanoseconds seconds(double value) { return std::chrono::nanoseconds(std::llround(1e9 * value)); }
 
 std::vector<Pose> starts_of(const Scenario& scenario, const LiveDriveOptions& options) {
   const std::size_t robots = options.robots > 0 ? options.robots : scenario.robots.size();
-  if (options.side_by_side) return starts_side_by_side(scenario, robots, options.clearance_m);
-  if (scenario.robots.size() < robots) throw std::runtime_error("the scenario has fewer robots");
-  std::vector<Pose> starts;
-  for (std::size_t i = 0; i < robots; ++i) starts.push_back(scenario.robots[i].start);
-  return starts;
+  return options.side_by_side ? starts_side_by_side(scenario, robots, options.clearance_m)
+                              : own_starts(scenario, robots);
 }
 
 /// What a robot heard last on its channel.
@@ -79,6 +80,9 @@ class LiveDrive {
     if (!lcm_.good()) throw std::runtime_error(options.lcm_url + ": the network cannot be opened");
     for (std::size_t i = 0; i < team_.size(); ++i)
       ears_.push_back(std::make_unique<GoalEar>(lcm_.getUnderlyingLCM(), team_[i].name()));
+    const Eigen::Vector2d base = position(team_[0].robot.world_from_robot());
+    for (std::size_t i = 0; i < team_.size(); ++i)
+      radios_.push_back({{base, options.radio_range_m}, true, 0});
     score_.reachable_m2 = ground_.area_m2();
     if (!options.pictures.empty()) make_directory(options.pictures);
   }
@@ -90,8 +94,7 @@ class LiveDrive {
       team_.sense([this](decltype(Event::body) body) { send(std::move(body)); });
       while (lcm_.handleTimeout(0) > 0) {
       }
-      for (std::size_t i = 0; i < team_.size(); ++i)
-        if (const auto goal = ears_[i]->take()) obey(i, *goal);
+      for (std::size_t i = 0; i < team_.size(); ++i) hear(i);
       score_.finished =
           std::ranges::all_of(told_finished_, std::identity()) && team_.time_s() - busy_s_ >= idle_s;
       picture_if_due(score_.finished);
@@ -112,8 +115,39 @@ class LiveDrive {
  private:
   void send(decltype(Event::body) body) {
     if (const auto* scan = std::get_if<ScanEvent>(&body)) see(*scan);
-    const Message message = encode({team_.utime(), std::move(body)});
-    lcm_.publish(message.channel, message.bytes.data(), static_cast<unsigned>(message.bytes.size()));
+    const std::size_t i = speaker(body);
+    const Eigen::Vector2d here = position(team_[i].robot.world_from_robot());
+    for (const Message& message : radios_[i].radio.say(encode({team_.utime(), std::move(body)}), here))
+      lcm_.publish(message.channel, message.bytes.data(), static_cast<unsigned>(message.bytes.size()));
+  }
+
+  /// Whose message it is; robots alone send any.
+  std::size_t speaker(const decltype(Event::body)& body) const {
+    const std::string name = std::visit(
+        [](const auto& event) -> std::string {
+          if constexpr (requires { event.robot; })
+            return event.robot;
+          else
+            return "";
+        },
+        body);
+    for (std::size_t i = 0; i < team_.size(); ++i)
+      if (team_[i].name() == name) return i;
+    throw std::logic_error("a message of no robot");
+  }
+
+  void hear(std::size_t i) {
+    Heard& heard = radios_[i];
+    const auto goal = ears_[i]->take();
+    const bool reached = heard.radio.reaches(position(team_[i].robot.world_from_robot()));
+    score_.out_of_reach += heard.reached && !reached;
+    heard.reached = reached;
+    if (reached && goal) obey(i, *goal);
+    Pilot& pilot = team_[i].pilot;
+    if (reached || pilot.is_driving()) heard.stands_since_s = team_.time_s();
+    if (team_.time_s() - heard.stands_since_s < come_back_s) return;
+    pilot.back_off(come_back_m, 0);
+    heard.stands_since_s = team_.time_s();
   }
 
   void see(const ScanEvent& event) {
@@ -170,6 +204,12 @@ class LiveDrive {
   std::vector<std::int64_t> last_ids_;  // by robot
   std::vector<std::uint8_t> told_finished_;
   std::vector<std::unique_ptr<GoalEar>> ears_;
+  struct Heard {
+    Radio radio;
+    bool reached = true;
+    double stands_since_s = 0;  ///< out of reach
+  };
+  std::vector<Heard> radios_;
   LiveDriveScore score_;
   double busy_s_ = 0, next_picture_s_ = 0;
 };

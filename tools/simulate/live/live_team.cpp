@@ -27,6 +27,14 @@ double apart_m(const LiveRobot& a, const LiveRobot& b) {
 
 }  // namespace
 
+std::vector<Pose> own_starts(const Scenario& scenario, std::size_t robots) {
+  if (scenario.robots.size() < robots || robots == 0)
+    throw std::runtime_error("the scenario has fewer robots");
+  std::vector<Pose> starts;
+  for (std::size_t i = 0; i < robots; ++i) starts.push_back(scenario.robots[i].start);
+  return starts;
+}
+
 std::vector<Pose> starts_side_by_side(const Scenario& scenario, std::size_t robots, double clearance_m) {
   constexpr double start_room_m = 0.15;
   if (scenario.robots.size() < robots || robots == 0)

@@ -77,5 +77,7 @@ class LiveTeam {
 /// Where the first so many of the scenario's robots start beside one another: where the first one does.
 /// Throws std::runtime_error where there are fewer, or no room for them.
 std::vector<Pose> starts_side_by_side(const Scenario& scenario, std::size_t robots, double clearance_m);
+/// Where the scenario has them. Throws std::runtime_error where there are fewer.
+std::vector<Pose> own_starts(const Scenario& scenario, std::size_t robots);
 
 }  // namespace isthmus

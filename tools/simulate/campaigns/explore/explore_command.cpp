@@ -27,17 +27,17 @@ struct ExploreArguments : CampaignRuns {
 };
 
 void print_header() {
-  std::printf("%-20s %2s %-7s %6s %6s %7s %7s %7s %7s %3s %5s %6s %5s %5s %6s %7s\n", "", "n", "sharing",
-              "m2", "share", "99% s", "99% m", "end s", "way m", "isl", "walls", "robots", "gives", "goals",
-              "vain", "plan ms");
+  std::printf("%-20s %2s %-7s %6s %6s %7s %7s %7s %7s %3s %7s %5s %6s %5s %5s %6s %7s\n", "", "n", "sharing",
+              "m2", "share", "99% s", "99% m", "end s", "way m", "isl", "one s", "walls", "robots", "gives",
+              "goals", "vain", "plan ms");
 }
 
 void print(const std::string& what, std::size_t robots, Sharing sharing, const ExplorationScore& s) {
-  std::printf("%-20s %2zu %-7s %6.0f %6.4f %7.0f %7.0f %7.0f %7.0f %3zu %5zu %6zu %5zu %5zu %6zu %7.0f%s\n",
-              what.c_str(), robots, sharing == Sharing::routes ? "routes" : "nearest", s.reachable_m2,
-              s.share, s.found_s, s.found_way_m, s.end_s, s.way_m, s.islands, s.touched_walls,
-              s.touched_robots, s.gave_way, s.goals, s.goals_given_up, s.plan_cpu_ms,
-              s.given_up ? "  out of time" : "");
+  std::printf(
+      "%-20s %2zu %-7s %6.0f %6.4f %7.0f %7.0f %7.0f %7.0f %3zu %7.0f %5zu %6zu %5zu %5zu %6zu %7.0f%s\n",
+      what.c_str(), robots, sharing == Sharing::routes ? "routes" : "nearest", s.reachable_m2, s.share,
+      s.found_s, s.found_way_m, s.end_s, s.way_m, s.islands, s.merged_s, s.touched_walls, s.touched_robots,
+      s.gave_way, s.goals, s.goals_given_up, s.plan_cpu_ms, s.given_up ? "  out of time" : "");
   std::fflush(stdout);
 }
 
@@ -114,6 +114,7 @@ void add_explore_command(CLI::App& app) {
   explore->add_option("--robots", arguments->robots, "of the scenario's, side by side; several numbers")
       ->check(CLI::PositiveNumber)
       ->allow_extra_args(false);
+  explore->add_flag("--apart", arguments->run.apart, "robots start where the scenario has them");
   explore->add_flag("--nearest", arguments->nearest, "instead: each to the frontier nearest to it");
   explore->add_flag("--both", arguments->both, "both ways, one after the other");
   explore->add_option("--clearance", arguments->run.clearance_m, "from walls, m")

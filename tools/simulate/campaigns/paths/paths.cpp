@@ -99,6 +99,7 @@ class PathTrial {
         draw_line({ground.centre(frontier.viewpoint), frontier.middle}, frontier_style());
     }
     for (std::size_t i = 0; i < drawn_.size(); ++i) draw_line(drawn_[i], path_style(i));
+    if (score_.too_long > 0) draw_line(worst_way_, path_style(drawn_.size()));
     canvas.unclip();
     picture_.write(path);
   }
@@ -153,7 +154,11 @@ class PathTrial {
       const double ratio = path.length_m / optimum_m;
       ++judged_;
       score_.mean_ratio += ratio;
-      score_.worst_ratio = std::max(score_.worst_ratio, ratio);
+      if (ratio > score_.worst_ratio) {
+        score_.worst_ratio = ratio;
+        score_.worst = {way.front(), way.back()};
+        worst_way_ = way;
+      }
       score_.too_long += ratio > asked_ratio;
     }
     if (score_.pairs % goals_of_a_start == 1 && drawn_.size() < drawn_paths) drawn_.push_back(way);
@@ -171,6 +176,7 @@ class PathTrial {
   std::vector<double> times_ms_;
   std::size_t judged_ = 0;
   std::vector<std::vector<Eigen::Vector2d>> drawn_;
+  std::vector<Eigen::Vector2d> worst_way_;
 };
 
 MapCopy map_until(const SimulatedRun& run, double until_s) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -21,7 +22,8 @@ struct PathScore {
   std::size_t too_long = 0;                ///< more than 1.05 of the optimum
   double mean_ratio = 0;                   ///< of a path's length to the optimum
   double worst_ratio = 0;
-  double p50_ms = 0;  ///< CPU of a question
+  std::array<Eigen::Vector2d, 2> worst;  ///< from where to where that was
+  double p50_ms = 0;                     ///< CPU of a question
   double p99_ms = 0;
   double max_ms = 0;
   double keep_ms = 0;     ///< CPU of the ground from nothing

@@ -37,6 +37,9 @@ void print(const std::string& what, const PathScore& s) {
   std::printf("%-28s %6zu %8zu %9zu %9zu %7.4f %7.3f %7.2f %7.2f %7.2f %8.0f %8.0f  %s\n", what.c_str(),
               s.pairs, s.through, s.too_near, s.too_long, s.mean_ratio, s.worst_ratio, s.p50_ms, s.p99_ms,
               s.max_ms, s.keep_ms, s.roadmap_ms, text(s.missing).c_str());
+  if (s.too_long > 0)
+    std::printf("  worst: from (%.2f, %.2f) to (%.2f, %.2f)\n", s.worst[0].x(), s.worst[0].y(),
+                s.worst[1].x(), s.worst[1].y());
   std::fflush(stdout);
 }
 
