@@ -18,7 +18,7 @@ class IslandShare {
  public:
   IslandShare(Planner& planner, IslandId island, const std::vector<const NamedExplorer*>& members,
               const ExplorationOptions& options)
-      : planner_(planner), options_(options) {
+      : planner_(planner), island_(island), options_(options) {
     Footprint footprint{0, 0};
     for (const NamedExplorer* member : members) {
       footprint.radius_m = std::max(footprint.radius_m, member->second.footprint.radius_m);
@@ -40,6 +40,7 @@ class IslandShare {
     const RouteCosts costs = all_costs();
     std::vector<std::optional<std::size_t>> places = kept_places(costs);
     const bool alone = options_.sharing == Sharing::nearest;
+    if (!alone) search_first(costs, places);
     const auto chosen = alone ? nearest_places(costs) : first_places(wished_costs(costs, places));
     for (std::size_t robot = 0; robot < members_.size(); ++robot) {
       if (!places[robot]) places[robot] = chosen[robot];
@@ -53,6 +54,25 @@ class IslandShare {
   }
 
  private:
+  /// Robots are sent to what is to be searched, whatever else they drive to; those that it does not take go
+  /// on.
+  void search_first(const RouteCosts& costs, std::vector<std::optional<std::size_t>>& places) const {
+    const auto place = place_to_search(planner_, island_, options_.search);
+    if (!place) return;
+    const std::vector<bool> first =
+        frontiers_to_search(roadmap_->ground(), frontiers_, costs, *place, options_.search.radius_m);
+    std::vector<std::optional<std::size_t>> kept = places;
+    for (auto& one : kept)
+      if (one && !first[*one]) one.reset();
+    RouteCosts searched = wished_costs(costs, kept);
+    for (std::vector<double>& row : searched.from_robot)
+      for (std::size_t i = 0; i < first.size(); ++i)
+        if (!first[i]) row[i] = no_way;
+    const auto chosen = first_places(searched);
+    for (std::size_t robot = 0; robot < places.size(); ++robot)
+      if (!kept[robot] && chosen[robot]) places[robot] = chosen[robot];
+  }
+
   /// With viewpoints that robots can come to: what lies behind a gap is looked at from this side of it. Where
   /// known ground is in parts, as while robots that begin hide one another's, there are some in each part
   /// that a robot is on.
@@ -183,6 +203,7 @@ class IslandShare {
   }
 
   const Planner& planner_;
+  IslandId island_;
   const ExplorationOptions& options_;
   std::shared_ptr<const Roadmap> roadmap_;
   std::vector<const NamedExplorer*> members_;

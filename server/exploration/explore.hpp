@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/exploration/searched_area.hpp"
 #include "server/paths/questions/frontiers.hpp"
 #include "server/paths/questions/planner.hpp"
 
@@ -28,6 +29,7 @@ struct ExplorationOptions {
   double given_up_m = 0.5;
   /// Of one island, those of most gain.
   std::size_t max_frontiers = 60;
+  SearchedArea search;  ///< with `routes` only
 };
 
 /// A robot that explores.

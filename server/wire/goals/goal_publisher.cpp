@@ -13,6 +13,7 @@ namespace {
 ExpeditionOptions expedition_options(const ExplorationConfiguration& configuration) {
   ExpeditionOptions options;
   options.coordination.speed_mps = configuration.speed_m_s;
+  options.exploration.search = {configuration.search_place, configuration.search_radius_m};
   return options;
 }
 

@@ -85,6 +85,8 @@ ExplorationConfiguration read_exploration(const Setting& table) {
   fields.read("enabled", exploration.enabled);
   fields.read_within("clearance_m", exploration.clearance_m, 0, 1);
   fields.read_within("speed_m_s", exploration.speed_m_s, 0.01, 10);
+  fields.read("search_place", exploration.search_place);
+  fields.read_within("search_radius_m", exploration.search_radius_m, 0.1, 1000);
   fields.finish();
   return exploration;
 }

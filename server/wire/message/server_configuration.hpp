@@ -36,6 +36,8 @@ struct ExplorationConfiguration {
   bool enabled = false;
   double clearance_m = 0.1;  ///< that ways keep from walls, more than a robot's radius
   double speed_m_s = 0.5;    ///< at which robots are taken to drive
+  std::string search_place;  ///< the name of a place around which is explored first; empty: none
+  double search_radius_m = 5;
 };
 
 /// A configuration file: what the engine takes of it, and what concerns the wire alone.

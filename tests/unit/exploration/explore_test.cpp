@@ -111,5 +111,43 @@ TEST(Explore, ARobotThatStandsNowhereHasNoGoal) {
   EXPECT_TRUE(share_frontiers(corridor.planner, corridor.team).empty());
 }
 
+/// The same, with a place in it that is to be searched.
+struct SearchedCorridor : Corridor {
+  SearchedCorridor(double place_x, double radius_m) {
+    MapCopy copy = planner.map();
+    AnnotationRecord place;
+    place.name = "Search";
+    place.island = PatchId{0};
+    place.points = {{PatchId{0}, {place_x, 0, 0}}};
+    copy.annotations = {place};
+    planner.update(std::make_shared<const MapCopy>(copy));
+    options.search = {"search", radius_m};
+  }
+  ExplorationOptions options;
+};
+
+TEST(Explore, OneRobotIsSentToWhereNobodyHasSeenThePlaceYet) {
+  SearchedCorridor corridor(20, 2);
+  corridor.add("R1", -3);
+  corridor.team["R1"].goal = ManifoldPose{PatchId{0}, {-5.5, 0, 0}};  // that it drives to already
+  EXPECT_GT(corridor.goal_x(share_frontiers(corridor.planner, corridor.team, corridor.options), "R1"), 0);
+  corridor.options.search.place = "another";
+  EXPECT_LT(corridor.goal_x(share_frontiers(corridor.planner, corridor.team, corridor.options), "R1"), 0);
+  corridor.options.search.place = "search";
+  corridor.add("R2", 3);
+  const auto goals = share_frontiers(corridor.planner, corridor.team, corridor.options);
+  EXPECT_LT(corridor.goal_x(goals, "R1"), 0) << "the nearer one goes, the other goes on";
+  EXPECT_GT(corridor.goal_x(goals, "R2"), 0);
+}
+
+TEST(Explore, WhatLiesAroundThePlaceComesFirstAndNothingOnceItIsSeen) {
+  SearchedCorridor corridor(4, 3);
+  corridor.add("R1", -3);
+  EXPECT_GT(corridor.goal_x(share_frontiers(corridor.planner, corridor.team, corridor.options), "R1"), 0);
+  corridor.options.search.radius_m = 1;
+  EXPECT_LT(corridor.goal_x(share_frontiers(corridor.planner, corridor.team, corridor.options), "R1"), 0)
+      << "the place is seen, and no frontier is near it";
+}
+
 }  // namespace
 }  // namespace isthmus

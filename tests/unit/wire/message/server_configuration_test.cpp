@@ -27,6 +27,8 @@ TEST(ConfigurationExploration, IsOffUnlessItIsAskedFor) {
   EXPECT_NE(error_in("[exploration]\nenable = true").find("unknown key 'enable' in [exploration]"),
             std::string::npos);
   EXPECT_NE(error_in("[exploration]\nspeed_m_s = 0").find("c.toml:2"), std::string::npos);
+  EXPECT_EQ(parsed("[exploration]\nsearch_place = \"dock\"\n").exploration.search_place, "dock");
+  EXPECT_NE(error_in("[exploration]\nsearch_radius_m = 0").find("c.toml:2"), std::string::npos);
 }
 
 TEST(ConfigurationChannels, AreReadByRobot) {
