@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "server/exploration/meeting_worth.hpp"
 #include "server/paths/questions/relative_pose.hpp"
 
 namespace isthmus {
@@ -27,7 +28,9 @@ std::map<std::string, ExplorationOrder> Expedition::plan(Planner& planner,
   for (const auto& [name, member] : team)
     if (check(planner.map(), member.pose) == Refusal::none) known.emplace(name, member);
   for (const auto& [name, member] : known) look(planner, name, member, time_s);
+  look_after_meeting(planner, known);
   share(planner, known, time_s);
+  arrange_meeting(planner, known, time_s);
   std::map<std::string, ExplorationOrder> orders;
   for (auto& [name, clearance] : coordinator_.coordinate(planner, travellers(planner, known)))
     orders[name] = order(name, std::move(clearance), time_s);
@@ -48,6 +51,7 @@ void Expedition::look(const Planner& planner, const std::string& name, const Exp
   if (!state.goal || state.leave == Leave::go) state.free_s = time_s;
   if (!state.goal) return;
   if (check(planner.map(), state.goal->viewpoint) != Refusal::none) return give_up(state);
+  if (state.meeting) return look_at_meeting(planner, state, member.pose, time_s);
   const Pose at = planner.project(member.pose), goal = planner.project(state.goal->viewpoint);
   if ((position(at) - position(goal)).norm() <= options_.arrival_m &&
       std::abs(wrap_angle(at.yaw - goal.yaw)) <= options_.arrival_rad)
@@ -56,6 +60,72 @@ void Expedition::look(const Planner& planner, const std::string& name, const Exp
   if (time_s - state.free_s < options_.defer_s) return;
   state.deferred.emplace_back(time_s + options_.defer_s, state.goal->viewpoint);
   state.free_s = time_s;
+}
+
+/// A robot that waits there for the other does get on.
+void Expedition::look_at_meeting(const Planner& planner, State& state, const ManifoldPose& pose,
+                                 double time_s) {
+  if (apart_m(planner, pose, state.goal->viewpoint) > options_.arrival_m)
+    state.met_s = time_s;
+  else
+    state.moved_s = time_s;
+  const bool is_in_vain =
+      time_s - state.met_s >= options_.meet_s || time_s - state.moved_s >= options_.give_up_s;
+  if (is_in_vain) give_up(state);
+}
+
+bool Expedition::can_meet(const Planner& planner, const std::map<std::string, ExpeditionMember>& team,
+                          const MeetingRecord& meeting) const {
+  if (missed_.contains(meeting.closure)) return false;
+  const auto a = team.find(meeting.a.robot), b = team.find(meeting.b.robot);
+  if (a == team.end() || b == team.end()) return false;
+  const RelationGraph& graph = planner.map().graph;
+  return graph.island(a->second.pose.patch) != graph.island(b->second.pose.patch);
+}
+
+/// Keeps to a meeting while the map has it, both robots are on their way or there, and on two islands.
+void Expedition::look_after_meeting(const Planner& planner,
+                                    const std::map<std::string, ExpeditionMember>& team) {
+  if (!meeting_) return;
+  const bool both_go = states_.at(meeting_->a.robot).meeting && states_.at(meeting_->b.robot).meeting;
+  if (!both_go) missed_.insert(meeting_->closure);
+  const auto& offered = planner.map().meeting;
+  if (!offered || offered->closure != meeting_->closure || !can_meet(planner, team, *meeting_)) end_meeting();
+}
+
+void Expedition::arrange_meeting(Planner& planner, const std::map<std::string, ExpeditionMember>& team,
+                                 double time_s) {
+  const auto& offered = planner.map().meeting;
+  if (meeting_ || !offered || !can_meet(planner, team, *offered)) return;
+  const auto explorer = [&](const MeetingPlace& place) {
+    const ExpeditionMember& member = team.at(place.robot);
+    return Explorer{member.pose, member.footprint, std::nullopt, {}};
+  };
+  const auto has_work = [&](const MeetingPlace& place) { return states_.at(place.robot).goal.has_value(); };
+  const MeetingWorth worth =
+      worth_of_meeting(planner, *offered, explorer(offered->a), has_work(offered->a), explorer(offered->b),
+                       has_work(offered->b), options_.exploration);
+  if (worth.saved_m <= worth.cost_m) return;
+  meeting_ = offered;
+  ++counts_.meetings;
+  send_to_meeting(planner, offered->a, time_s);
+  send_to_meeting(planner, offered->b, time_s);
+}
+
+void Expedition::send_to_meeting(const Planner& planner, const MeetingPlace& place, double time_s) {
+  State& state = states_.at(place.robot);
+  state.goal.reset();
+  set_goal(planner, state, ExplorationGoal{place.pose, 0, 0, 0}, time_s);
+  state.met_s = time_s;
+  state.meeting = true;
+}
+
+void Expedition::end_meeting() {
+  for (const MeetingPlace* place : {&meeting_->a, &meeting_->b}) {
+    State& state = states_.at(place->robot);
+    if (std::exchange(state.meeting, false)) state.goal.reset();
+  }
+  meeting_.reset();
 }
 
 /// What a robot saw nothing new at twice is no goal again.
@@ -73,7 +143,8 @@ void Expedition::visit(const Planner& planner, State& state) {
 
 void Expedition::give_up(State& state) {
   ++counts_.given_up;
-  if (!std::exchange(state.turning, false)) state.given_up.push_back(state.goal->viewpoint);
+  const bool was_frontier = !std::exchange(state.turning, false) && !std::exchange(state.meeting, false);
+  if (was_frontier) state.given_up.push_back(state.goal->viewpoint);
   state.goal.reset();
 }
 
@@ -85,6 +156,7 @@ void Expedition::share(Planner& planner, const std::map<std::string, ExpeditionM
   std::map<std::string, Explorer> explorers;
   for (const auto& [name, member] : team) {
     const State& state = states_.at(name);
+    if (state.meeting) continue;
     Explorer& explorer = explorers[name];
     explorer = {member.pose, member.footprint, std::nullopt, state.given_up};
     if (state.goal) explorer.goal = state.goal->viewpoint;
@@ -95,6 +167,7 @@ void Expedition::share(Planner& planner, const std::map<std::string, ExpeditionM
   const auto goals = share_frontiers(planner, explorers, options_.exploration, &frontiers_);
   for (const auto& [name, member] : team) {
     State& state = states_.at(name);
+    if (state.meeting) continue;
     const auto found = goals.find(name);
     if (found != goals.end()) {
       set_goal(planner, state, found->second, time_s);
@@ -134,7 +207,7 @@ void Expedition::set_goal(const Planner& planner, State& state, const std::optio
     state.moved_s = state.free_s = time_s;
   }
   state.goal = goal;
-  state.turning = false;
+  state.turning = state.meeting = false;
 }
 
 std::map<std::string, Traveller> Expedition::travellers(Planner& planner,
@@ -168,7 +241,9 @@ ExplorationOrder Expedition::order(const std::string& name, Clearance clearance,
   if (clearance.leave == Leave::give_way) {
     order.reason = OrderReason::give_way;
   } else if (state.goal) {
-    order.reason = clearance.leave == Leave::go ? OrderReason::frontier : OrderReason::wait;
+    order.reason = clearance.leave != Leave::go ? OrderReason::wait
+                   : state.meeting              ? OrderReason::meet
+                                                : OrderReason::frontier;
     order.is_last = clearance.leave == Leave::go;
   }
   return order;

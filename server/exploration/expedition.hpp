@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "server/engine/rendezvous/meeting_record.hpp"
 #include "server/exploration/coordinator.hpp"
 #include "server/exploration/explore.hpp"
 
@@ -21,10 +23,11 @@ struct ExpeditionOptions {
   double give_up_s = 18;      ///< a robot that may go on and does not for so long gives its goal up
   int first_turns = 3;        ///< by which a robot looks around that sees no frontier from where it begins
   double defer_s = 15;        ///< one that has to wait for others so long is given another goal for a while
+  double meet_s = 60;         ///< so long a robot stands at a meeting that settles nothing
 };
 
 /// Why a robot is told to drive.
-enum class OrderReason : std::uint8_t { frontier, wait, give_way, finished };
+enum class OrderReason : std::uint8_t { frontier, wait, give_way, finished, meet };
 
 /// What a robot shall do now.
 struct ExplorationOrder {
@@ -46,10 +49,12 @@ struct ExpeditionCounts {
   std::size_t goals = 0;
   std::size_t given_up = 0;
   std::size_t gave_way = 0;  ///< times that a robot began to
+  std::size_t meetings = 0;  ///< to which two robots were sent
 };
 
-/// A team that explores: who goes where, who waits for whom, when a goal is reached or given up. What robots
-/// do is seen by their poses alone. One thread; a function of what it was told, in order.
+/// A team that explores, and meets where settling whether two islands are one is worth more than new ground:
+/// who goes where, who waits for whom, when a goal is reached or given up. What robots do is seen by their
+/// poses alone. One thread; a function of what it was told, in order.
 class Expedition {
  public:
   explicit Expedition(const ExpeditionOptions& options = {})
@@ -75,6 +80,8 @@ class Expedition {
     std::optional<ManifoldPose> first;                      ///< where it was first
     int turns = 0;                                          ///< that it made there to look around
     bool turning = false;                                   ///< its goal is such a turn
+    bool meeting = false;                                   ///< its goal is its place at a meeting
+    double met_s = 0;                                       ///< when it was not there last
     Leave leave = Leave::go;
     std::optional<ManifoldPose> moved_from;
     double moved_s = 0;  ///< when it last got on, or need not
@@ -82,12 +89,19 @@ class Expedition {
   };
 
   void look(const Planner& planner, const std::string& name, const ExpeditionMember& member, double time_s);
+  void look_at_meeting(const Planner& planner, State& state, const ManifoldPose& pose, double time_s);
   void visit(const Planner& planner, State& state);
   void give_up(State& state);
   std::optional<ExplorationGoal> turn_to_look(const Planner& planner, State& state,
                                               const ManifoldPose& pose) const;
   void set_goal(const Planner& planner, State& state, const std::optional<ExplorationGoal>& goal,
                 double time_s);
+  bool can_meet(const Planner& planner, const std::map<std::string, ExpeditionMember>& team,
+                const MeetingRecord& meeting) const;
+  void look_after_meeting(const Planner& planner, const std::map<std::string, ExpeditionMember>& team);
+  void arrange_meeting(Planner& planner, const std::map<std::string, ExpeditionMember>& team, double time_s);
+  void send_to_meeting(const Planner& planner, const MeetingPlace& place, double time_s);
+  void end_meeting();
   void share(Planner& planner, const std::map<std::string, ExpeditionMember>& team, double time_s);
   std::map<std::string, Traveller> travellers(Planner& planner,
                                               const std::map<std::string, ExpeditionMember>& team);
@@ -98,6 +112,8 @@ class Expedition {
   std::map<std::string, State> states_;
   std::optional<double> shared_s_;
   std::vector<ExplorationGoal> frontiers_;
+  std::optional<MeetingRecord> meeting_;  ///< that two robots are on their way to
+  std::set<ClosureId> missed_;            ///< hypotheses that a meeting did not settle
   ExpeditionCounts counts_;
 };
 

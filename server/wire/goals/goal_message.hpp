@@ -12,7 +12,7 @@ namespace isthmus {
 
 template <>
 inline constexpr auto words_of<OrderReason> = std::to_array<std::string_view>({"frontier", "wait", "give_way",
-                                                                               "finished"});
+                                                                               "finished", "meet"});
 
 /// What a robot is told on <ROBOT>_GOAL, without times. `at`: where it is; all poses on the map.
 goal_t goal_message(const MapCopy& map, const std::string& robot, const ManifoldPose& at,

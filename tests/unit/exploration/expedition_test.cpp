@@ -141,5 +141,63 @@ TEST(Expedition, ARobotThatIsNotOnTheMapHasNoOrder) {
   EXPECT_EQ(team.expedition.plan(team.planner, team.members, 0).size(), 1U);
 }
 
+/// Two corridors, of an island each, on which a meeting is on offer.
+struct Teams : Team {
+  explicit Teams(double a_x_m) {
+    Map map;
+    map.add(testing::round_patch(testing::corridor(), PatchId{0}, {}, 6), {});
+    map.add(testing::round_patch(testing::corridor(), PatchId{1}, {}, 6), {});
+    copy = testing::copy_of(map);
+    copy.meeting = MeetingRecord{ClosureId{4}, {"R1", {PatchId{0}, {a_x_m, 0, 0}}}, {"R2", {PatchId{1}, {}}}};
+    members["R1"] = {{PatchId{0}, {}}, slim};
+    members["R2"] = {{PatchId{1}, {0.4, 0, 0}}, slim};
+    update();
+  }
+  void update() { planner.update(std::make_shared<const MapCopy>(copy)); }
+  MapCopy copy;
+};
+
+TEST(Expedition, TwoRobotsAreSentToAMeetingThatIsWorthMoreThanNewGround) {
+  Teams near(1);
+  const ExplorationOrder order = near.order_at(0, "R1");
+  EXPECT_EQ(order.reason, OrderReason::meet);
+  EXPECT_NEAR(near.x_of(order.path.back()), 1, 0.1);
+  EXPECT_EQ(near.order_at(0, "R2").reason, OrderReason::meet);
+  EXPECT_EQ(near.expedition.counts().meetings, 1U);
+  Teams far(5);
+  EXPECT_EQ(far.order_at(0, "R1").reason, OrderReason::frontier) << "ten metres there and back";
+  EXPECT_EQ(far.expedition.counts().meetings, 0U);
+}
+
+TEST(Expedition, AMeetingEndsWhenItIsSettledAndEachExploresAgain) {
+  Teams teams(1);
+  teams.order_at(0);
+  teams.copy.meeting.reset();
+  teams.update();
+  EXPECT_EQ(teams.order_at(1, "R1").reason, OrderReason::frontier);
+  EXPECT_EQ(teams.order_at(1, "R2").reason, OrderReason::frontier);
+}
+
+TEST(Expedition, AMeetingThatSettlesNothingIsLeftAndNotGoneToAgain) {
+  Teams teams(1);
+  teams.order_at(0);
+  teams.members["R1"].pose.patch_from_object.x = 1;
+  teams.members["R2"].pose.patch_from_object.x = 0;
+  const ExpeditionOptions options;
+  EXPECT_EQ(teams.order_at(options.meet_s - 1, "R1").reason, OrderReason::meet);
+  for (const double time_s : {options.meet_s + 1, options.meet_s + 5, options.meet_s + 10}) {
+    EXPECT_EQ(teams.order_at(time_s, "R1").reason, OrderReason::frontier) << time_s;
+    EXPECT_EQ(teams.order_at(time_s, "R2").reason, OrderReason::frontier) << time_s;
+  }
+  EXPECT_EQ(teams.expedition.counts().meetings, 1U);
+}
+
+TEST(Expedition, WhoCannotComeToTheMeetingIsNotSentThere) {
+  Teams teams(1);
+  teams.copy.meeting->a.pose.patch_from_object.y = 30;
+  teams.update();
+  EXPECT_EQ(teams.order_at(0, "R1").reason, OrderReason::frontier);
+}
+
 }  // namespace
 }  // namespace isthmus

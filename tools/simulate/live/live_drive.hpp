@@ -15,9 +15,9 @@ struct LiveDriveOptions {
   bool side_by_side = false;  ///< they start beside the first one, not where the scenario has them
   double clearance_m = 0.1;   ///< from walls: what is ground that robots can come to
   double radio_range_m = 0;   ///< from where the first one starts: beyond it a robot hears nothing, and what
-                             ///< it sends comes when it is back; 0: everywhere
-  std::string pictures;   ///< directory; empty: none
-  double picture_s = 60;  ///< of the run, between pictures
+                              ///< it sends comes when it is back; 0: everywhere
+  std::string pictures;       ///< directory; empty: none
+  double picture_s = 60;      ///< of the run, between pictures
 };
 
 /// What became of robots that drove by a server's goals.
