@@ -1,5 +1,6 @@
 #include "server/paths/roads/pull.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -8,9 +9,8 @@ namespace isthmus {
 namespace {
 
 constexpr int rounds = 10;
-constexpr double worth_a_round = 0.001;  // of the length
-constexpr double shares[] = {1,    0.7,  0.5,  0.35,
-                             0.25, 0.18, 0.12, 0.06};  // of the legs at a corner, tried in turn
+constexpr double worth_a_round = 0.001;                                   // of the length
+constexpr double shares[] = {1, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06};  // of the legs at a corner
 
 std::vector<NodeId> leave_out_what_is_seen_past(const Roadmap& roadmap, const std::vector<NodeId>& way) {
   std::vector<NodeId> left{way.front()};
@@ -29,26 +29,46 @@ std::optional<NodeId> along(const Roadmap& roadmap, NodeId from, NodeId to, doub
   return roadmap.straight(from, at);
 }
 
-/// Two cells on the legs of a corner, as far out as possible, of which one sees the other.
-std::optional<std::pair<NodeId, NodeId>> cut(const Roadmap& roadmap, NodeId before, NodeId corner,
-                                             NodeId after) {
+/// Cells along the leg before or after a corner, each seen from the one end of the rest and from the corner.
+std::vector<NodeId> cells_along(const Roadmap& roadmap, NodeId corner, NodeId end, bool is_before) {
+  std::vector<NodeId> cells;
   for (const double share : shares) {
-    const auto a = along(roadmap, corner, before, share), b = along(roadmap, corner, after, share);
-    if (!a || !b || *a == corner || *b == corner) continue;
-    const bool shorter = length_m(roadmap.ground(), {before, *a, *b, after}) <
-                         length_m(roadmap.ground(), {before, corner, after});
-    if (shorter && roadmap.sees(before, *a) && roadmap.sees(*a, *b) && roadmap.sees(*b, after))
-      return {{*a, *b}};
+    const auto cell = along(roadmap, corner, end, share);
+    if (!cell || *cell == corner) continue;
+    if (is_before ? roadmap.sees(end, *cell) : roadmap.sees(*cell, end)) cells.push_back(*cell);
   }
-  return std::nullopt;
+  return cells;
+}
+
+struct Cut {
+  double length_m = 0;
+  NodeId a = -1, b = -1;
+};
+
+/// Two cells on the legs of a corner, of which one sees the other, over which the way is shortest. What it
+/// bends around may lie at one of the legs alone: they are not so far out on both.
+std::optional<Cut> cut(const Roadmap& roadmap, NodeId before, NodeId corner, NodeId after) {
+  const Ground& ground = roadmap.ground();
+  const double least_m = length_m(ground, {before, corner, after});
+  std::vector<Cut> cuts;
+  const std::vector<NodeId> ends = cells_along(roadmap, corner, after, false);
+  for (const NodeId a : cells_along(roadmap, corner, before, true))
+    for (const NodeId b : ends)
+      if (const double length = length_m(ground, {before, a, b, after}); length < least_m)
+        cuts.push_back({length, a, b});
+  std::stable_sort(cuts.begin(), cuts.end(),
+                   [](const Cut& one, const Cut& other) { return one.length_m < other.length_m; });
+  const auto found =
+      std::find_if(cuts.begin(), cuts.end(), [&](const Cut& one) { return roadmap.sees(one.a, one.b); });
+  return found == cuts.end() ? std::nullopt : std::optional(*found);
 }
 
 std::vector<NodeId> cut_corners(const Roadmap& roadmap, const std::vector<NodeId>& way) {
   std::vector<NodeId> cut_way{way.front()};
   for (std::size_t i = 1; i + 1 < way.size(); ++i) {
     if (const auto ends = cut(roadmap, cut_way.back(), way[i], way[i + 1])) {
-      cut_way.push_back(ends->first);
-      cut_way.push_back(ends->second);
+      cut_way.push_back(ends->a);
+      cut_way.push_back(ends->b);
     } else {
       cut_way.push_back(way[i]);
     }
