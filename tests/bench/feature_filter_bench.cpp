@@ -63,7 +63,8 @@ BENCHMARK(twins_of_n_landmarks)
     ->Unit(benchmark::kMicrosecond)
     ->Complexity(benchmark::oNLogN);
 
-/// All of a fusion of n with n landmarks of which a tenth are shared.
+/// All of a fusion of n with n landmarks in rows that repeat themselves, the worst case of the search for
+/// twins.
 void fusion_of_n_with_n(benchmark::State& state) {
   const auto count = static_cast<int>(state.range(0));
   const FeatureState one = line_of_landmarks(count, -4), two = line_of_landmarks(count, -4);
