@@ -28,6 +28,8 @@ RobotPose pose_of(const std::string& robot, double x) {
   return pose;
 }
 
+const ExplorationConfiguration exploring = {true, 0.1, 0.5, {}, 0};
+
 class GoalPublisherTest : public ::testing::Test {
  protected:
   std::vector<goal_t> goals(const std::string& robot) { return published_.of<goal_t>(robot + "_GOAL"); }
@@ -36,7 +38,7 @@ class GoalPublisherTest : public ::testing::Test {
 };
 
 TEST_F(GoalPublisherTest, TellsEachRobotItsGoalAndTheWayThere) {
-  GoalPublisher goals_of(published_.sink(), {true, 0.1, 0.5});
+  GoalPublisher goals_of(published_.sink(), exploring);
   goals_of.note(pose_of("R1", 0.4));
   goals_of.note(pose_of("R2", 1.4));
   goals_of.offer(corridor_map(), 7'000'000);
@@ -73,7 +75,7 @@ TEST_F(GoalPublisherTest, WhoeverLooksIsShownTheTeamWithAllFrontiersAndNobodyOnc
   };
   GoalLimits limits;
   limits.silent = std::chrono::seconds(1);
-  GoalPublisher goals_of(published_.sink(), {true, 0.1, 0.5}, show, limits);
+  GoalPublisher goals_of(published_.sink(), exploring, show, limits);
   goals_of.note(pose_of("R1", 0.4));
   goals_of.offer(corridor_map(), 7'000'000);
   ASSERT_TRUE(happens([&] { return seen(1); }));
@@ -90,7 +92,7 @@ TEST_F(GoalPublisherTest, WhoeverLooksIsShownTheTeamWithAllFrontiersAndNobodyOnc
 
 // It looks around where it stands first.
 TEST_F(GoalPublisherTest, ARobotTooLargeForTheMapIsToldThatNothingIsLeft) {
-  GoalPublisher goals_of(published_.sink(), {true, 0.1, 0.5});
+  GoalPublisher goals_of(published_.sink(), exploring);
   goals_of.note_radius("R1", 1.0);
   RobotPose pose = pose_of("R1", 0);
   goal_t last;
@@ -111,7 +113,7 @@ TEST_F(GoalPublisherTest, ARobotTooLargeForTheMapIsToldThatNothingIsLeft) {
 TEST_F(GoalPublisherTest, ARobotThatIsSilentForLongIsNotPlannedFor) {
   GoalLimits limits;
   limits.silent = std::chrono::seconds(0);
-  GoalPublisher goals_of(published_.sink(), {true, 0.1, 0.5}, {}, limits);
+  GoalPublisher goals_of(published_.sink(), exploring, {}, limits);
   goals_of.note(pose_of("R1", 0.4));
   std::this_thread::sleep_for(std::chrono::milliseconds(2));
   goals_of.note_radius("R2", 0.2);
