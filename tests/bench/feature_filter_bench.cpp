@@ -74,7 +74,7 @@ void fusion_of_n_with_n(benchmark::State& state) {
 }
 BENCHMARK(fusion_of_n_with_n)
     ->RangeMultiplier(2)
-    ->Range(50, 800)
+    ->Range(50, 200)
     ->Unit(benchmark::kMillisecond)
     ->Complexity();
 
