@@ -42,15 +42,18 @@ void TieFilter::make_room(Eigen::Index rows) {
   residual_.conservativeResize(2 * rows);
 }
 
+// Without ties before it there is nothing to share: matrices without columns have no memory to point to.
 GivenTie TieFilter::given(const Tie& tie) const {
-  GivenTie given;
-  const auto gain_one = gain_one_.block(0, tie.offset_one, rows_, tie.by_one.cols());
-  const auto gain_two = gain_two_.block(0, tie.offset_two, rows_, tie.by_two.cols());
-  given.shared = tie.by_one.lazyProduct(gain_one.transpose());
-  given.shared += tie.by_two.lazyProduct(gain_two.transpose());
-  given.residual = tie.residual - given.shared.lazyProduct(residual());
-  given.by_maps = tie.by_maps - given.shared.lazyProduct(by_maps());
-  given.covariance = tie.noise - given.shared.lazyProduct(given.shared.transpose());
+  GivenTie given{tie.residual, tie.noise, tie.by_maps, Whitened(tie.residual.size(), rows_)};
+  if (rows_ > 0) {
+    const auto gain_one = gain_one_.block(0, tie.offset_one, rows_, tie.by_one.cols());
+    const auto gain_two = gain_two_.block(0, tie.offset_two, rows_, tie.by_two.cols());
+    given.shared = tie.by_one.lazyProduct(gain_one.transpose());
+    given.shared += tie.by_two.lazyProduct(gain_two.transpose());
+    given.residual -= given.shared.lazyProduct(residual());
+    given.by_maps -= given.shared.lazyProduct(by_maps());
+    given.covariance -= given.shared.lazyProduct(given.shared.transpose());
+  }
   given.covariance += between(one_->covariance, tie.offset_one, tie.by_one, tie.offset_one, tie.by_one);
   given.covariance += between(two_->covariance, tie.offset_two, tie.by_two, tie.offset_two, tie.by_two);
   return given;
@@ -64,15 +67,16 @@ bool TieFilter::append(const Tie& tie, const GivenTie& given) {
   const Eigen::Index size = given.residual.size();
   make_room(rows_ + size);
   const LocalMatrix whiten = root.matrixL().solve(LocalMatrix::Identity(size, size));
-  factor_.block(rows_, 0, size, rows_) = given.shared;
+  if (rows_ > 0) factor_.block(rows_, 0, size, rows_) = given.shared;
   factor_.block(rows_, rows_, size, size) = root.matrixL();
   residual_.segment(rows_, size) = whiten * given.residual;
   by_maps_.middleRows(rows_, size) = whiten * given.by_maps;
   const auto add = [&](Eigen::MatrixXd& gain, const Eigen::MatrixXd& p, int offset, const LocalMatrix& by) {
     const LocalMatrix white_by = whiten * by;
-    const Whitened white_shared = whiten * given.shared;
     auto rows = gain.middleRows(rows_, size);
     rows.noalias() = white_by * p.middleCols(offset, by.cols()).transpose();
+    if (rows_ == 0) return;
+    const Whitened white_shared = whiten * given.shared;
     rows.noalias() -= white_shared * gain.topRows(rows_);
   };
   add(gain_one_, one_->covariance, tie.offset_one, tie.by_one);
@@ -95,7 +99,7 @@ LocalMatrix cross_covariance(const FeatureState& one, const FeatureState& two, c
                              const GivenTie& given_a, const Tie& b, const GivenTie& given_b) {
   LocalMatrix sum = between(one.covariance, a.offset_one, a.by_one, b.offset_one, b.by_one);
   sum += between(two.covariance, a.offset_two, a.by_two, b.offset_two, b.by_two);
-  sum -= given_a.shared.lazyProduct(given_b.shared.transpose());
+  if (given_a.shared.cols() > 0) sum -= given_a.shared.lazyProduct(given_b.shared.transpose());
   return sum;
 }
 
