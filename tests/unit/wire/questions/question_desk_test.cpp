@@ -205,7 +205,7 @@ TEST_F(FollowedPathsTest, SoManyAreFollowedAndNoMore) {
 }
 
 TEST_F(FollowedPathsTest, OnlyPathsAreFollowedAndNotForEver) {
-  const auto reason = [this](request_t request) {
+  const auto reason = [this](const request_t& request) {
     ask(request);
     return replies().back().reason;
   };
