@@ -17,8 +17,7 @@ std::vector<BeamPoint> beam_points(const Scan& scan, const Laser& laser, const B
     const Eigen::Vector2d ray(std::cos(bearing), std::sin(bearing)), side(-ray.y(), ray.x());
     const double across = std::pow(range * noise.bearing_sigma_rad, 2);
     points.push_back({range * ray, along * ray * ray.transpose() + across * side * side.transpose(), range,
-                      bearing, static_cast<int>(k), std::pow(noise.surface_sigma_m, 2),
-                      noise.surface_reach_m});
+                      bearing, static_cast<int>(k)});
   }
   return points;
 }

@@ -12,8 +12,6 @@ struct BeamNoise {
   double range_sigma_m = 0.01;      ///< m, of one range: what small time-of-flight lasers state
   double bearing_sigma_rad = 2e-3;  ///< rad, of one bearing: a quarter of a beam's width
   double surface_sigma_m = 0.005;   ///< m, along the beam: walls are not straight to the millimetre
-  double surface_reach_m = 0.5;     ///< m along a wall over which it is off by the same: beams nearer to one
-                                    ///< another than that err alike
 };
 
 /// The end of a beam, in the laser's frame.
@@ -22,9 +20,7 @@ struct BeamPoint {
   Eigen::Matrix2d covariance;  ///< m²: the noise of range along the beam, that of the bearing across it
   double range_m = 0;
   double bearing_rad = 0;
-  int beam = 0;                 ///< its number by rising bearing
-  double surface_variance = 0;  ///< m² along the beam: what of the covariance is the wall's own
-  double surface_reach_m = 0;   ///< m over which that is the same for points of one wall
+  int beam = 0;  ///< its number by rising bearing
 };
 
 /// The hits of a scan by rising bearing, whichever way the laser turns.

@@ -1,6 +1,5 @@
 #include "scanmatch/features/line_fit.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace isthmus {
@@ -33,43 +32,20 @@ void fit_once(std::span<const BeamPoint> points, Line& line) {
   line.along = direction.dot(line.along) < 0 ? Eigen::Vector2d(-direction) : direction;
 }
 
-/// Σ a_j a_k exp(−|s_j − s_k| / reach) over pairs of different points, whose shares of a line's error hang
-/// together so: in one pass, as the points come along the line.
-class AlikeErrors {
- public:
-  void add(double along_m, double reach_m, double share) {
-    alike_ *= reach_m > 0 ? std::exp(-std::abs(along_m - last_m_) / reach_m) : 0;
-    sum_ += 2 * share * alike_;
-    alike_ += share;
-    last_m_ = along_m;
-  }
-  double sum() const { return sum_; }
-
- private:
-  double sum_ = 0, alike_ = 0, last_m_ = 0;
-};
-
 void judge(std::span<const BeamPoint> points, Line& line) {
   const Eigen::Vector2d across = line.across();
   double rho_information = 0, alpha_information = 0;
   line.chi_squared = line.worst_sigmas = 0;
-  AlikeErrors of_rho, of_alpha;
   for (const BeamPoint& point : points) {
     const double w = 1 / variance_across(point, across);
     const double squared = w * std::pow(line.across_m(point.position), 2);
-    const double along = line.along_m(point.position);
-    const double facing = across.x() * std::cos(point.bearing_rad) + across.y() * std::sin(point.bearing_rad);
-    const double rough = w * std::sqrt(point.surface_variance) * std::abs(facing);
-    of_rho.add(along, point.surface_reach_m, rough);
-    of_alpha.add(along, point.surface_reach_m, rough * along);
     rho_information += w;
-    alpha_information += w * along * along;
+    alpha_information += w * std::pow(line.along_m(point.position), 2);
     line.chi_squared += squared;
     line.worst_sigmas = std::max(line.worst_sigmas, std::sqrt(squared));
   }
-  line.rho_variance = 1 / rho_information + std::max(0.0, of_rho.sum()) / std::pow(rho_information, 2);
-  line.alpha_variance =
-      1 / alpha_information + std::max(0.0, of_alpha.sum()) / std::pow(alpha_information, 2);
+  line.rho_variance = 1 / rho_information;
+  line.alpha_variance = 1 / alpha_information;
 }
 
 }  // namespace

@@ -26,9 +26,8 @@ struct Line {
 };
 
 /// Total least squares: the line with the least sum of squared distances, each over the variance of its point
-/// across the line; fitted anew with the variances that its direction gives. Its own variances allow for what
-/// of the points' errors is the wall's and alike for neighbours: many beams on a rough wall tell no more of
-/// it than a few. Nothing of fewer than two points, or where all are one.
+/// across the line; fitted anew with the variances that its direction gives. Nothing of fewer than two
+/// points, or where all are one.
 std::optional<Line> fit_line(std::span<const BeamPoint> points);
 
 /// By how much a line's point at `along_m` moves across it with (α, ρ): its variance, m².

@@ -66,7 +66,6 @@ FeatureMapOptions feature_map_options(FeatureMapKind kind) {
   options.filter.association.probability = 0.999;
   options.filter.max_features = 1000;
   options.scan_features.noise.surface_sigma_m = 0.02;
-  options.scan_features.noise.surface_reach_m = 0;  // the logs were tried with beams that err by themselves
   options.scan_features.segmentation.min_length_m = 1;
   if (kind == FeatureMapKind::points) options.stamp_share = 0;  // velocities are integrated, not measured
   options.odometry_noise.first_scale = kind == FeatureMapKind::segments ? 2 : 3;

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
 namespace isthmus {
 namespace {
 
@@ -20,43 +18,6 @@ TEST(LineFit, VariancesAreThoseOfTheTextbook) {
   EXPECT_NEAR(line.rho_variance, 4e-4 / 11, 1e-12);
   EXPECT_NEAR(line.alpha_variance, 4e-4 / 1.1, 1e-12);  // Σ s² = 1.1 m²
   EXPECT_NEAR(line.chi_squared, 0, 1e-12);
-}
-
-TEST(LineFit, PointsThatAllErrAlikeTellNoMoreThanOne) {
-  std::vector<BeamPoint> points;
-  for (int i = -50; i <= 50; ++i) {
-    points.push_back(at(4, 0.01 * i, 0.02));
-    points.back().surface_variance = 4e-4;
-    points.back().surface_reach_m = 1e6;
-  }
-  EXPECT_NEAR(fit_line(points)->rho_variance, 4e-4, 1e-5);
-  for (BeamPoint& point : points) point.surface_reach_m = 0;
-  EXPECT_NEAR(fit_line(points)->rho_variance, 4e-4 / 101, 1e-8);
-}
-
-/// Walls with a departure from straight that fades over 0.5 m, looked at head on by beams 2 cm apart.
-TEST(LineFit, OnARoughWallErrsAsItSays) {
-  std::mt19937 random(1);
-  std::normal_distribution<double> normal;
-  constexpr int walls = 400;
-  double alpha = 0, rho = 0;
-  for (int wall = 0; wall < walls; ++wall) {
-    std::vector<BeamPoint> points;
-    const double kept = std::exp(-0.02 / 0.5);
-    double off = 0.01 * normal(random);
-    for (int i = -100; i <= 100; ++i) {
-      points.push_back(at(40 + off + 0.002 * normal(random), 0.02 * i, std::hypot(0.01, 0.002)));
-      points.back().surface_variance = 1e-4;
-      points.back().surface_reach_m = 0.5;
-      off = kept * off + std::sqrt(1 - kept * kept) * 0.01 * normal(random);
-    }
-    const Line line = fit_line(points).value();
-    const double turned = std::atan2(-line.along.x(), line.along.y());
-    alpha += turned * turned / line.alpha_variance / walls;
-    rho += std::pow(line.across_m({40, 0}), 2) / line.rho_variance / walls;
-  }
-  EXPECT_NEAR(alpha, 1, 0.25);
-  EXPECT_NEAR(rho, 1, 0.25);
 }
 
 TEST(LineFit, APointCountsByItsVarianceAcrossTheLine) {

@@ -17,10 +17,9 @@ namespace {
 constexpr double corridor_width_m = 80, corridor_depth_m = 60,
                  round_m = 2 * (corridor_width_m + corridor_depth_m);
 constexpr int corner_count = 124;
-constexpr double corner_reach_m = 8;  // as the laser's
-constexpr double drive_step_m = 0.2;
-constexpr double look_each_rad = 0.2;  // turned
-constexpr int looks_at_start = 20;     // four seconds of a laser's
+constexpr double corner_reach_m = 8;     // as the laser's
+constexpr double corner_sigma_m = 0.03;  // of a corner from a scan
+constexpr double drive_step_m = 0.5;
 
 /// Where the corridor is after s metres eastwards from (0, 0), and which way it goes there.
 Pose on_corridor(double s) {
@@ -32,10 +31,6 @@ Pose on_corridor(double s) {
     return {2 * corridor_width_m + corridor_depth_m - s, corridor_depth_m, std::numbers::pi};
   return {0, round_m - s, -0.5 * std::numbers::pi};
 }
-
-/// How a corner errs in each axis as scanmatch/features finds it with the laser of Benedettelli et al.
-/// (2012), 181 beams, 3 mm and 3 mrad: measured .0035 m at 2 m, .0047 at 3, .007 at 4, .011 at 5, .0145 at 6.
-double corner_sigma_m(double range_m) { return std::hypot(0.003, 0.0004 * range_m * range_m); }
 
 struct Corner {
   double along_m = 0;  ///< along the corridor
@@ -68,8 +63,13 @@ class Mapper {
     for (int i = 0; i <= steps; ++i) {
       const double s = from + (forward ? 1 : -1) * i * drive_step_m;
       const Pose there = forward ? on_corridor(s) : on_corridor(s) * Pose{0, 0, std::numbers::pi};
-      if (!begun_) begin(there, s);
-      go(there, s);
+      if (begun_)
+        move(ominus(there, truth_));
+      else
+        start_ = there;
+      begun_ = true;
+      truth_ = there;
+      look(s);
     }
   }
 
@@ -84,25 +84,6 @@ class Mapper {
   }
 
  private:
-  /// Stands and looks: what it sees first is what all its map hangs on.
-  void begin(const Pose& there, double s) {
-    begun_ = true;
-    start_ = truth_ = there;
-    for (int i = 0; i < looks_at_start; ++i) look(s);
-  }
-
-  /// Straight there, and on the spot into the direction there: looks as it turns, as a laser does.
-  void go(const Pose& there, double s) {
-    const double turn = wrap_angle(there.yaw - truth_.yaw);
-    const int parts = std::max(1, static_cast<int>(std::ceil(std::abs(turn) / look_each_rad)));
-    for (int part = 1; part <= parts; ++part) {
-      const Pose next{there.x, there.y, wrap_angle(truth_.yaw + turn / parts)};
-      move(ominus(next, truth_));
-      truth_ = next;
-      look(s);
-    }
-  }
-
   void move(const Pose& old_from_new) {
     OdometryStep step = unicycle_step(std::hypot(old_from_new.x, old_from_new.y), old_from_new.yaw, 1, {});
     step.covariance(1, 1) = 1e-6;
@@ -121,9 +102,9 @@ class Mapper {
       const double along = std::remainder(corners_[i].along_m - s, round_m);
       const Eigen::Vector2d there = inverse(truth_) * corners_[i].position;
       if (std::abs(along) > corner_reach_m || there.norm() > corner_reach_m || there.x() < 0) continue;
-      const double sigma = corner_sigma_m(there.norm());
-      const Eigen::Vector2d noise(random_.normal(sigma), random_.normal(sigma));
-      seen.push_back({point_feature(there + noise), sigma * sigma * LocalMatrix::Identity(2, 2)});
+      const Eigen::Vector2d noise(random_.normal(corner_sigma_m), random_.normal(corner_sigma_m));
+      seen.push_back(
+          {point_feature(there + noise), corner_sigma_m * corner_sigma_m * LocalMatrix::Identity(2, 2)});
       known.push_back(ids_[i]);
       which.push_back(i);
     }
@@ -154,9 +135,9 @@ RendezvousExperiment run_rendezvous_experiment(std::uint64_t seed) {
   Random building(seed, "corners");
   const std::vector<Corner> all = corners(building);
   Mapper one(all, Random(seed, "robot 1")), two(all, Random(seed, "robot 2"));
-  one.drive(0, 208);    // east, north, and west along the far side,
-  one.drive(208, 10);   // and back
-  two.drive(160, 276);  // west along the far side, and south, until they see one another
+  one.drive(0, 208);    // east, north, and west along the far side
+  one.drive(208, 150);  // and back
+  two.drive(280, 154);  // north, and east along the far side, until they see one another
   RendezvousExperiment experiment;
   experiment.one = one.state();
   experiment.two = two.state();

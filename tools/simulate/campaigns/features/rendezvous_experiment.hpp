@@ -8,18 +8,16 @@
 namespace isthmus {
 
 /// The experiment of Zhou and Roumeliotis (2006), section IV, in simulation: a building of 80 m by 60 m
-/// (4,800 m²), a corridor all round it with 124 corners. The robots start 85 m apart. Robot 1 goes three
-/// quarters of the way round and comes back, robot 2 comes round the other side; they meet 10 m from where
-/// robot 1 began, at one end of both maps (figures 7 to 9 there), having seen about 95 and 60 corners, about
-/// 31 of them both. What the paper does not tell: corners err as scanmatch/features finds them, and a robot
-/// stands for some seconds before it goes, as the whole map hangs on what it sees there.
+/// (4,800 m²), a corridor all round it with 124 corners. Robot 1 goes three quarters of the way round and a
+/// stretch back, robot 2 comes from the other side; they meet where robot 1 turned back, off to one side of
+/// its map, having seen about 95 and 60 corners, about 31 of them both.
 ///
-///        0 -------------------- 60 ------ 80
-///       60 +---<--------- R2 <---+-------+       R1 from (0, 0) eastwards to (12, 60), and back;
-///          |                             |       R2 from (60, 60) westwards, and down
-///       R2 v                             ^ R1
-///          | they meet here              |
-///        0 +--- R1 ---------------->-----+
+///        0 ------------------------------ 80
+///       60 +---<--------- R1 <-----------+       R1 from (0, 0) eastwards, R2 from (0, 0) northwards
+///          |  they meet up here          ^
+///          ^ R2                          | R1
+///          |                             |
+///        0 +--- R1 --->------------------+
 struct RendezvousExperiment {
   FeatureState one, two;
   std::vector<int> corner_of_one, corner_of_two;  ///< by feature id
