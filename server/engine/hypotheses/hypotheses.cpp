@@ -12,6 +12,7 @@ SearchTerms terms_of(const HypothesisOptions& options) {
   SearchTerms terms;
   terms.min_score = options.min_score;
   terms.min_score_anywhere = options.min_score_anywhere;
+  terms.min_probability = options.min_find_probability;
   terms.on_the_map = true;
   return terms;
 }

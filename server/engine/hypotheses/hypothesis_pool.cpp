@@ -21,13 +21,19 @@ bool agrees_with_map(const Map& map, const Find& find, const HypothesisOptions& 
   return std::hypot(off.x, off.y) < options.mapped_m && std::abs(off.yaw) < options.mapped_rad;
 }
 
+/// Two islands that look alike may well be two buildings.
+std::size_t finds_needed(const Map& map, const Find& find, const HypothesisOptions& options) {
+  return map.graph().island(find.query) == map.graph().island(find.anchor) ? options.min_finds
+                                                                           : options.min_merge_finds;
+}
+
 /// Among how many places that look alike this is one: so few finds as may propose it could be of those that
 /// are found most surely.
-int look_alikes_of(const std::vector<const Find*>& finds, std::size_t min_finds) {
+int look_alikes_of(const std::vector<const Find*>& finds, std::size_t needed) {
   std::vector<int> fewest_first;
   for (const Find* find : finds) fewest_first.push_back(find->look_alikes);
   std::ranges::sort(fewest_first);
-  return fewest_first[std::min(min_finds, fewest_first.size()) - 1];
+  return fewest_first[std::min(needed, fewest_first.size()) - 1];
 }
 
 /// What finds that agree say together.
@@ -53,7 +59,7 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
     robots.insert(map.manifold().patch(find->query).robot);
     robots.insert(map.manifold().patch(find->anchor).robot);
   }
-  proposal.look_alikes = look_alikes_of(finds, options.hypotheses.min_finds);
+  proposal.look_alikes = look_alikes_of(finds, finds_needed(map, first, options.hypotheses));
   proposal.robots.assign(robots.begin(), robots.end());
   return proposal;
 }
@@ -122,9 +128,12 @@ bool HypothesisPool::propose(World world, Closures& closures, HypothesisCounts& 
 
 bool HypothesisPool::propose(World world, Closures& closures, const std::vector<std::size_t>& set) {
   const HypothesisOptions& options = world.options.hypotheses;
-  if (set.size() < options.min_finds || 2 * rivals(world.map, set, options.rival_m) > set.size())
-    return false;
   const Find& first = pool_[set.front()].find;
+  double log_odds = 0;
+  for (const std::size_t i : set) log_odds += pool_[i].find.log_odds;
+  if (set.size() < finds_needed(world.map, first, options) || log_odds < options.min_log_odds ||
+      2 * rivals(world.map, set, options.rival_m) > set.size())
+    return false;
   std::vector<const Find*> finds;
   ClosureId id;
   for (const std::size_t i : set) {

@@ -69,6 +69,7 @@ struct EngineOptions {
   ProximityMatchingOptions proximity_matching;
   PlaceCandidateOptions place_candidates;
   PlaceSearchOptions place_search;
+  FindEvidenceOptions find_evidence;
   AnswersAlongWayOptions answers_along_way;
   ConsistencyOptions consistency;
   AlignmentOptions alignment;
@@ -120,6 +121,7 @@ struct EngineOptions {
     group("proximity_matching", proximity_matching);
     group("place_candidates", place_candidates);
     group("place_search", place_search);
+    group("find_evidence", find_evidence);
     group("answers_along_way", answers_along_way);
     group("consistency", consistency);
     group("alignment", alignment);

@@ -8,7 +8,6 @@
 
 #include "scanmatch/match_relations.hpp"
 #include "scanmatch/score_profile.hpp"
-#include "server/engine/map/contradiction.hpp"
 
 namespace isthmus {
 namespace {
@@ -77,16 +76,6 @@ CorrelativeOptions fine_options(const EngineOptions& options) {
   return fine;
 }
 
-double mean_contradiction(const RigidPiece& place, const RigidPiece& piece, const Pose& place_from_piece,
-                          const ContradictionOptions& options) {
-  MeanContradiction found(options);
-  for (const LocalPatch& seen : piece.local.patches)
-    for (const LocalPatch& known : place.local.patches)
-      found.add(*known.patch, *seen.patch,
-                ominus(place_from_piece * seen.local_from_patch, known.local_from_patch));
-  return found.mean(1);
-}
-
 Match match_at(const RigidPiece& place, std::span<const ScanPoint> points, const Pose& place_from_points,
                const MatchOptions& match_options, const PlaceSearchOptions& options) {
   const Eigen::Vector3d weak(1 / options.prediction_variance_m2, 1 / options.prediction_variance_m2,
@@ -129,6 +118,12 @@ std::optional<Carrier> best_carrier(const RigidPiece& place, const RigidPiece& p
   for (Carrier& carrier : carriers)
     if (holds_all_directions(place, carrier, options)) return std::move(carrier);
   return std::nullopt;
+}
+
+double log_odds_of(const PlaceAnswer& answer, double carrier_score, const FindEvidenceOptions& options) {
+  const double by_scores =
+      options.per_search_score * answer.score + options.per_carrier_score * carrier_score;
+  return by_scores - options.against_no_score - (answer.way_m > 0 ? 0 : options.against_anywhere);
 }
 
 }  // namespace
@@ -224,18 +219,16 @@ std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, con
   match_options.max_points = its.max_points;
   match_options.kernel_m = its.bent_kernel_m;
   const Match whole = match_at(place, piece.points, answer.anchor_from_piece, match_options, its);
-  if (!whole.ok || whole.quality.score < its.min_bent_score) return std::nullopt;
-  if (mean_contradiction(place, piece, whole.local_from_robot, options.contradiction) > its.max_contradiction)
-    return std::nullopt;
+  if (!whole.ok) return std::nullopt;
   const std::optional<Carrier> best = best_carrier(place, piece, whole.local_from_robot, options);
-  if (!best || (whole.quality.score < its.min_score && best->match.quality.score < its.min_carrier_score))
-    return std::nullopt;
+  if (!best) return std::nullopt;
   Find find;
   find.query = best->patch->id;
   find.anchor = answer.anchor;
   find.anchor_from_query = best->match.local_from_robot;
   find.way_m = answer.way_m;
   find.sigma_m = answer.sigma_m;
+  find.log_odds = log_odds_of(answer, best->match.quality.score, options.find_evidence);
   find.relations = match_relations(place.local, best->patch->points, best->match, find.query,
                                    {OriginKind::hypothesis, {}}, options.relations);
   if (find.relations.empty()) return std::nullopt;

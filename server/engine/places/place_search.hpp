@@ -64,14 +64,15 @@ struct Find {
   double sigma_m = 0;
   std::vector<Relation> relations;  ///< of patches of the way with patches of the place
   int look_alikes = 1;              ///< places that look alike: the way before it tells which
+  double log_odds = 0;              ///< that the piece was there, by how well it fits
 
   auto members() {
-    return std::tie(query, anchor, anchor_from_query, way_m, sigma_m, relations, look_alikes);
+    return std::tie(query, anchor, anchor_from_query, way_m, sigma_m, relations, look_alikes, log_odds);
   }
 };
 
 /// Fits the piece to the place in full, and the scan of one of its patches for the relations. Nothing where
-/// that fits badly, leaves a direction open, or puts walls in free space.
+/// none of its scans fits, or each leaves a direction open.
 std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, const PlaceAnswer& answer,
                            const EngineOptions& options);
 

@@ -248,15 +248,18 @@ void Trial::judge() {
   judge_sightings();
 }
 
-// Sightings may outweigh walls in free space, and what the map was sure of; but not that they disagree.
+// Sightings may outweigh walls in free space, what the map was sure of, and that they disagree among
+// themselves, by more than their noise: where many say the same, they are true and their noise is not.
 void Trial::judge_sightings() {
   const TrialOptions& its = options_.trial;
   account_.sighting_log_odds = its.log_odds_per_sighting * std::max(0, proposal_.supporters - 2);
   account_.shared_log_odds = shared_log_odds();
-  account_.fit_log_odds = -log_odds_by_walls();
+  const double by_sightings =
+      its.log_odds_per_sighting_cost * std::max(0.0, account_.cost - its.even_sighting_cost);
+  account_.fit_log_odds = -by_sightings - log_odds_by_walls();
   const bool outweighs = account_.log_odds() >= its.min_loop_log_odds;
   const int enough = proposal_.two_way ? its.min_support_two_way : its.min_support_one_way;
-  if (account_.cost > its.max_sighting_cost) {
+  if (by_sightings > 0 && !outweighs) {
     refusal_ = Reason::sightings_disagree;
   } else if (puts_walls_in_free_space(account_.contradiction) && !outweighs) {
     refusal_ = Reason::walls_in_free_space;
@@ -284,12 +287,17 @@ bool Trial::scans_disagree() const {
          account_.matched < its.min_matched_share * account_.compared;
 }
 
-// By how much of the building matches: what only looks alike does so over so much more seldom. Where it is
-// known to look alike along the way, the way tells the places apart that the map has, and nothing of one that
-// it does not have yet.
+// By how much of the building matches: what only looks alike does so over so much more seldom, but for
+// corridors that repeat themselves from end to end. Where it is known to look alike along the way, the way
+// tells the places apart that the map has, and nothing of one that it does not have yet.
 double Trial::shared_log_odds() const {
-  const double by_way = proposal_.look_alikes > 1 ? 0 : options_.trial.log_odds_per_way_m * account_.way_m;
-  return by_way + options_.trial.log_odds_per_width_m * account_.width_m;
+  const TrialOptions& its = options_.trial;
+  const double by_width = its.log_odds_per_width_m * account_.width_m;
+  if (proposal_.look_alikes > 1) return by_width;
+  const double by_way = its.log_odds_per_way_m * account_.way_m;
+  if (proposal_.merge) return by_way + by_width;
+  const double alike = its.repeats_probability + (1 - its.repeats_probability) * std::exp(-by_way);
+  return by_width - std::log(alike);
 }
 
 // Without sightings, guard against perceptual aliasing: many buildings repeat themselves.

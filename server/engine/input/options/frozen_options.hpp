@@ -14,6 +14,7 @@ struct FinderOptions {
   double min_piece_way_m = 2;
   double min_half_window_rad = 0.15;
   double min_score = 0.6;
+  double min_find_probability = 0.5;
   double agreeing_m = 0.5;
   double agreeing_rad = 0.1;
   double agreeing_way_m = 1;
@@ -27,6 +28,7 @@ struct FinderOptions {
     option(min_half_window_rad, "min_half_window_rad", "rad",
            "of a window: one that is too much for one step is searched in halves down to this");
     option(min_score, "min_score", share_unit, "of the search at a place that is an answer");
+    option(min_find_probability, "min_find_probability", "probability", "of a find, that it was there");
     option(agreeing_m, "agreeing_m", "m", "within which two finds say the same");
     option(agreeing_rad, "agreeing_rad", "rad", "within which two finds say the same");
     option(agreeing_way_m, "agreeing_way_m", "m", "between two finds: less is the same view twice");

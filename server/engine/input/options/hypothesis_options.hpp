@@ -18,7 +18,10 @@ struct HypothesisOptions {
   double work_share = 0.02;
   std::int64_t max_credit_us = 10'000;
   std::size_t max_finds = 64;
-  std::size_t min_finds = 3;
+  double min_find_probability = 0.12;
+  std::size_t min_finds = 2;
+  std::size_t min_merge_finds = 3;
+  double min_log_odds = 3;
   std::size_t agreement_patches = 200;
   double known_sigma_m = 4;
   double rival_m = 6;
@@ -39,7 +42,11 @@ struct HypothesisOptions {
     option(work_share, "work_share", share_unit, "of event time for the search");
     option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
     option(max_finds, "max_finds", "count", "that wait for others that agree; the oldest goes");
-    option(min_finds, "min_finds", "count", "of agreeing finds that are proposed");
+    option(min_find_probability, "min_find_probability", "probability",
+           "of a find that waits for others that agree");
+    option(min_finds, "min_finds", "count", "of agreeing finds that are proposed,");
+    option(min_merge_finds, "min_merge_finds", "count", "the same of two islands,");
+    option(min_log_odds, "min_log_odds", "log-odds", "where they come to so much together");
     option(agreement_patches, "agreement_patches", "count",
            "of patches, nearest in the graph, to know how ends of finds lie to each other");
     option(known_sigma_m, "known_sigma_m", "m",

@@ -55,7 +55,8 @@ struct TrialOptions {
   double slip_variance_rad2 = 0.001;
   int strong_support = 6;
   double max_contradiction = 0.08;
-  double max_sighting_cost = 0.75;
+  double even_sighting_cost = 0.75;
+  double log_odds_per_sighting_cost = 3;
   double max_find_cost = 3;
   double max_relation_cost = 50;
   double min_matched_share = 0.4;
@@ -65,6 +66,7 @@ struct TrialOptions {
   int few_matched_scans = 4;
   double min_way_m = 15;
   double log_odds_per_way_m = 0.4;
+  double repeats_probability = 0.01;
   double log_odds_per_width_m = 1;
   double log_odds_per_sighting = 1.5;
   double even_find_cost = 0.7;
@@ -94,8 +96,11 @@ struct TrialOptions {
            "of sightings that may say that those sigmas were too small");
     option(max_contradiction, "max_contradiction", share_unit,
            "of hits that may lie deep in the other side's free space");
-    option(max_sighting_cost, "max_sighting_cost", "χ² of 1",
-           "mean over the sightings after the fit; true ones stay below 0.55");
+    option(even_sighting_cost, "even_sighting_cost", "χ² of 1",
+           "mean over the sightings after the fit; true ones whose noise is as they say stay below 0.76");
+    option(log_odds_per_sighting_cost, "log_odds_per_sighting_cost", "log-odds",
+           "against a closure whose sightings cost one more: those of true ones whose clock or mounting is "
+           "off come to 4, those of false ones nearly always to 25");
     option(max_find_cost, "max_find_cost", "χ² of 3", "mean over the finds' relations after the fit");
     option(max_relation_cost, "max_relation_cost", "χ²", "of one relation that counts for these means");
     visit_scan_options(option);
@@ -115,7 +120,9 @@ struct TrialOptions {
            "of patches that must match where scans are all there is");
     option(min_way_m, "min_way_m", "m", "of way that a merge must share");
     option(log_odds_per_way_m, "log_odds_per_way_m", "log-odds/m",
-           "that a loop or merge is true, of way that matches: buildings repeat themselves");
+           "that a loop or merge is true, of way that matches: ground looks alike for a few metres,");
+    option(repeats_probability, "repeats_probability", "probability",
+           "and so seldom a corridor repeats itself as far as it goes: the most that way says for a loop");
     option(log_odds_per_width_m, "log_odds_per_width_m", "log-odds/m",
            "the same of what matches across its length: corridors repeat themselves most");
     option(log_odds_per_sighting, "log_odds_per_sighting", "log-odds",

@@ -27,11 +27,13 @@ struct Pooling {
     its.min_width_m = its.min_own_m = 0;
   }
   /// That R2's patch lies so beside R1's.
-  void find(std::size_t i, const Pose& first_from_second = {0, 1.5, 0}, int look_alikes = 1) {
+  void find(std::size_t i, const Pose& first_from_second = {0, 1.5, 0}, int look_alikes = 1,
+            double log_odds = 2) {
     const PatchId query = scene.second[i];
     const PatchId anchor = scene.first[i];
     const Relation relation = odometry_relation(anchor, query, first_from_second);
-    pool.take(world(), "R2", {query, anchor, first_from_second, 0, 1, {relation}, look_alikes}, counts);
+    pool.take(world(), "R2", {query, anchor, first_from_second, 0, 1, {relation}, look_alikes, log_odds},
+              counts);
   }
   bool propose() { return pool.propose(world(), closures, counts); }
   /// What is on trial is tried out, and heard of.
@@ -53,6 +55,23 @@ TEST(HypothesisPool, ProposesFindsThatAgree) {
   EXPECT_EQ(its.counts.proposed, 1);
   ASSERT_EQ(its.closures.closures().size(), 1U);
   EXPECT_EQ(its.closures.closures()[0].robots, (std::vector<std::string>{"R1", "R2"}));
+}
+
+TEST(HypothesisPool, ProposesTwoFindsThatAgreeOnOneIsland) {
+  Pooling its;
+  its.scene.map.relate(odometry_relation(its.scene.first[0], its.scene.second[0], {0, 1.5, 0}));
+  its.find(0);
+  EXPECT_FALSE(its.propose()) << "one does not say enough";
+  its.find(4);
+  EXPECT_TRUE(its.propose());
+}
+
+TEST(HypothesisPool, ProposesOnlyWhatFitsWellEnoughInAll) {
+  for (const double log_odds : {0.9, 1.1}) {
+    Pooling its;
+    for (const std::size_t i : {0U, 2U, 4U}) its.find(i, {0, 1.5, 0}, 1, log_odds);
+    EXPECT_EQ(its.propose(), log_odds > 1) << "three are held against log-odds of three";
+  }
 }
 
 // The three that are found most surely would be enough.

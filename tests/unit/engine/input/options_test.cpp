@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "server/engine/input/engine_options.hpp"
 #include "server/engine/input/options/closure_options.hpp"
 #include "server/engine/input/options/frozen_options.hpp"
@@ -70,8 +72,21 @@ TEST(PlaceSearchOptions, FindCoarselyWhatIsThenSearchedFinely) {
   const PlaceSearchOptions its;
   EXPECT_GE(its.fine_window_m, its.coarse_cell_m);
   EXPECT_GE(its.fine_window_rad, its.coarse_yaw_step_rad);
-  EXPECT_LT(its.min_bent_score, its.min_score);
-  EXPECT_LT(its.min_score, its.min_carrier_score);
+}
+
+TEST(FindEvidenceOptions, LetWaitWhatFitsWellAndNotWhatFitsJustWellEnoughToBeLookedAt) {
+  const EngineOptions its;
+  const FindEvidenceOptions& odds = its.find_evidence;
+  const auto log_odds = [&](double search_score, double carrier_score) {
+    return odds.per_search_score * search_score + odds.per_carrier_score * carrier_score -
+           odds.against_no_score;
+  };
+  const double waits =
+      std::log(its.hypotheses.min_find_probability / (1 - its.hypotheses.min_find_probability));
+  EXPECT_LT(log_odds(its.hypotheses.min_score, its.place_search.min_score), waits);
+  EXPECT_GT(log_odds(0.7, 0.8), its.hypotheses.min_log_odds) << "as most true ones do";
+  EXPECT_GT(its.finder.min_find_probability, its.hypotheses.min_find_probability)
+      << "a robot is put there at once";
 }
 
 TEST(TrialOptions, AskMoreSightingsOfOneDirectionThanOfBoth) {

@@ -56,6 +56,19 @@ TEST(SearchPlace, FindsWhereAWayLiesWhateverItsYaw) {
   EXPECT_LT(std::abs(refined_off.yaw), 0.01);
 }
 
+TEST(Refine, IsSurerOfWhatFitsBetterAndOfWhatTheMapSaysSomethingOf) {
+  const SeparateWays ways = separate_ways(crooked_room(), way_there, way_back);
+  const RigidPiece place = place_around(ways.map, PatchId{1}, {}, {});
+  const RigidPiece piece = piece_of_way(ways.map, ways.second_newest_first, {});
+  PlaceAnswer answer = search_place(place, piece, {Pose{}, 4, 4, std::numbers::pi}, 0.5, {}).answers.front();
+  const double elsewhere = refine(place, piece, answer, {})->log_odds;
+  EXPECT_GT(elsewhere, 5) << "it is the very place";
+  answer.way_m = 30;
+  EXPECT_NEAR(refine(place, piece, answer, {})->log_odds, elsewhere + 1.9, 1e-9);
+  answer.score -= 0.1;
+  EXPECT_NEAR(refine(place, piece, answer, {})->log_odds, elsewhere + 1.9 - 1.94, 1e-9);
+}
+
 TEST(SearchPlace, FindsNothingElsewhere) {
   Walls other;
   add_box(other, -1.5, -9, 1.5, 9);

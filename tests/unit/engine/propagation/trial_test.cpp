@@ -106,6 +106,19 @@ TEST(TrialBySightings, ThatPullAtOneAnotherIsRefused) {
   }
 }
 
+// As those do of a robot whose clock is late: more than their noise tells, far less than what is false.
+TEST(TrialBySightings, ThatPullALittleAreAcceptedWhereManySayTheSame) {
+  for (const auto& [supporters, off_m] : {std::pair{3, 0.06}, {20, 0.06}, {20, 1.0}}) {
+    Case its = merge_of(crooked_room(), outward, crooked_room(), homeward);
+    for (const double sign : {-1, 1}) its.say(PatchId{1}, PatchId{4}, {sign * off_m, 0, 0});
+    its.proposal.supporters = supporters;
+    const Trial trial = its.tried();
+    EXPECT_GT(trial.account().cost, TrialOptions{}.even_sighting_cost);
+    EXPECT_LT(trial.account().fit_log_odds, 0);
+    EXPECT_EQ(trial.accepted(), supporters == 20 && off_m < 1) << supporters << ' ' << off_m;
+  }
+}
+
 //   +---------------+
 //   |      |        |    A screen where the first way looked through. All else is alike, and matches.
 //   |   o  |        |
@@ -383,6 +396,18 @@ TEST(TrialByScans, OfALoopAlongOneCorridorIsAcceptedWhereTheMapHadItsEnds) {
     const Trial trial = its.tried();
     EXPECT_EQ(trial.accepted(), off_m == 0) << word(trial.refusal());
   }
+}
+
+// However far it matches: a corridor that repeats itself does so from end to end.
+TEST(TrialByScans, OfALoopAlongACorridorSaysNoMoreThanHowSeldomCorridorsRepeatThemselves) {
+  Case its = by_scans(loop_of(long_corridor(), along(0, 31, 0), long_corridor(), along(0.3, 31, 0.1)));
+  found(its, 0);
+  its.say(PatchId{5}, PatchId{37});
+  const TrialAccount account = its.tried().account();
+  EXPECT_GT(account.way_m, 20);
+  const double by_way = account.shared_log_odds - account.width_m;
+  EXPECT_LT(by_way, -std::log(TrialOptions{}.repeats_probability));
+  EXPECT_GT(by_way, 4) << "and next to all of that";
 }
 
 // What it matches along the way has told the places apart already, and is not counted twice.
