@@ -88,6 +88,7 @@ MapCopy Engine::copy() const {
   copy.annotations = state.annotations.records(state.map, state.is_on_map());
   copy.counters = state.counters;
   copy.hypotheses = state.hypotheses.counts();
+  copy.finds.assign(state.hypotheses.found().begin(), state.hypotheses.found().end());
   copy.meeting = state.rendezvous.record();
   copy.health = health_records(state.robots, state.counters, state.configuration.engine);
   return copy;

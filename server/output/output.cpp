@@ -47,6 +47,7 @@ void write_outputs(const MapCopy& map, const RunCost& cost, const std::string& d
   write_patches(out, islands, directory + "/patches.csv");
   write_relations(out, directory + "/relations.csv");
   write_sightings(out, directory + "/sightings.csv");
+  write_finds(out, directory + "/finds.csv");
   write_tags(out, islands, directory + "/tags.csv");
   write_annotations(out, islands, directory + "/places.geojson");
   write_g2o(out, islands, directory + "/graph.g2o");

@@ -28,7 +28,6 @@ void append_anchors(const Map& map, const std::vector<PatchId>& island, double s
 SearchTerms terms_of(const FinderOptions& options) {
   SearchTerms terms;
   terms.min_score = terms.min_score_anywhere = options.min_score;
-  terms.min_probability = options.min_find_probability;
   terms.min_half_window_rad = options.min_half_window_rad;
   return terms;
 }
@@ -91,7 +90,7 @@ std::int64_t Finder::step(const Map& map, const std::vector<RigidPiece>& places,
   const PlaceDecision decision = query_->decide(map, terms, options);
   decided_ = decision.ambiguous ? NotFound::ambiguous : NotFound::fits_nowhere;
   if (decision.ambiguous) ++counts.ambiguous;
-  if (decision.find) {
+  if (decision.find && decision.find->probability() >= options.finder.min_find_probability) {
     ++counts.finds;
     decided_ = NotFound::found_once;
     take(map, *decision.find, options.finder);

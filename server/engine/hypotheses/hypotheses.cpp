@@ -12,7 +12,6 @@ SearchTerms terms_of(const HypothesisOptions& options) {
   SearchTerms terms;
   terms.min_score = options.min_score;
   terms.min_score_anywhere = options.min_score_anywhere;
-  terms.min_probability = options.min_find_probability;
   terms.on_the_map = true;
   return terms;
 }
@@ -135,9 +134,18 @@ std::int64_t Hypotheses::step(World world) {
                                       world.options);
   }
   PlaceDecision decision = decide(world, *query_);
-  if (decision.find) pool_.take(world, query_->robot, *std::move(decision.find), counts_);
+  if (decision.find) take(world, query_->robot, *std::move(decision.find));
   query_.reset();
   return decision.price_us;
+}
+
+void Hypotheses::take(World world, const std::string& robot, Find find) {
+  const HypothesisOptions& options = world.options.hypotheses;
+  const bool waits = find.probability() >= options.min_find_probability;
+  found_.push_back({robot, find.query, find.anchor, find.anchor_from_query, find.way_m, find.search_score,
+                    find.carrier_score, find.look_alikes, find.log_odds, waits});
+  if (found_.size() > options.max_recorded_finds) found_.pop_front();
+  if (waits) pool_.take(world, robot, std::move(find), counts_);
 }
 
 std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {

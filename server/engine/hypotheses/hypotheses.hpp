@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/engine/closures/closures.hpp"
+#include "server/engine/hypotheses/find_record.hpp"
 #include "server/engine/hypotheses/hypothesis_counts.hpp"
 #include "server/engine/hypotheses/hypothesis_pool.hpp"
 #include "server/engine/map/credit.hpp"
@@ -55,10 +56,13 @@ class Hypotheses {
   void refute(ClosureId id, Reason reason) { pool_.refute(id, reason); }
 
   const HypothesisCounts& counts() const { return counts_; }
+  /// The newest finds, as they were when they were made; patches of a robot whose data was taken out may be
+  /// among them.
+  const std::deque<FindRecord>& found() const { return found_; }
 
   auto members() {
-    return std::tie(ways_, newest_, queue_, asked_, looking_up_, ready_, query_, pool_, counts_, credit_,
-                    patches_);
+    return std::tie(ways_, newest_, queue_, asked_, looking_up_, ready_, query_, pool_, counts_, found_,
+                    credit_, patches_);
   }
 
  private:
@@ -82,6 +86,7 @@ class Hypotheses {
   std::int64_t step(World world);
   std::int64_t begin(World world, PlaceQuery& query);
   PlaceDecision decide(World world, PlaceQuery& query);
+  void take(World world, const std::string& robot, Find find);
 
   std::map<std::string, Way> ways_;
   std::map<std::string, PatchId> newest_;
@@ -93,6 +98,7 @@ class Hypotheses {
   std::optional<PlaceQuery> query_;
   HypothesisPool pool_;
   HypothesisCounts counts_;
+  std::deque<FindRecord> found_;
   Credit credit_;
   std::size_t patches_ = 0;  ///< when last worked
 };

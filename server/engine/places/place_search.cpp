@@ -212,6 +212,8 @@ int look_alikes(const Map& map, const std::vector<PlaceAnswer>& best_first, cons
   return static_cast<int>(places.size());
 }
 
+double Find::probability() const { return 1 / (1 + std::exp(-log_odds)); }
+
 std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, const PlaceAnswer& answer,
                            const EngineOptions& options) {
   const PlaceSearchOptions& its = options.place_search;
@@ -228,7 +230,9 @@ std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, con
   find.anchor_from_query = best->match.local_from_robot;
   find.way_m = answer.way_m;
   find.sigma_m = answer.sigma_m;
-  find.log_odds = log_odds_of(answer, best->match.quality.score, options.find_evidence);
+  find.search_score = answer.score;
+  find.carrier_score = best->match.quality.score;
+  find.log_odds = log_odds_of(answer, find.carrier_score, options.find_evidence);
   find.relations = match_relations(place.local, best->patch->points, best->match, find.query,
                                    {OriginKind::hypothesis, {}}, options.relations);
   if (find.relations.empty()) return std::nullopt;

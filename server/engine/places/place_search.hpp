@@ -64,10 +64,15 @@ struct Find {
   double sigma_m = 0;
   std::vector<Relation> relations;  ///< of patches of the way with patches of the place
   int look_alikes = 1;              ///< places that look alike: the way before it tells which
-  double log_odds = 0;              ///< that the piece was there, by how well it fits
+  double search_score = 0;
+  double carrier_score = 0;  ///< of the match of the query's scan
+  double log_odds = 0;       ///< that the piece was there, by these
+
+  double probability() const;
 
   auto members() {
-    return std::tie(query, anchor, anchor_from_query, way_m, sigma_m, relations, look_alikes, log_odds);
+    return std::tie(query, anchor, anchor_from_query, way_m, sigma_m, relations, look_alikes, search_score,
+                    carrier_score, log_odds);
   }
 };
 

@@ -1,7 +1,6 @@
 #include "server/engine/places/place_searcher.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <iterator>
 #include <utility>
@@ -63,8 +62,6 @@ PlaceDecision PlaceSearcher::decide_on(const PlaceAnswer& answer, const Map& map
   // While the piece waited, all that is there may have been matched with it.
   if (place.local.patches.empty()) return decision;
   decision.find = refine(place, piece_, answer, options);
-  if (decision.find && 1 / (1 + std::exp(-decision.find->log_odds)) < terms.min_probability)
-    decision.find.reset();
   const PlaceSearchOptions& its = options.place_search;
   decision.price_us = static_cast<std::int64_t>(its.decision_steps * static_cast<double>(its.step_price_us));
   return decision;

@@ -17,7 +17,6 @@ namespace isthmus {
 struct SearchTerms {
   double min_score = 0;           ///< of an answer at a place that the map says something of
   double min_score_anywhere = 0;  ///< and at one of which it says nothing
-  double min_probability = 0;     ///< of a find, see Find::log_odds
   /// A window that is too much for one step is searched in halves of its yaw, down to this; π: it is not.
   double min_half_window_rad = std::numbers::pi;
   bool on_the_map =
@@ -27,7 +26,7 @@ struct SearchTerms {
 /// What the answers at all places come to.
 struct PlaceDecision {
   bool ambiguous = false;    ///< two places fit about as well
-  std::optional<Find> find;  ///< the one place, where a match bears it out
+  std::optional<Find> find;  ///< the one place, where a scan matches there, however well
   std::int64_t price_us = 0;
 };
 

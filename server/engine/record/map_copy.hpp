@@ -11,6 +11,7 @@
 #include "relations/graph.hpp"
 #include "server/engine/annotations/annotation.hpp"
 #include "server/engine/closures/closure_record.hpp"
+#include "server/engine/hypotheses/find_record.hpp"
 #include "server/engine/hypotheses/hypothesis_counts.hpp"
 #include "server/engine/record/counters.hpp"
 #include "server/engine/record/trajectory_store.hpp"
@@ -38,6 +39,7 @@ struct MapCopy {
   std::vector<AnnotationRecord> annotations;  ///< by name
   Counters counters;
   HypothesisCounts hypotheses;
+  std::vector<FindRecord> finds;         ///< of scans, the newest last
   std::optional<MeetingRecord> meeting;  ///< to be driven to
   std::vector<HealthRecord> health;      ///< of declared robots, by name
 };

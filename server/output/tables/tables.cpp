@@ -81,6 +81,19 @@ void write_sightings(const MapCopy& map, const std::string& path) {
   csv.commit();
 }
 
+void write_finds(const MapCopy& map, const std::string& path) {
+  CsvFile csv(path,
+              "utime_us,robot,query,anchor,x_m,y_m,yaw_rad,way_m,search_score,carrier_score,look_alikes,"
+              "log_odds,waits");
+  for (const FindRecord& find : map.finds) {
+    const Pose& pose = find.anchor_from_query;
+    csv.row(map.patches[static_cast<std::size_t>(find.query.value)]->utime, find.robot, find.query,
+            find.anchor, pose.x, pose.y, pose.yaw, find.way_m, find.search_score, find.carrier_score,
+            find.look_alikes, find.log_odds, find.waits ? 1 : 0);
+  }
+  csv.commit();
+}
+
 void write_tags(const MapCopy& map, const RankedIslands& islands, const std::string& path) {
   const std::vector<Eigen::Matrix3d> covariance = covariances(map, islands, islands.tags);
   CsvFile csv(path, "barcode,island,x_m,y_m,cov_x_x,cov_x_y,cov_y_y,patch");

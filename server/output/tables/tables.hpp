@@ -20,6 +20,10 @@ void write_patches(const MapCopy& map, const RankedIslands& islands, const std::
 void write_relations(const MapCopy& map, const std::string& path);
 void write_sightings(const MapCopy& map, const std::string& path);
 
+/// A row per find of scans, as it was when it was made: the pose of the robot's patch (`query`) in that of
+/// the place (`anchor`), and what speaks for it.
+void write_finds(const MapCopy& map, const std::string& path);
+
 /// Fixed tags, with the exact covariance of (x, y) relative to the island's first patch, in that patch's
 /// frame, as patches have it; nan where a tag is not placed, or is on an island with no patch but tags.
 void write_tags(const MapCopy& map, const RankedIslands& islands, const std::string& path);

@@ -193,5 +193,22 @@ TEST(Tables, SightingsRepeatTheInputAndSayWhatBecameOfIt) {
                                       "6,R2,13,0,0.1,inf,0.07,refused,scans_disagree,4"}));
 }
 
+TEST(Tables, FindsSayWhereAndWhatSpeaksForThem) {
+  MapCopy map;
+  for (int i = 0; i < 2; ++i) {
+    auto patch = std::make_shared<Patch>();
+    patch->id = PatchId{i};
+    patch->utime = 7 + i;
+    map.patches.push_back(patch);
+  }
+  map.finds.push_back({"R1", PatchId{1}, PatchId{0}, {2, -1, 0.5}, 30, 0.75, 0.5, 2, 2.625, true});
+  const TemporaryDirectory directory;
+  write_finds(map, directory.file("finds.csv"));
+  EXPECT_EQ(lines(directory.file("finds.csv")),
+            (std::vector<std::string>{"utime_us,robot,query,anchor,x_m,y_m,yaw_rad,way_m,search_score,"
+                                      "carrier_score,look_alikes,log_odds,waits",
+                                      "8,R1,1,0,2,-1,0.5,30,0.75,0.5,2,2.625,1"}));
+}
+
 }  // namespace
 }  // namespace isthmus

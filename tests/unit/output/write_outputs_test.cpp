@@ -88,19 +88,19 @@ TEST(WriteOutputs, PlacesAndZonesAreGeoJson) {
 TEST(WriteOutputs, EveryFileIsThereAndNoOther) {
   const TemporaryDirectory directory;
   write_outputs(room(), {}, directory.file("new/out"));
-  EXPECT_EQ(
-      names_in(directory.file("new/out")),
-      (std::set<std::string>{"graph.g2o", "island-0-trajectory.png", "island-0.pgm", "island-0.png",
-                             "island-0.yaml", "overview.png", "patches.csv", "relations.csv", "report.json",
-                             "robots.csv", "sightings.csv", "tags.csv", "trajectories/R1.tum"}));
+  EXPECT_EQ(names_in(directory.file("new/out")),
+            (std::set<std::string>{"finds.csv", "graph.g2o", "island-0-trajectory.png", "island-0.pgm",
+                                   "island-0.png", "island-0.yaml", "overview.png", "patches.csv",
+                                   "relations.csv", "report.json", "robots.csv", "sightings.csv", "tags.csv",
+                                   "trajectories/R1.tum"}));
 }
 
 TEST(WriteOutputs, AnEmptyMapIsWrittenToo) {
   const TemporaryDirectory directory;
   write_outputs(MapCopy{}, {}, directory.path());
   EXPECT_EQ(names_in(directory.path()),
-            (std::set<std::string>{"graph.g2o", "overview.png", "patches.csv", "relations.csv", "report.json",
-                                   "robots.csv", "sightings.csv", "tags.csv"}));
+            (std::set<std::string>{"finds.csv", "graph.g2o", "overview.png", "patches.csv", "relations.csv",
+                                   "report.json", "robots.csv", "sightings.csv", "tags.csv"}));
 }
 
 TEST(WriteOutputs, TheGridReadsBackAsMapServerReadsIt) {

@@ -55,5 +55,22 @@ TEST(LabelledClosures, AreOnlyThoseThatWereTriedBetweenKnownPlaces) {
   EXPECT_TRUE(label_closures("run", its.map, its.truth).empty());
 }
 
+TEST(LabelledFinds, AreTrueWhereTheRobotWas) {
+  TwoSeen its;
+  FindRecord find;
+  find.anchor = PatchId{0};
+  find.query = PatchId{1};
+  for (const double x_m : {2.9, 3.1}) {
+    find.anchor_from_query = {x_m, 0, 0.3};
+    its.map.finds.push_back(find);
+  }
+  const std::vector<LabelledFind> labelled = label_finds("run", its.map, its.truth);
+  ASSERT_EQ(labelled.size(), 2U);
+  EXPECT_TRUE(labelled[0].is_true);
+  EXPECT_FALSE(labelled[1].is_true) << "1.1 m off";
+  its.truth[1].poses.clear();
+  EXPECT_TRUE(label_finds("run", its.map, its.truth).empty()) << "nobody knows";
+}
+
 }  // namespace
 }  // namespace isthmus

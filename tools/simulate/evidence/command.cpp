@@ -20,16 +20,20 @@ struct EvidenceArguments : CampaignRuns {
   bool wild = false;
   double false_share = 0;
   std::string output;
+  std::string finds;
 };
 
 /// Maps runs as they come, and keeps what their closures were.
 class Labelling {
  public:
-  explicit Labelling(std::string file) : file_(std::move(file)) {}
+  Labelling(std::string file, std::string finds_file)
+      : file_(std::move(file)), finds_file_(std::move(finds_file)) {}
 
   void add(const std::string& name, std::uint64_t seed, const SimulatedRun& run) {
     const std::string label = name + " " + std::to_string(seed);
-    std::vector<LabelledClosure> found = label_closures(label, map_events(run.events), run.truth);
+    const MapCopy map = map_events(run.events);
+    std::vector<LabelledClosure> found = label_closures(label, map, run.truth);
+    const std::vector<LabelledFind> finds = label_finds(label, map, run.truth);
     std::size_t true_ones = 0;
     for (const LabelledClosure& one : found) true_ones += one.is_true() ? 1U : 0U;
     std::printf("%-28s %8zu %6zu\n", label.c_str(), found.size(), true_ones);
@@ -37,15 +41,19 @@ class Labelling {
     closures_.insert(closures_.end(), std::make_move_iterator(found.begin()),
                      std::make_move_iterator(found.end()));
     write_labelled_closures(closures_, file_);  // a long campaign that is broken off has what it has found
+    finds_.insert(finds_.end(), finds.begin(), finds.end());
+    if (!finds_file_.empty()) write_labelled_finds(finds_, finds_file_);
   }
 
  private:
   std::string file_;
+  std::string finds_file_;
   std::vector<LabelledClosure> closures_;
+  std::vector<LabelledFind> finds_;
 };
 
 void evidence_campaign(const EvidenceArguments& arguments) {
-  Labelling labelling(arguments.output);
+  Labelling labelling(arguments.output, arguments.finds);
   std::printf("%-28s %8s %6s\n", "run", "closures", "true");
   const std::uint64_t end = arguments.first_seed + arguments.seeds;
   for (const std::string& name : arguments.scenarios) {
@@ -68,7 +76,7 @@ void add_evidence_command(CLI::App& app) {
   CLI::App* evidence = app.add_subcommand(
       "evidence",
       "Maps runs and writes, for each closure that was tried out, what its trial found and whether it is "
-      "true.");
+      "true; and the same of each place that scans found.");
   evidence->add_option("--scenario", arguments->scenarios, "Scenarios to run");
   arguments->add_runs(*evidence);
   evidence->add_flag("--wild", arguments->wild, "Run buildings drawn from the seeds, too");
@@ -77,6 +85,8 @@ void add_evidence_command(CLI::App& app) {
   evidence->add_option("--output", arguments->output, "Table to write, a row for each closure")
       ->type_name("FILE")
       ->required();
+  evidence->add_option("--finds", arguments->finds, "Table to write, a row for each place that scans found")
+      ->type_name("FILE");
   evidence->callback([arguments] { evidence_campaign(*arguments); });
 }
 

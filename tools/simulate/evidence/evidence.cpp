@@ -13,11 +13,24 @@ namespace {
 constexpr double false_closure_m = 1;
 constexpr double false_closure_rad = 20 * std::numbers::pi / 180;
 
-std::size_t index(PatchId id) { return static_cast<std::size_t>(id.value); }
+/// How far what is said of two patches is from the truth; nothing where that is not known.
+std::optional<Pose> off_by(const std::vector<std::optional<TruePatch>>& patches, PatchId first,
+                           PatchId second, const Pose& first_from_second) {
+  const auto& of_first = patches[static_cast<std::size_t>(first.value)];
+  const auto& of_second = patches[static_cast<std::size_t>(second.value)];
+  if (!of_first || !of_second) return std::nullopt;
+  const Pose truth = ominus(of_second->world_from_patch, of_first->world_from_patch);
+  return Pose{first_from_second.x - truth.x, first_from_second.y - truth.y,
+              wrap_angle(first_from_second.yaw - truth.yaw)};
+}
+
+bool is_near(double off_m, double off_rad) {
+  return off_m <= false_closure_m && off_rad <= false_closure_rad;
+}
 
 }  // namespace
 
-bool LabelledClosure::is_true() const { return off_m <= false_closure_m && off_rad <= false_closure_rad; }
+bool LabelledClosure::is_true() const { return is_near(off_m, off_rad); }
 
 std::vector<LabelledClosure> label_closures(const std::string& run, const MapCopy& map,
                                             const std::vector<RobotTruth>& truth) {
@@ -26,14 +39,28 @@ std::vector<LabelledClosure> label_closures(const std::string& run, const MapCop
   for (const ClosureRecord& closure : map.closures) {
     const Joining& says = closure.joining;
     if (says.point || closure.account.supporters == 0) continue;
-    const auto &first = patches[index(says.first)], &second = patches[index(says.second)];
-    if (!first || !second) continue;
-    const Pose true_pose = ominus(second->world_from_patch, first->world_from_patch);
-    const Pose& said = says.first_from_second;
-    labelled.push_back({run, closure, std::hypot(said.x - true_pose.x, said.y - true_pose.y),
-                        std::abs(wrap_angle(said.yaw - true_pose.yaw))});
+    if (const auto off = off_by(patches, says.first, says.second, says.first_from_second))
+      labelled.push_back({run, closure, std::hypot(off->x, off->y), std::abs(off->yaw)});
   }
   return labelled;
+}
+
+std::vector<LabelledFind> label_finds(const std::string& run, const MapCopy& map,
+                                      const std::vector<RobotTruth>& truth) {
+  const std::vector<std::optional<TruePatch>> patches = true_patches(map, truth);
+  std::vector<LabelledFind> labelled;
+  for (const FindRecord& find : map.finds)
+    if (const auto off = off_by(patches, find.anchor, find.query, find.anchor_from_query))
+      labelled.push_back({run, find, is_near(std::hypot(off->x, off->y), std::abs(off->yaw))});
+  return labelled;
+}
+
+void write_labelled_finds(const std::vector<LabelledFind>& finds, const std::string& file) {
+  CsvFile csv(file, "run,true,way_m,search_score,carrier_score,look_alikes,log_odds");
+  for (const auto& [run, find, is_true] : finds)
+    csv.row(run, is_true ? 1 : 0, find.way_m, find.search_score, find.carrier_score, find.look_alikes,
+            find.log_odds);
+  csv.commit();
 }
 
 void write_labelled_closures(const std::vector<LabelledClosure>& closures, const std::string& file) {

@@ -27,4 +27,19 @@ std::vector<LabelledClosure> label_closures(const std::string& run, const MapCop
 /// A row for each. Throws std::runtime_error naming the file and the reason.
 void write_labelled_closures(const std::vector<LabelledClosure>& closures, const std::string& file);
 
+/// A find of scans with whether the robot was there, by the same bounds.
+struct LabelledFind {
+  std::string run;
+  FindRecord find;
+  bool is_true = false;
+};
+
+/// The finds of a map whose ends' true poses are known.
+std::vector<LabelledFind> label_finds(const std::string& run, const MapCopy& map,
+                                      const std::vector<RobotTruth>& truth);
+
+/// A row for each: the table that tools/fit_evidence.py takes. Throws std::runtime_error naming the file and
+/// the reason.
+void write_labelled_finds(const std::vector<LabelledFind>& finds, const std::string& file);
+
 }  // namespace isthmus

@@ -18,6 +18,7 @@ struct HypothesisOptions {
   double work_share = 0.02;
   std::int64_t max_credit_us = 10'000;
   std::size_t max_finds = 64;
+  std::size_t max_recorded_finds = 10'000;
   double min_find_probability = 0.12;
   std::size_t min_finds = 2;
   std::size_t min_merge_finds = 3;
@@ -42,6 +43,7 @@ struct HypothesisOptions {
     option(work_share, "work_share", share_unit, "of event time for the search");
     option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
     option(max_finds, "max_finds", "count", "that wait for others that agree; the oldest goes");
+    option(max_recorded_finds, "max_recorded_finds", "count", "that are told; the oldest goes");
     option(min_find_probability, "min_find_probability", "probability",
            "of a find that waits for others that agree");
     option(min_finds, "min_finds", "count", "of agreeing finds that are proposed,");

@@ -15,6 +15,11 @@ using namespace isthmus::testing;
 // Robots that drive along a hall of which no two views are alike, 1 m/s, and see nobody.
 class InAHall {
  public:
+  explicit InAHall(const EngineOptions& options = {}) {
+    Configuration configuration;
+    configuration.engine = options;
+    engine = Engine(configuration);
+  }
   // Returns the map after so many metres.
   MapCopy drive(const std::string& name, double way_m) {
     RobotEvent robot;
@@ -64,6 +69,34 @@ TEST(Hypotheses, OfTwoMapsThatShareOneHallWait) {
   EXPECT_GE(map.hypotheses.places_searched, 3);
   EXPECT_GE(map.hypotheses.finds, 3);
   EXPECT_EQ(map.graph.islands().size(), 2U);
+  ASSERT_EQ(map.finds.size(), static_cast<std::size_t>(map.hypotheses.finds));
+  for (const FindRecord& find : map.finds) {
+    EXPECT_EQ(map.patches[static_cast<std::size_t>(find.query.value)]->robot, "R2");
+    EXPECT_EQ(map.patches[static_cast<std::size_t>(find.anchor.value)]->robot, "R1");
+    EXPECT_EQ(find.way_m, 0) << "they are on two islands";
+    EXPECT_TRUE(find.waits);
+  }
+}
+
+TEST(Hypotheses, TellOfFindsThatAreTooUnsureToWaitToo) {
+  EngineOptions options;
+  options.hypotheses.min_find_probability = 1;
+  InAHall hall(options);
+  hall.drive("R1", 16);
+  hall.drive("R2", 16);
+  hall.engine.finish();
+  const MapCopy map = hall.engine.copy();
+  EXPECT_EQ(map.hypotheses.finds, 0);
+  ASSERT_FALSE(map.finds.empty());
+  EXPECT_FALSE(map.finds.front().waits);
+
+  options.hypotheses.max_recorded_finds = 1;
+  InAHall forgetful(options);
+  forgetful.drive("R1", 16);
+  forgetful.drive("R2", 16);
+  forgetful.engine.finish();
+  ASSERT_EQ(forgetful.engine.copy().finds.size(), 1U);
+  EXPECT_EQ(forgetful.engine.copy().finds[0].query, map.finds.back().query) << "the newest";
 }
 
 }  // namespace

@@ -32,8 +32,8 @@ struct Pooling {
     const PatchId query = scene.second[i];
     const PatchId anchor = scene.first[i];
     const Relation relation = odometry_relation(anchor, query, first_from_second);
-    pool.take(world(), "R2", {query, anchor, first_from_second, 0, 1, {relation}, look_alikes, log_odds},
-              counts);
+    pool.take(world(), "R2",
+              {query, anchor, first_from_second, 0, 1, {relation}, look_alikes, 0.7, 0.7, log_odds}, counts);
   }
   bool propose() { return pool.propose(world(), closures, counts); }
   /// What is on trial is tried out, and heard of.

@@ -262,7 +262,7 @@ TEST(Snapshots, OfVersion3AreRead) {
   EXPECT_EQ(map.trajectory_rows, 130U);
   EXPECT_EQ(map.sightings.size(), 15U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "b3489cc11db22eb876a775b899f5294c1917c31bc07eeb23e93a1aeb940fc949");
+  EXPECT_EQ(map_sha256(map), "ad10eb5d56c30c508d917eb2e3863c462a1bb157f0e8f4031f947e81eaf2539e");
 }
 
 }  // namespace
