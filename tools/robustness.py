@@ -2,16 +2,19 @@
 """Maps recorded drives as slightly different robots would have recorded them, and tells which runs fail.
 
     tools/robustness.py [--kinds K ...] [--seeds 1 2 3] [--refine] [--jobs 2] [--most-failures 3] [LOG ...]
+    tools/robustness.py --teams [the same] [SET ...]
     tools/robustness.py --list
 
-Each log DIR/bench/LOG.clf.gz (CARMEN, FLASER) with LOG.relations is changed in each kind of way with each seed, imported,
+With --teams it is the sets DIR/multi/SET, each robot's log changed by itself, its sightings as they are, but for the kinds
+that would have been seen otherwise (mirror, late). Each log DIR/bench/LOG.clf.gz (CARMEN, FLASER) with LOG.relations is changed in each kind of way with each seed, imported,
 mapped and evaluated. A run fails when a relation is off by more than 1 m, when the robot ends on more than one island or
-when no map comes of it. The exit code is 1 where more than --most-failures runs fail.
+when no map comes of it; a table has the mean error, of teams that between robots. The exit code is 1 where more than --most-failures runs fail.
 """
 
 import argparse
 import concurrent.futures
 import dataclasses
+import glob
 import gzip
 import json
 import math
@@ -60,14 +63,14 @@ class Drive:
     no_return_m: float  # what this laser writes where nothing comes back
 
     @staticmethod
-    def load(log, relations):
+    def load(log, relations=os.devnull):
         with gzip.open(log, "rt", encoding="ascii", errors="replace") as file:
             readings = [Reading.parse(line) for line in file if line.startswith(("ODOM ", "FLASER "))]
         with open(relations, encoding="ascii") as file:
             related = [line.split() for line in file if line.strip() and not line.startswith("#")]
         return Drive(readings, related, max(max(reading.ranges) for reading in readings if reading.ranges))
 
-    def save(self, log, relations):
+    def save(self, log, relations=os.devnull):
         with gzip.open(log, "wt", compresslevel=1, encoding="ascii") as file:
             file.writelines(reading.line() + "\n" for reading in self.readings)
         with open(relations, "w", encoding="ascii") as file:
@@ -149,6 +152,7 @@ def jitter(drive, chance):
         reading.stamp += chance.uniform(-0.01, 0.01)
 
 
+ALONE = ("mirror", "late")  # other handedness, another begin: not what the others of a team saw
 KINDS = {change.__name__: change for change in (mirror, late, thin, short, coarse, noisy, odometry, jitter)}
 
 
@@ -178,22 +182,49 @@ def command(arguments, name, *words):
     return result.stdout
 
 
-def run(arguments, name, kind, seed):
-    """One log in one variant; as it was recorded where there is no kind."""
+def import_log(arguments, name, kind, seed, work):
+    """A log, changed, as an event log; and its relations."""
     folder = os.path.join(arguments.data, "bench", name)
+    drive = Drive.load(folder + ".clf.gz", folder + ".relations")
+    if kind:
+        KINDS[kind](drive, random.Random(f"{kind} {seed}"))
+    log, relations, events = (os.path.join(work, file) for file in ("log.clf.gz", "relations", "log.lcm"))
+    drive.save(log, relations)
+    command(arguments, "import", "carmen", "--robot", "R1=" + log, *MOUNTS.get(name, []), "-o", events)
+    return events, relations
+
+
+def import_team(arguments, name, kind, seed, work):
+    """The same of a set of logs, each robot's changed in its own way."""
+    folder = os.path.join(arguments.data, "multi", name, "")
+    robots = []
+    for log in sorted(glob.glob(folder + "*.clf.gz")):
+        robot = os.path.basename(log)[:-len(".clf.gz")]
+        drive = Drive.load(log)
+        if kind:
+            KINDS[kind](drive, random.Random(f"{kind} {seed} {robot}"))
+        changed = os.path.join(work, robot + ".clf.gz")
+        drive.save(changed)
+        robots += ["--robot", f"{robot}={changed}"]
+    events = os.path.join(work, "log.lcm")
+    command(arguments, "import", "carmen", "--robots", folder + "robots.csv", *robots, "--sightings",
+            folder + "sightings.csv", "-o", events)
+    return events, folder + "relations.csv"
+
+
+def run(arguments, name, kind, seed):
+    """One log or set in one variant; as it was recorded where there is no kind."""
+    bring = import_team if arguments.teams else import_log
     try:
         with tempfile.TemporaryDirectory() as work:
-            drive = Drive.load(folder + ".clf.gz", folder + ".relations")
-            if kind:
-                KINDS[kind](drive, random.Random(f"{kind} {seed}"))
-            log, relations, events, output = (os.path.join(work, file) for file in ("log.clf.gz", "relations", "log.lcm", "map"))
-            drive.save(log, relations)
-            command(arguments, "import", "carmen", "--robot", "R1=" + log, *MOUNTS.get(name, []), "-o", events)
+            events, relations = bring(arguments, name, kind, seed, work)
+            output = os.path.join(work, "map")
             refine = ["--refine"] if arguments.refine else []
             summary = json.loads(command(arguments, "replay", events, *refine, "--output", output, "--json"))
             errors = json.loads(command(arguments, "evaluate", "--relations", relations, "--output", output, "--json"))
-            metres = errors["relations"]["intra"]["translation_m"]
-            return Result(metres["mean"], metres["max"], summary["islands"])
+            metres = {kind: found["translation_m"] for kind, found in errors["relations"].items() if found["count"] > 0}
+            largest = max(found["max"] for found in metres.values())
+            return Result(metres["inter" if arguments.teams else "intra"]["mean"], largest, summary["islands"])
     except (RuntimeError, OSError, KeyError, ValueError) as error:
         return Result(error=str(error))
 
@@ -207,8 +238,11 @@ def table(name, arguments, recorded, results):
 
 
 def logs_of(arguments):
-    bench = os.path.join(arguments.data, "bench")
-    found = sorted(file[:-len(".clf.gz")] for file in os.listdir(bench) if file.endswith(".clf.gz"))
+    if arguments.teams:
+        found = sorted(os.listdir(os.path.join(arguments.data, "multi")))
+    else:
+        bench = os.path.join(arguments.data, "bench")
+        found = sorted(file[:-len(".clf.gz")] for file in os.listdir(bench) if file.endswith(".clf.gz"))
     unknown = set(arguments.logs) - set(found)
     if unknown:
         print(f"no such log: {', '.join(sorted(unknown))}; there are {', '.join(found)}", file=sys.stderr)
@@ -219,7 +253,8 @@ def logs_of(arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("logs", nargs="*", metavar="LOG", help="those of the data that are run; all of them without")
-    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS), metavar="KIND")
+    parser.add_argument("--teams", action="store_true", help="sets of several robots, instead of logs of one")
+    parser.add_argument("--kinds", nargs="+", choices=KINDS, metavar="KIND")
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3], metavar="SEED")
     parser.add_argument("--refine", action="store_true", help="with the last pass of isthmus-replay")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
@@ -232,9 +267,14 @@ def main():
         for kind, change in KINDS.items():
             print(f"{kind:10}{change.__doc__}")
         return 0
-    if not os.path.isdir(os.path.join(arguments.data, "bench")):
+    if not os.path.isdir(os.path.join(arguments.data, "multi" if arguments.teams else "bench")):
         print(f"no recorded data at {arguments.data}: set ISTHMUS_DATA", file=sys.stderr)
         return 1
+    possible = [kind for kind in KINDS if not (arguments.teams and kind in ALONE)]
+    arguments.kinds = arguments.kinds or possible
+    if not set(arguments.kinds) <= set(possible):
+        print(f"not of teams: {', '.join(sorted(set(arguments.kinds) - set(possible)))}", file=sys.stderr)
+        return 2
     runs = failures = 0
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         for name in logs_of(arguments):

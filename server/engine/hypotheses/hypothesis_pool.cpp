@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
 #include <utility>
@@ -21,10 +22,16 @@ bool agrees_with_map(const Map& map, const Find& find, const HypothesisOptions& 
   return std::hypot(off.x, off.y) < options.mapped_m && std::abs(off.yaw) < options.mapped_rad;
 }
 
-/// Two islands that look alike may well be two buildings.
-std::size_t finds_needed(const Map& map, const Find& find, const HypothesisOptions& options) {
-  return map.graph().island(find.query) == map.graph().island(find.anchor) ? options.min_finds
-                                                                           : options.min_merge_finds;
+/// How many finds, and how sure in sum, are proposed.
+struct Bound {
+  std::size_t finds = 0;
+  double log_odds = 0;
+};
+
+Bound bound_of(const Map& map, const Find& find, const HypothesisOptions& options) {
+  const bool loop = map.graph().island(find.query) == map.graph().island(find.anchor);
+  return loop ? Bound{options.min_finds, options.min_log_odds}
+              : Bound{options.min_merge_finds, options.min_merge_log_odds};
 }
 
 /// Among how many places that look alike this is one: so few finds as may propose it could be of those that
@@ -59,7 +66,7 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
     robots.insert(map.manifold().patch(find->query).robot);
     robots.insert(map.manifold().patch(find->anchor).robot);
   }
-  proposal.look_alikes = look_alikes_of(finds, finds_needed(map, first, options.hypotheses));
+  proposal.look_alikes = look_alikes_of(finds, bound_of(map, first, options.hypotheses).finds);
   proposal.robots.assign(robots.begin(), robots.end());
   return proposal;
 }
@@ -129,9 +136,8 @@ bool HypothesisPool::propose(World world, Closures& closures, HypothesisCounts& 
 bool HypothesisPool::propose(World world, Closures& closures, const std::vector<std::size_t>& set) {
   const HypothesisOptions& options = world.options.hypotheses;
   const Find& first = pool_[set.front()].find;
-  double log_odds = 0;
-  for (const std::size_t i : set) log_odds += pool_[i].find.log_odds;
-  if (set.size() < finds_needed(world.map, first, options) || log_odds < options.min_log_odds ||
+  const Bound bound = bound_of(world.map, first, options);
+  if (set.size() < bound.finds || log_odds(set, world.options.answers_along_way) < bound.log_odds ||
       2 * rivals(world.map, set, options.rival_m) > set.size())
     return false;
   std::vector<const Find*> finds;
@@ -152,6 +158,16 @@ bool HypothesisPool::propose(World world, Closures& closures, const std::vector<
   hypothesis.says = {id, proposal.first, proposal.second, proposal.first_from_second, hypothesis.says.value};
   hypothesis.tried = proposal.finds;
   return true;
+}
+
+// The surest is one place or another that looks alike; of those that agree with it, each tells the two apart
+// by how often what lies side by side is found at either.
+double HypothesisPool::log_odds(const std::vector<std::size_t>& set,
+                                const AnswersAlongWayOptions& options) const {
+  double surest = -std::numeric_limits<double>::infinity();
+  for (const std::size_t i : set) surest = std::max(surest, pool_[i].find.log_odds);
+  return surest +
+         static_cast<double>(set.size() - 1) * std::log(options.found_where_true / options.found_where_alike);
 }
 
 // Finds from about the same stretch of way that say otherwise.

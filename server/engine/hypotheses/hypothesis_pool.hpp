@@ -65,6 +65,7 @@ class HypothesisPool {
   };
 
   bool propose(World world, Closures& closures, const std::vector<std::size_t>& set);
+  double log_odds(const std::vector<std::size_t>& set, const AnswersAlongWayOptions& options) const;
   std::size_t rivals(const Map& map, const std::vector<std::size_t>& set, double rival_m) const;
   void conclude(World world, const ClosureOutcome& outcome);
   void remove(const std::vector<bool>& gone);

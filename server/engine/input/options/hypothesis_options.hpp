@@ -22,7 +22,8 @@ struct HypothesisOptions {
   double min_find_probability = 0.12;
   std::size_t min_finds = 2;
   std::size_t min_merge_finds = 3;
-  double min_log_odds = 3;
+  double min_log_odds = 1;
+  double min_merge_log_odds = 3;
   std::size_t agreement_patches = 200;
   double known_sigma_m = 4;
   double rival_m = 6;
@@ -47,8 +48,9 @@ struct HypothesisOptions {
     option(min_find_probability, "min_find_probability", "probability",
            "of a find that waits for others that agree");
     option(min_finds, "min_finds", "count", "of agreeing finds that are proposed,");
-    option(min_merge_finds, "min_merge_finds", "count", "the same of two islands,");
-    option(min_log_odds, "min_log_odds", "log-odds", "where they come to so much together");
+    option(min_log_odds, "min_log_odds", "log-odds", "where they come to so much together,");
+    option(min_merge_finds, "min_merge_finds", "count", "and the same of two islands, which may well be");
+    option(min_merge_log_odds, "min_merge_log_odds", "log-odds", "two buildings that look alike");
     option(agreement_patches, "agreement_patches", "count",
            "of patches, nearest in the graph, to know how ends of finds lie to each other");
     option(known_sigma_m, "known_sigma_m", "m",
