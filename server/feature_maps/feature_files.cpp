@@ -1,9 +1,12 @@
 #include "server/feature_maps/feature_files.hpp"
 
+#include <openssl/evp.h>
+
 #include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "server/feature_maps/feature_source.hpp"
 #include "server/output/format/csv.hpp"
@@ -11,7 +14,6 @@
 #include "server/output/stale.hpp"
 #include "server/output/tables/trajectories.hpp"
 #include "server/output/vector_plan/plan_files.hpp"
-#include "server/wire/file/digest.hpp"
 
 namespace isthmus {
 namespace {
@@ -85,11 +87,12 @@ std::vector<std::string> write_journeys(const FeatureMaps& maps, const std::stri
 }
 
 void write_sightings(const FeatureMaps& maps, const std::string& path) {
-  CsvFile csv(path,
-              "utime_us,observer,barcode,range_m,bearing_rad,range_std_m,bearing_std_rad,verdict,reason");
-  for (const auto& [s, used, reason] : maps.sightings)
+  CsvFile csv(
+      path,
+      "utime_us,observer,barcode,range_m,bearing_rad,range_std_m,bearing_std_rad,verdict,reason,closure");
+  for (const auto& [s, used, reason, fusion] : maps.sightings)
     csv.row(s.utime, s.robot, s.barcode, s.range_m, s.bearing_rad, s.range_sigma_m, s.bearing_sigma_rad,
-            used ? "used" : "not_used", reason);
+            used ? "used" : "not_used", reason, fusion >= 0 ? std::to_string(fusion) : "");
   csv.commit();
 }
 
@@ -127,6 +130,23 @@ Json islands_of(const FeatureMaps& maps) {
   return list;
 }
 
+Json closures_of(const FeatureMaps& maps) {
+  Json list = Json::array();
+  for (const FusionRecord& fusion : maps.fusions)
+    list.push_back({{"id", fusion.id},
+                    {"kind", "merge"},
+                    {"state", word(fusion.state)},
+                    {"utime", fusion.utime},
+                    {"robots", fusion.robots},
+                    {"sightings", fusion.clues},
+                    {"duplicates", fusion.duplicates},
+                    {"log_odds",
+                     {{"sightings", fusion.clues_log_odds},
+                      {"duplicates", fusion.twins_log_odds},
+                      {"since", fusion.since_log_odds}}}});
+  return list;
+}
+
 std::string report_json(const FeatureMaps& maps, const RunCost& cost) {
   const FeatureCounts& counts = maps.counts;
   const double log_s = 1e-6 * static_cast<double>(counts.last_receive_utime - counts.first_receive_utime);
@@ -141,7 +161,8 @@ std::string report_json(const FeatureMaps& maps, const RunCost& cost) {
                        {"sightings", counts_of_sightings(maps)},
                        {"dropped", Json(counts.dropped)},
                        {"fusions", counts.fusions},
-                       {"fusions_waiting", counts.fusions_waiting},
+                       {"fusions_withdrawn", counts.withdrawn},
+                       {"closures", closures_of(maps)},
                        {"islands", maps.teams.size()},
                        {"island_list", islands_of(maps)},
                        {"map_bytes", features_csv(maps).size()},
@@ -186,12 +207,15 @@ std::string map_sha256(const FeatureMaps& maps) {
       text += std::to_string(row.utime) + ',' + number(row.map_from_robot.x) + ',' +
               number(row.map_from_robot.y) + ',' + number(row.map_from_robot.yaw) + '\n';
   }
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  if (EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
+    throw std::runtime_error("SHA-256 is not available from OpenSSL");
   std::string hex;
-  for (const std::uint8_t byte : sha256({bytes, text.size()})) {
+  for (unsigned int i = 0; i < size; ++i) {
     constexpr const char* digits = "0123456789abcdef";
-    hex += digits[byte >> 4];
-    hex += digits[byte & 15];
+    hex += digits[digest[i] >> 4];
+    hex += digits[digest[i] & 15];
   }
   return hex;
 }

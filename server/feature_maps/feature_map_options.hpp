@@ -2,6 +2,8 @@
 
 #include "scanmatch/features/scan_features.hpp"
 #include "server/engine/input/options/robot_options.hpp"
+#include "server/feature_maps/clue.hpp"
+#include "server/feature_maps/twins.hpp"
 #include "server/features/fusion.hpp"
 #include "server/features/options.hpp"
 
@@ -15,6 +17,7 @@ enum class FeatureMapKind {
 
 struct FeatureMapOptions {
   FeatureMapKind kind = FeatureMapKind::segments;
+  bool any_tag = false;  ///< a barcode that nobody wears is fixed in the building
   FilterOptions filter;
   ScanFeatureOptions scan_features;
   FusionOptions fusion;
@@ -23,17 +26,20 @@ struct FeatureMapOptions {
                              ///< turns faster than the step before is so uncertain
   double slip_m = 0.5;  ///< m and rad between the slips that are tried, about where odometry has the robot
   double slip_rad = 0.2;
-  double slip_share = 0.5;              ///< of a scan's features: where fewer fit the map, a slip is tried
-  std::size_t slip_gain = 3;            ///< and believed where so many more fit then,
-  std::size_t min_slipped = 3;          ///< and no fewer than this in all
-  double observe_every_m = 0.1;         ///< m driven between scans that are used: a step costs n²
-  double observe_every_rad = 0.02;      ///< rad turned between them
-  double wait_s = 0.2;                  ///< of event time that scans and sightings wait for odometry
-  double mutual_s = 1;                  ///< s between two sightings of one another that are one meeting
-  double agree_sigmas = 3;              ///< within which two meetings say the same,
-  double agree_reach_m = 10;            ///< m that a heading which errs may move what is compared
+  double slip_share = 0.5;          ///< of a scan's features: where fewer fit the map, a slip is tried
+  std::size_t slip_gain = 3;        ///< and believed where so many more fit then,
+  std::size_t min_slipped = 3;      ///< and no fewer than this in all
+  double observe_every_m = 0.1;     ///< m driven between scans that are used: a step costs n²
+  double observe_every_rad = 0.02;  ///< rad turned between them
+  double wait_s = 0.2;              ///< of event time that scans and sightings wait for odometry
+  double encounter_s = 2;  ///< within which two robots see one another once: what errs then errs together
+  double target_speed_m_s = 0.5;  ///< at which a robot that is seen may drive while its odometry is not known
+  PlacementOptions placement;
+  double fusion_log_odds = 7;          ///< from which maps become one: one wrong in a thousand
+  double clues_suffice_log_odds = 20;  ///< from which nobody counts twins at other places: that takes long
+  std::size_t max_clues = 40;          ///< between two maps; further ones take the place of the oldest
+  TwinOptions twins;
   double sighting_probability = 0.999;  ///< that a true sighting passes its gate
-  std::size_t min_duplicates = 4;       ///< that make one meeting enough for a fusion
   std::size_t min_landmarks = 3;        ///< known to both maps, by which two maps of points come together
   double repeat_s = 0.5;                ///< s within which sightings of one barcode err alike: one counts
 };

@@ -19,9 +19,19 @@ std::int64_t stamp_of(const Event& event) {
   return std::get<SightingEvent>(event.body).utime;
 }
 
-bool is_complete(const SightingEvent& s) {
-  return s.range_m > 0 && std::isfinite(s.range_m) && std::isfinite(s.bearing_rad) && s.range_sigma_m > 0 &&
-         s.bearing_sigma_rad > 0 && std::isfinite(s.range_sigma_m) && std::isfinite(s.bearing_sigma_rad);
+/// Of a σ: infinity is what was not measured.
+bool is_right(double value, double sigma) { return std::isinf(sigma) || std::isfinite(value); }
+
+/// Whether there is a range, a bearing or both, as sound numbers.
+bool is_usable(const SightingEvent& s) {
+  const bool range = std::isfinite(s.range_sigma_m), bearing = std::isfinite(s.bearing_sigma_rad);
+  return s.range_sigma_m > 0 && s.bearing_sigma_rad > 0 && (range || bearing) &&
+         is_right(s.range_m, s.range_sigma_m) && is_right(s.bearing_rad, s.bearing_sigma_rad) &&
+         (!range || s.range_m > 0);
+}
+
+bool is_whole(const SightingEvent& s) {
+  return std::isfinite(s.range_sigma_m) && std::isfinite(s.bearing_sigma_rad);
 }
 
 /// The landmark in the robot's frame.
@@ -67,19 +77,20 @@ FeatureMapOptions feature_map_options(FeatureMapKind kind) {
   options.filter.max_features = 1000;
   options.scan_features.noise.surface_sigma_m = 0.02;
   options.scan_features.segmentation.min_length_m = 1;
+  options.fusion.points = false;                                // barcodes
   if (kind == FeatureMapKind::points) options.stamp_share = 0;  // velocities are integrated, not measured
   options.odometry_noise.first_scale = kind == FeatureMapKind::segments ? 2 : 3;
   return options;
 }
 
-FeatureMapper::FeatureMapper(const FeatureMapOptions& options)
-    : options_(options), gate_(chi2_quantile(options.sighting_probability, 2)) {}
+FeatureMapper::FeatureMapper(const FeatureMapOptions& options) : options_(options) {}
 
 void FeatureMapper::handle(const Event& event) {
   if (counts_.events++ == 0) counts_.first_receive_utime = event.receive_utime;
   counts_.last_receive_utime = std::max(counts_.last_receive_utime, event.receive_utime);
   if (const auto* robot = std::get_if<RobotEvent>(&event.body)) take(*robot);
-  if (const auto* tag = std::get_if<TagEvent>(&event.body)) tags_.insert(tag->barcode);
+  if (const auto* tag = std::get_if<TagEvent>(&event.body); tag && !tags_.contains(tag->barcode))
+    record({MapInputKind::tag, -1, "", {}, tag->utime, std::make_shared<Event>(event), {}, 0});
   if (const auto* odometry = std::get_if<OdometryEvent>(&event.body)) take(*odometry);
   if (const auto* scan = std::get_if<ScanEvent>(&event.body)) wait(scan->robot, event);
   if (const auto* sighting = std::get_if<SightingEvent>(&event.body)) wait(sighting->robot, event);
@@ -90,15 +101,42 @@ void FeatureMapper::finish() {
   for (auto& [name, robot] : robots_) take_waiting(robot, 0, true);
 }
 
+void FeatureMapper::record(MapInput input) {
+  apply(input);
+  inputs_.push_back(std::move(input));
+}
+
+/// Robots say it again every few seconds.
+bool FeatureMapper::is_known(const RobotEvent& event) const {
+  const auto known = robots_.find(event.robot);
+  if (known == robots_.end() || event.restarted) return false;
+  const RobotEvent& before = known->second.declared;
+  return before.barcode == event.barcode && before.laser.robot_from_laser == event.laser.robot_from_laser &&
+         before.laser.range_min_m == event.laser.range_min_m &&
+         before.laser.range_max_m == event.laser.range_max_m;
+}
+
 void FeatureMapper::take(const RobotEvent& event) {
+  if (is_known(event)) return;
   FeatureRobot& robot = robots_[event.robot];
   const bool begins_anew = event.restarted && robot.journey >= 0;
+  if (begins_anew) take_waiting(robot, 0, true);
+  record({MapInputKind::declared,
+          -1,
+          event.robot,
+          {},
+          event.utime,
+          std::make_shared<Event>(Event{event.utime, event}),
+          {},
+          0});
+  if (begins_anew) robot.odometry.clear();
+}
+
+void FeatureMapper::declare(const RobotEvent& event) {
+  FeatureRobot& robot = robots_[event.robot];
   robot.declared = event;
   if (event.barcode >= 0) wearers_[event.barcode] = event.robot;
-  if (!begins_anew) return;
-  take_waiting(robot, 0, true);
-  robot.journey = -1;
-  robot.odometry.clear();
+  if (event.restarted) robot.journey = -1;
 }
 
 void FeatureMapper::take(const OdometryEvent& event) {
@@ -106,13 +144,13 @@ void FeatureMapper::take(const OdometryEvent& event) {
   if (robot == robots_.end()) return count_dropped("unknown_robot");
   if (!is_finite(event.odom_from_robot)) return count_dropped("not_finite");
   robot->second.odometry.add(event.utime, event.odom_from_robot);
-  if (robot->second.journey < 0) begin_journey(robot->second, event.odom_from_robot);
+  if (robot->second.journey < 0)
+    record({MapInputKind::begun, -1, event.robot, event.odom_from_robot, event.utime, {}, {}, 0});
   if (robot->second.declared.laser.range_max_m > 0) return;
   constexpr double row_every_s = 0.1;  // without scans: as often as they would come
   const std::vector<JourneyRow>& rows = journey(robot->second).rows;
   if (!rows.empty() && seconds_between(rows.back().utime, event.utime) < row_every_s) return;
-  move_to(robot->second, event.odom_from_robot);
-  add_row(robot->second, event.utime);
+  record({MapInputKind::moved, -1, event.robot, event.odom_from_robot, event.utime, {}, {}, 0});
 }
 
 void FeatureMapper::wait(const std::string& name, const Event& event) {
@@ -141,14 +179,78 @@ void FeatureMapper::take_waiting(FeatureRobot& robot, std::int64_t now_utime, bo
 }
 
 void FeatureMapper::take_placed(FeatureRobot& robot, const Event& event, const Pose& odom_from_robot) {
-  move_to(robot, odom_from_robot);
-  if (const auto* scan = std::get_if<ScanEvent>(&event.body)) {
-    observe(robot, scan->scan);
-    return add_row(robot, scan->scan.utime);
+  MapInput input{MapInputKind::scanned,
+                 -1,
+                 robot.declared.robot,
+                 odom_from_robot,
+                 stamp_of(event),
+                 std::make_shared<Event>(event),
+                 {},
+                 0};
+  const auto* sighting = std::get_if<SightingEvent>(&event.body);
+  if (sighting == nullptr) {
+    const std::int64_t used = counts_.scans_used;
+    apply(input);
+    if (counts_.scans_used == used) {  // nothing of it is needed any more
+      input.kind = MapInputKind::moved;
+      input.event.reset();
+    }
+    return inputs_.push_back(std::move(input));
   }
-  const auto& sighting = std::get<SightingEvent>(event.body);
-  const std::string reason = is_complete(sighting) ? use(robot, sighting) : "incomplete";
-  sightings_.push_back({sighting, reason.empty(), reason});
+  input.number = next_number_;
+  input.kind = MapInputKind::sighted;
+  if (const auto wearer = wearers_.find(sighting->barcode); wearer != wearers_.end()) {
+    const OdometryTrack& odometry = robots_.at(wearer->second).odometry;
+    input.odom_from_target = odometry.at(sighting->utime);
+    if (!input.odom_from_target && !odometry.empty()) {
+      input.odom_from_target = odometry.newest();
+      input.target_late_s = std::abs(seconds_between(odometry.newest_utime(), sighting->utime));
+    }
+  }
+  record(std::move(input));
+}
+
+void FeatureMapper::apply(const MapInput& input) {
+  next_number_ = std::max(next_number_, input.number + 1);
+  if (input.kind == MapInputKind::declared) return declare(std::get<RobotEvent>(input.event->body));
+  if (input.kind == MapInputKind::tag) {
+    tags_.insert(std::get<TagEvent>(input.event->body).barcode);
+    return;
+  }
+  FeatureRobot& robot = robots_[input.robot];
+  if (input.kind == MapInputKind::begun) {
+    if (robot.journey < 0) begin_journey(robot, input.odom_from_robot);
+    return;
+  }
+  move_to(robot, input.odom_from_robot);
+  robot.last_utime = std::max(robot.last_utime, input.utime);
+  if (input.kind == MapInputKind::sighted) {
+    const auto& sighting = std::get<SightingEvent>(input.event->body);
+    sightings_.push_back({sighting, false, "", -1});
+    const std::string reason = is_usable(sighting) ? use(robot, input) : "incomplete";
+    FeatureSighting& row = sightings_[sightings_.size() - 1];
+    if (reason != "waits") {
+      row.used = reason.empty();
+      row.reason = reason;
+    }
+    return;
+  }
+  if (input.kind == MapInputKind::scanned) observe(robot, std::get<ScanEvent>(input.event->body).scan);
+  add_row(robot, input.utime);
+}
+
+void FeatureMapper::continue_from(FeatureMapper& other) {
+  for (auto& [name, robot] : other.robots_) {
+    robots_[name].odometry = std::move(robot.odometry);
+    robots_[name].waiting = std::move(robot.waiting);
+  }
+  counts_.events = other.counts_.events;
+  counts_.scans = other.counts_.scans;
+  counts_.withdrawn = other.counts_.withdrawn;
+  counts_.dropped = other.counts_.dropped;
+  counts_.first_receive_utime = other.counts_.first_receive_utime;
+  counts_.last_receive_utime = other.counts_.last_receive_utime;
+  next_number_ = other.next_number_;
 }
 
 void FeatureMapper::begin_journey(FeatureRobot& robot, const Pose& odom_from_robot) {
@@ -187,8 +289,11 @@ void FeatureMapper::observe(FeatureRobot& robot, const Scan& scan) {
   const Journey& own = journey(robot);
   FeatureFilter& filter = team_of(own).filter;
   const FeatureScanOutcome outcome = observe_or_slip(filter, own.member, seen);
+  FeatureScanOutcome still_there = outcome;  // a laser sees no barcode, and past one that hangs in the open
+  for (const auto& [barcode, id] : team_of(own).landmarks) still_there.paired.push_back({0, id});
   const std::vector<int> gone =
-      filter.contradict(own.member, outcome, FreeInScan(scan, robot.declared.laser));
+      filter.contradict(own.member, still_there, FreeInScan(scan, robot.declared.laser));
+  robot.matched = !outcome.paired.empty();
   ++counts_.scans_used;
   counts_.segments_seen += static_cast<std::int64_t>(seen.size());
   counts_.segments_paired += static_cast<std::int64_t>(outcome.paired.size());
@@ -227,115 +332,86 @@ void FeatureMapper::add_row(const FeatureRobot& robot, std::int64_t utime) {
   Journey& own = journeys_[static_cast<std::size_t>(robot.journey)];
   const FeatureState& state = team_of(own).filter.state();
   own.rows.push_back({utime, state.robots[static_cast<std::size_t>(own.member)].map_from_robot});
+  moved_.insert(own.robot);
 }
 
-std::string FeatureMapper::use(FeatureRobot& robot, const SightingEvent& sighting) {
-  std::int64_t& last = last_used_.try_emplace({sighting.robot, sighting.barcode}, 0).first->second;
+std::string FeatureMapper::use(FeatureRobot& robot, const MapInput& input) {
+  const auto& sighting = std::get<SightingEvent>(input.event->body);
+  std::int64_t& last = last_used_[{sighting.robot, sighting.barcode}];
   if (last != 0 && std::abs(seconds_between(last, sighting.utime)) < options_.repeat_s) return "repeated";
   last = sighting.utime;
-  if (tags_.contains(sighting.barcode)) return use_landmark(robot, sighting);
   const auto wearer = wearers_.find(sighting.barcode);
+  const bool is_tag = tags_.contains(sighting.barcode) || (options_.any_tag && wearer == wearers_.end());
+  if (is_tag) return use_landmark(robot, input);
   if (wearer == wearers_.end() || wearer->second == sighting.robot) return "unknown_barcode";
-  const FeatureRobot& target = robots_.at(wearer->second);
+  FeatureRobot& target = robots_.at(wearer->second);
   if (target.journey < 0) return "target_not_on_map";
-  return use_robot(robot, sighting, target);
+  const std::int64_t known_utime = input.utime - static_cast<std::int64_t>(1e6 * input.target_late_s);
+  if (input.odom_from_target && known_utime > target.last_utime) {
+    move_to(target, *input.odom_from_target);
+    target.last_utime = known_utime;
+  }
+  return use_robot(robot, input, target);
 }
 
-std::string FeatureMapper::use_landmark(const FeatureRobot& robot, const SightingEvent& sighting) {
-  if (options_.kind != FeatureMapKind::points) return "tags_are_not_used";
+std::string FeatureMapper::use_landmark(const FeatureRobot& robot, const MapInput& input) {
+  const auto& sighting = std::get<SightingEvent>(input.event->body);
   Journey& own = journey(robot);
   Team& team = team_of(own);
-  const ObservedFeature seen = point_seen(sighting);
   const auto known = team.landmarks.find(sighting.barcode);
   const int id = known == team.landmarks.end() ? -1 : known->second;
-  if (const auto index = index_of(team.filter.state(), id)) {
-    const auto measured = measure_feature(team.filter.state(), *index, own.member, seen);
-    if (!measured || squared_distance(team.filter.state().covariance, *measured) > gate_)
+  const auto index = index_of(team.filter.state(), id);
+  if (index) {
+    const RelativeSighting seen{own.member,
+                                0,
+                                sighting.range_m,
+                                sighting.bearing_rad,
+                                sighting.range_sigma_m,
+                                sighting.bearing_sigma_rad};
+    const auto measured = measure_point(team.filter.state(), *index, seen);
+    const double gate = chi2_quantile(options_.sighting_probability, is_whole(sighting) ? 2 : 1);
+    if (!measured || squared_distance(team.filter.state().covariance, *measured) > gate)
       return "contradicts_map";
+    if (!is_whole(sighting)) return team.filter.correct_by(*measured) ? "" : "not_used";
   }
+  if (!is_whole(sighting)) return "place_not_known";
+  const ObservedFeature seen = point_seen(sighting);
   const std::vector<int> used = team.filter.observe_known(own.member, {&seen, 1}, {&id, 1});
   if (used.front() < 0) return "not_used";
   team.landmarks[sighting.barcode] = used.front();
-  join_by_landmarks();
+  first_seen_.try_emplace({robot.journey, sighting.barcode}, input.number);
+  if (options_.kind == FeatureMapKind::points) {
+    join_by_landmarks();
+  } else {
+    for (int other = 0; other < static_cast<int>(teams_.size()); ++other)
+      if (other != own.team && teams_[static_cast<std::size_t>(other)].landmarks.contains(sighting.barcode))
+        consider(std::min(own.team, other), std::max(own.team, other));
+  }
   return "";
 }
 
-std::string FeatureMapper::use_robot(const FeatureRobot& robot, const SightingEvent& sighting,
+std::string FeatureMapper::use_robot(const FeatureRobot& robot, const MapInput& input,
                                      const FeatureRobot& target) {
-  const Journey& own = journey(robot);
-  const Journey& other = journey(target);
-  if (own.team == other.team) {
-    FeatureFilter& filter = team_of(own).filter;
-    const RelativeSighting seen{own.member,           other.member,           sighting.range_m,
-                                sighting.bearing_rad, sighting.range_sigma_m, sighting.bearing_sigma_rad};
-    const auto measured = measure_robot(filter.state(), seen);
-    if (!measured || squared_distance(filter.state().covariance, *measured) > gate_) return "contradicts_map";
-    return filter.observe_robot(seen) ? "" : "not_used";
-  }
+  const auto& sighting = std::get<SightingEvent>(input.event->body);
+  if (journey(robot).team == journey(target).team)
+    return use_on_one_map(sighting, robot.journey, target.journey);
   if (options_.kind == FeatureMapKind::points) return "maps_share_no_landmarks";
-  one_way_[{sighting.robot, target.declared.robot}] = sighting;
-  const auto back = one_way_.find({target.declared.robot, sighting.robot});
-  if (back == one_way_.end() ||
-      std::abs(seconds_between(back->second.utime, sighting.utime)) > options_.mutual_s)
-    return "waits_for_the_other";
-  const Meeting meeting{back->second, sighting, target.journey, robot.journey};
-  one_way_.erase(back);  // each sighting serves one meeting
-  one_way_.erase({sighting.robot, target.declared.robot});
-  return meet(meeting);
+  return hear(input, robot.journey, target.journey, target);
 }
 
-std::string FeatureMapper::meet(const Meeting& meeting) {
-  MutualSighting mutual;
-  mutual.range_1_m = meeting.first.range_m;
-  mutual.range_2_m = meeting.second.range_m;
-  mutual.bearing_1_rad = meeting.first.bearing_rad;
-  mutual.bearing_2_rad = meeting.second.bearing_rad;
-  mutual.range_1_sigma_m = meeting.first.range_sigma_m;
-  mutual.range_2_sigma_m = meeting.second.range_sigma_m;
-  mutual.bearing_1_sigma_rad = meeting.first.bearing_sigma_rad;
-  mutual.bearing_2_sigma_rad = meeting.second.bearing_sigma_rad;
-  // Robots that drive between the two sightings are up to half a metre a second elsewhere.
-  const double moved_m = 0.5 * std::abs(seconds_between(meeting.first.utime, meeting.second.utime));
-  for (double* sigma : {&mutual.range_1_sigma_m, &mutual.range_2_sigma_m})
-    *sigma = std::hypot(*sigma, moved_m);
-  for (double* sigma : {&mutual.bearing_1_sigma_rad, &mutual.bearing_2_sigma_rad})
-    *sigma = std::hypot(*sigma, moved_m / mutual.range_1_m);
-  const double apart = std::abs(mutual.range_1_m - mutual.range_2_m);
-  if (apart * apart > gate_ * (std::pow(mutual.range_1_sigma_m, 2) + std::pow(mutual.range_2_sigma_m, 2)))
-    return "disagrees_with_the_other";
-  const RobotAlignment alignment = align_robots(mutual);
-  const Journey one = journeys_[static_cast<std::size_t>(meeting.journey_1)];
-  const Journey two = journeys_[static_cast<std::size_t>(meeting.journey_2)];
-  const JoinedTeams joined =
-      joined_at_meeting(team_of(one), one.member, team_of(two), two.member, alignment, options_.fusion);
-  if (joined.duplicates < options_.min_duplicates && !borne_out(meeting, alignment)) {
-    ++counts_.fusions_waiting;
-    return "waits_for_another_meeting";
-  }
-  join(one.team, two.team, joined);
-  return "";
-}
-
-bool FeatureMapper::borne_out(const Meeting& meeting, const RobotAlignment& alignment) {
-  const Journey& one = journeys_[static_cast<std::size_t>(meeting.journey_1)];
-  const Journey& two = journeys_[static_cast<std::size_t>(meeting.journey_2)];
-  const auto pose = [&](const Journey& own) {
-    return team_of(own).filter.state().robots[static_cast<std::size_t>(own.member)].map_from_robot;
-  };
-  const Pose first = pose(one), second = pose(two);
-  const Pose maps = first * alignment.one_from_two * inverse(second);
-  const double heading_sigma = std::sqrt(alignment.covariance(2, 2));
-  const bool agrees = std::any_of(pending_.begin(), pending_.end(), [&](const Pending& other) {
-    if (other.team_1 != one.team || other.team_2 != two.team) return false;
-    const Pose there = other.one_from_two * second, here = maps * second;
-    const double off_m = std::hypot(there.x - here.x, there.y - here.y);
-    const double turned = std::abs(wrap_angle(there.yaw - here.yaw));
-    const double both = std::hypot(heading_sigma, other.heading_sigma_rad);
-    const double k = options_.agree_sigmas;
-    return turned < k * both && off_m < k * (other.range_sigma_m + options_.agree_reach_m * both);
-  });
-  pending_.push_back({one.team, two.team, maps, heading_sigma, std::sqrt(alignment.covariance(0, 0))});
-  return agrees;
+std::string FeatureMapper::use_on_one_map(const SightingEvent& sighting, int observer, int target) {
+  const Journey& own = journeys_[static_cast<std::size_t>(observer)];
+  const Journey& other = journeys_[static_cast<std::size_t>(target)];
+  FeatureFilter& filter = team_of(own).filter;
+  const RelativeSighting seen{own.member,           other.member,           sighting.range_m,
+                              sighting.bearing_rad, sighting.range_sigma_m, sighting.bearing_sigma_rad};
+  const auto measured = measure_robot(filter.state(), seen);
+  if (!measured) return "not_used";
+  judge_fusion(observer, target, *measured, sighting);
+  const double gate =
+      chi2_quantile(options_.sighting_probability, static_cast<int>(measured->residual.size()));
+  if (squared_distance(filter.state().covariance, *measured) > gate) return "contradicts_map";
+  return filter.observe_robot(seen) ? "" : "not_used";
 }
 
 void FeatureMapper::join_by_landmarks() {
@@ -353,21 +429,31 @@ void FeatureMapper::join(int one, int two, const JoinedTeams& joined) {
   Team& kept = teams_[static_cast<std::size_t>(one)];
   Team& gone = teams_[static_cast<std::size_t>(two)];
   const int ids = kept.filter.state().next_id;
-  for (const auto& [barcode, id] : gone.landmarks) kept.landmarks.try_emplace(barcode, id + ids);
+  FeatureState state = joined.state;
+  for (const auto& [barcode, id] : gone.landmarks) {
+    if (kept.landmarks.try_emplace(barcode, id + ids).second) continue;
+    if (const auto twin = index_of(state, id + ids)) remove_feature(state, *twin);
+  }
   for (const int number : gone.journeys) {
     Journey& moved = journeys_[static_cast<std::size_t>(number)];
     moved.team = one;
     moved.member = static_cast<int>(kept.journeys.size());
     for (JourneyRow& row : moved.rows) row.map_from_robot = joined.one_from_two * row.map_from_robot;
+    for (Heard& heard : heard_) {  // with other maps
+      if (heard.observer == number) heard.clue.observer = joined.one_from_two * heard.clue.observer;
+      if (heard.target == number) heard.clue.target = joined.one_from_two * heard.clue.target;
+    }
     kept.journeys.push_back(number);
   }
-  kept.filter.state() = joined.state;
+  kept.filter.state() = std::move(state);
   gone.journeys.clear();
+  gone.landmarks.clear();
   ++counts_.fusions;
 }
 
 FeatureMaps FeatureMapper::maps() const {
-  FeatureMaps maps{options_.kind, {}, journeys_, sightings_, counts_};
+  FeatureMaps maps{options_.kind, {}, journeys_, sightings_, {}, counts_};
+  for (const auto& [id, fusion] : fusions_) maps.fusions.push_back(fusion);
   std::vector<int> order;
   for (std::size_t i = 0; i < teams_.size(); ++i)
     if (!teams_[i].journeys.empty()) order.push_back(static_cast<int>(i));

@@ -2,11 +2,17 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "server/engine/robot/robot_pose.hpp"
+#include "server/feature_maps/fusion_record.hpp"
 #include "server/feature_maps/journey.hpp"
+#include "server/feature_maps/map_input.hpp"
+#include "server/feature_maps/placement.hpp"
 #include "server/feature_maps/team.hpp"
 
 namespace isthmus {
@@ -15,7 +21,8 @@ namespace isthmus {
 struct FeatureSighting {
   SightingEvent sighting;
   bool used = false;
-  std::string reason;  ///< why not; empty where it was
+  std::string reason;        ///< why not; empty where it was
+  std::int32_t fusion = -1;  ///< that it speaks for or against; -1: none
 };
 
 struct FeatureCounts {
@@ -27,7 +34,7 @@ struct FeatureCounts {
   std::int64_t slips = 0;         ///< scans that fit the map only where wheels had slipped
   std::int64_t contradicted = 0;  ///< features that went because scans see through them
   std::int64_t fusions = 0;
-  std::int64_t fusions_waiting = 0;             ///< meetings that nothing else bore out
+  std::int64_t withdrawn = 0;  ///< fusions that later sightings spoke against, and that were taken back
   std::map<std::string, std::int64_t> dropped;  ///< events, by reason
   std::int64_t first_receive_utime = 0;
   std::int64_t last_receive_utime = 0;
@@ -39,47 +46,79 @@ struct FeatureMaps {
   std::vector<Team> teams;  ///< by number of features, most first
   std::vector<Journey> journeys;
   std::vector<FeatureSighting> sightings;
+  std::vector<FusionRecord> fusions;  ///< by id
   FeatureCounts counts;
 };
 
 /// Maps of features from the engine's own events: an estimator beside it. Each robot begins a map of its own;
-/// two become one where the robots see one another and the maps bear it out, or where they know the same
-/// landmarks. The same events give the same maps. Bad input is counted and changes nothing.
+/// two become one where sightings and what they have in common make that probable enough (consider), or where
+/// they know the same landmarks. The same events give the same maps. Bad input is counted and changes
+/// nothing.
+///
+/// Events become inputs once odometry has placed them; maps are made of inputs alone, so that they can be
+/// made again without a fusion (FeatureEstimator).
 class FeatureMapper {
  public:
   explicit FeatureMapper(const FeatureMapOptions& options);
 
   void handle(const Event& event);
+  void take(const RobotEvent& event);
   /// What still waits for odometry is done without it.
   void finish();
+
+  /// One input; those of a robot in their order.
+  void apply(const MapInput& input);
+  /// What became inputs, and was applied, since the last call.
+  std::vector<MapInput> take_inputs() { return std::exchange(inputs_, {}); }
+  /// Where each robot's odometry is, what waits for it, and what was counted before anything was an input: of
+  /// a mapper that took the same events.
+  void continue_from(FeatureMapper& other);
+  /// Fusions that must not be made; before the first input.
+  void forbid(std::set<std::int32_t> fusions) { forbidden_ = std::move(fusions); }
+  /// Of a fusion that was made and is contradicted by now: it should be taken back.
+  std::optional<std::int32_t> contradicted_fusion() const { return contradicted_; }
+  std::optional<FusionState> state_of_fusion(std::int32_t id) const;
+  /// Where robots are by what was applied since the last call: what odometry alone placed is not matched.
+  std::vector<RobotPose> take_answers();
+
+  bool knows(const std::string& robot) const { return robots_.contains(robot); }
   void count_dropped(const std::string& reason) { ++counts_.dropped[reason]; }
 
   FeatureMaps maps() const;
 
  private:
-  /// That two robots saw one another, each once.
-  struct Meeting {
-    SightingEvent first;
-    SightingEvent second;  ///< the later one
-    int journey_1 = 0;
-    int journey_2 = 0;
+  struct Encounter {
+    int number = 0;
+    std::int64_t begun_utime = 0;
   };
 
-  void take(const RobotEvent& event);
   void take(const OdometryEvent& event);
   void wait(const std::string& robot, const Event& event);
   void take_waiting(FeatureRobot& robot, std::int64_t now_utime, bool all);
+  void record(MapInput input);
   void take_placed(FeatureRobot& robot, const Event& event, const Pose& odom_from_robot);
+  void declare(const RobotEvent& event);
   void move_to(FeatureRobot& robot, const Pose& odom_from_robot);
   void begin_journey(FeatureRobot& robot, const Pose& odom_from_robot);
   void observe(FeatureRobot& robot, const Scan& scan);
   FeatureScanOutcome observe_or_slip(FeatureFilter& filter, int member,
                                      std::span<const ObservedFeature> seen);
-  std::string use(FeatureRobot& robot, const SightingEvent& sighting);
-  std::string use_landmark(const FeatureRobot& robot, const SightingEvent& sighting);
-  std::string use_robot(const FeatureRobot& robot, const SightingEvent& sighting, const FeatureRobot& target);
-  std::string meet(const Meeting& meeting);
-  bool borne_out(const Meeting& meeting, const RobotAlignment& alignment);
+  std::string use(FeatureRobot& robot, const MapInput& input);
+  std::string use_landmark(const FeatureRobot& robot, const MapInput& input);
+  std::string use_robot(const FeatureRobot& robot, const MapInput& input, const FeatureRobot& target);
+  std::string use_on_one_map(const SightingEvent& sighting, int observer, int target);
+  std::string hear(const MapInput& input, int observer, int target, const FeatureRobot& seen);
+  int encounter_of(int one, int two, std::int64_t utime);
+  void consider(int one, int two);
+  void forget_waiting(std::int32_t fusion);
+  std::vector<Heard> heard_between(int one, int two) const;
+  std::vector<Heard> tags_between(int one, int two) const;
+  bool fuse_at(int one, int two, const std::vector<Heard>& heard, const Placement& placement,
+               FusionRecord& record);
+  bool is_known(const RobotEvent& event) const;
+  void close_account(int one, int two, const std::set<std::size_t>& agreeing, std::int32_t fusion);
+  void judge_fusion(int observer, int target, const LinearMeasurement& measured,
+                    const SightingEvent& sighting);
   void join_by_landmarks();
   void join(int one, int two, const JoinedTeams& joined);
   void add_row(const FeatureRobot& robot, std::int64_t utime);
@@ -89,17 +128,7 @@ class FeatureMapper {
   }
   Team& team_of(const Journey& journey) { return teams_[static_cast<std::size_t>(journey.team)]; }
 
-  /// A meeting that waits for another: where it puts the second map in the first.
-  struct Pending {
-    int team_1 = 0;
-    int team_2 = 0;
-    Pose one_from_two;
-    double heading_sigma_rad = 0;
-    double range_sigma_m = 0;
-  };
-
   FeatureMapOptions options_;
-  double gate_ = 0;
   std::map<std::string, FeatureRobot> robots_;
   std::map<std::int32_t, std::string> wearers_;
   std::set<std::int32_t> tags_;
@@ -107,8 +136,16 @@ class FeatureMapper {
   std::vector<Journey> journeys_;
   std::vector<FeatureSighting> sightings_;
   std::map<std::pair<std::string, std::int32_t>, std::int64_t> last_used_;  ///< by observer and barcode
-  std::vector<Pending> pending_;
-  std::map<std::pair<std::string, std::string>, SightingEvent> one_way_;  ///< last, by observer and target
+  std::map<std::pair<int, std::int32_t>, std::int32_t> first_seen_;         ///< input, by journey and barcode
+  std::vector<Heard> heard_;                             ///< between maps, as long as they are two
+  std::map<std::pair<int, int>, Encounter> encounters_;  ///< the last, by journeys
+  int encounter_count_ = 0;
+  std::map<std::int32_t, FusionRecord> fusions_;
+  std::set<std::int32_t> forbidden_;
+  std::optional<std::int32_t> contradicted_;
+  std::vector<MapInput> inputs_;
+  std::set<std::string> moved_;  ///< robots with rows since answers were taken
+  std::int32_t next_number_ = 0;
   FeatureCounts counts_;
 };
 

@@ -31,9 +31,11 @@ struct FeatureRobot {
   OdometryTrack odometry;
   OdometryNoise noise;
   int journey = -1;                ///< the present one; -1 before the first
-  Pose odom_from_last;             ///< odometry where its filter stands
+  Pose odom_from_last;             ///< odometry where its filter stands,
+  std::int64_t last_utime = 0;     ///< and its stamp
   Pose last_step;                  ///< by odometry
   double way_m = 0, turn_rad = 0;  ///< since a scan was used
+  bool matched = false;            ///< the last scan that was used, by a feature of the map at least
   std::deque<Event> waiting;       ///< scans and sightings that odometry has not reached
 };
 

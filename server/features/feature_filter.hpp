@@ -49,6 +49,8 @@ class FeatureFilter {
 
   /// Another robot seen; false where it could not be used.
   bool observe_robot(const RelativeSighting& sighting);
+  /// Whatever else was measured of the state.
+  bool correct_by(const LinearMeasurement& measured) { return correct(state_, {&measured, 1}); }
 
   /// Features that the robot's laser sees through count as contradicted, but for those of `paired`; those
   /// contradicted often enough go. `is_free` tells whether a point of the robot's frame lies well within the

@@ -149,7 +149,7 @@ class DuplicateSearch {
 
   bool alike(std::size_t twin, std::size_t index) const {
     const Feature &one = state_.features[twin].feature, &other = state_.features[index].feature;
-    if (one.kind != other.kind) return false;
+    if (one.kind != other.kind || (one.kind == FeatureKind::point && !options_.points)) return false;
     if (one.kind == FeatureKind::corner)
       return std::abs(one.opening_rad - other.opening_rad) < options_.association.opening_tolerance_rad;
     return one.kind != FeatureKind::segment ||

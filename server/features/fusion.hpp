@@ -12,6 +12,7 @@ struct FusionOptions {
   double identity_sigma_m =
       1e-3;              ///< m, rad: two maps of one thing agree to a millimetre; keeps matrices definite
   double ambiguity = 6;  ///< by which the second best must be worse in squared distance: e³ times less likely
+  bool points = true;    ///< whether points may be twins; not those that are known by a name
   double max_by_chance =
       0.1;  ///< landmarks expected within a pair's gate, of one pair at least of each group
 };

@@ -27,6 +27,44 @@ bool faces_same_side(const Feature& one, const Feature& other) {
   return point_count(one.kind) == 1 || along(one).dot(along(other)) > 0;
 }
 
+/// Of what stands at `target`, whose error of so many components begins with its position.
+std::optional<LinearMeasurement> measure_polar(const FeatureState& state, const Eigen::Vector2d& target,
+                                               int target_offset, int components,
+                                               const RelativeSighting& sighting) {
+  if (!(sighting.range_sigma_m > 0) || !(sighting.bearing_sigma_rad > 0)) return std::nullopt;
+  const RobotInState& observer = state.robots[static_cast<std::size_t>(sighting.observer)];
+  const Eigen::Vector2d offset = target - position(observer.map_from_robot);
+  const double range = offset.norm();
+  if (!(range > 1e-3)) return std::nullopt;
+  Eigen::Vector2d residual(
+      sighting.range_m - range,
+      wrap_angle(sighting.bearing_rad - std::atan2(offset.y(), offset.x()) + observer.map_from_robot.yaw));
+  Eigen::Matrix<double, 2, 3> by_target = Eigen::Matrix<double, 2, 3>::Zero();
+  by_target.row(0).head<2>() = offset.transpose() / range;
+  by_target.row(1).head<2>() << -offset.y() / (range * range), offset.x() / (range * range);
+  Eigen::Matrix<double, 2, 3> by_observer = -by_target;
+  by_observer(1, 2) = -1;
+  const Eigen::Vector2d sigma(sighting.range_sigma_m, sighting.bearing_sigma_rad);
+  std::vector<Eigen::Index> rows;
+  for (const Eigen::Index i : {0, 1})
+    if (std::isfinite(sigma(i))) rows.push_back(i);
+  if (rows.empty()) return std::nullopt;
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  LinearMeasurement measurement;
+  measurement.residual = LocalVector::Zero(count);
+  measurement.noise = LocalMatrix::Zero(count, count);
+  LocalMatrix of_target(count, components), of_observer(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Index row = rows[static_cast<std::size_t>(i)];
+    measurement.residual(i) = residual(row);
+    measurement.noise(i, i) = sigma(row) * sigma(row);
+    of_target.row(i) = by_target.row(row).head(components);
+    of_observer.row(i) = by_observer.row(row);
+  }
+  measurement.blocks = {{observer.offset, of_observer}, {target_offset, of_target}};
+  return measurement;
+}
+
 }  // namespace
 
 std::optional<LinearMeasurement> measure_feature(const FeatureState& state, std::size_t index, int robot,
@@ -53,26 +91,14 @@ std::optional<LinearMeasurement> measure_feature(const FeatureState& state, std:
 }
 
 std::optional<LinearMeasurement> measure_robot(const FeatureState& state, const RelativeSighting& sighting) {
-  if (!(sighting.range_sigma_m > 0) || !(sighting.bearing_sigma_rad > 0)) return std::nullopt;
-  const RobotInState& observer = state.robots[static_cast<std::size_t>(sighting.observer)];
   const RobotInState& target = state.robots[static_cast<std::size_t>(sighting.target)];
-  const Eigen::Vector2d offset = position(target.map_from_robot) - position(observer.map_from_robot);
-  const double range = offset.norm();
-  if (!(range > 1e-3)) return std::nullopt;
-  LinearMeasurement measurement;
-  measurement.residual.resize(2);
-  measurement.residual << sighting.range_m - range,
-      wrap_angle(sighting.bearing_rad - std::atan2(offset.y(), offset.x()) + observer.map_from_robot.yaw);
-  measurement.noise = LocalMatrix::Zero(2, 2);
-  measurement.noise.diagonal() << std::pow(sighting.range_sigma_m, 2),
-      std::pow(sighting.bearing_sigma_rad, 2);
-  LocalMatrix by_target = LocalMatrix::Zero(2, 3);
-  by_target.row(0).head<2>() = offset.transpose() / range;
-  by_target.row(1).head<2>() << -offset.y() / (range * range), offset.x() / (range * range);
-  LocalMatrix by_observer = -by_target;
-  by_observer(1, 2) = -1;
-  measurement.blocks = {{observer.offset, by_observer}, {target.offset, by_target}};
-  return measurement;
+  return measure_polar(state, position(target.map_from_robot), target.offset, 3, sighting);
+}
+
+std::optional<LinearMeasurement> measure_point(const FeatureState& state, std::size_t index,
+                                               const RelativeSighting& sighting) {
+  const FeatureInState& entry = state.features[index];
+  return measure_polar(state, entry.feature.a, entry.offset, 2, sighting);
 }
 
 LinearMeasurement measure_relative_pose(const FeatureState& state, int one, int two, const Pose& one_from_two,

@@ -22,9 +22,12 @@ struct RelativeSighting {
   double range_sigma_m = 1;
   double bearing_sigma_rad = 1;
 };
-/// Range and bearing from a robot's origin to another's. Nothing where they stand at one place, or a σ is not
-/// positive.
+/// Range and bearing from a robot's origin to another's; a σ of infinity: that part was not measured. Nothing
+/// where they stand at one place, a σ is not positive, or neither was measured.
 std::optional<LinearMeasurement> measure_robot(const FeatureState& state, const RelativeSighting& sighting);
+/// The same of a feature's point; the target is not looked at.
+std::optional<LinearMeasurement> measure_point(const FeatureState& state, std::size_t index,
+                                               const RelativeSighting& sighting);
 
 /// Where one robot is as seen from another, (x, y, yaw) with its covariance.
 LinearMeasurement measure_relative_pose(const FeatureState& state, int one, int two, const Pose& one_from_two,

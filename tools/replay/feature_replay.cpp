@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "server/wire/journal/drop_record.hpp"
 #include "server/wire/journal/event_log.hpp"
 #include "server/wire/message/message.hpp"
 #include "tools/replay/replay.hpp"
@@ -12,22 +13,28 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-void read(const std::string& path, const FeatureReplayOptions& options, FeatureMapper& mapper) {
+void read(const std::string& path, const FeatureReplayOptions& options, FeatureEstimator& estimator) {
   EventLogReader reader(whole_log(path));
   ChannelNames channels;
   std::optional<std::int64_t> first_utime;
   while (const std::optional<Message> message = reader.next()) {
+    if (const std::optional<Drops> drops = read_drops(*message)) {
+      for (const auto& [robot, reasons] : *drops)
+        for (const auto& [reason, dropped] : reasons) estimator.count_dropped(reason, dropped.count);
+      continue;
+    }
     const Decoded decoded = decode(channels, message->channel, message->bytes, message->utime);
-    if (decoded.ours && !decoded.event) mapper.count_dropped(std::string(word(decoded.reason)));
+    if (decoded.ours && !decoded.event) estimator.count_dropped(decoded.reason);
     if (!decoded.event) continue;
     if (!first_utime) first_utime = message->utime;
     if (1e-6 * static_cast<double>(message->utime - *first_utime) > options.until_s) break;
     if (const auto* configuration = std::get_if<ConfigurationEvent>(&decoded.event->body))
       channels = parse_server_configuration(configuration->toml, reader.file()).channels;
-    mapper.handle(*decoded.event);
+    estimator.handle(*decoded.event);
     if (options.progress) options.progress(reader.progress());
   }
-  mapper.finish();
+  Outcome outcome;
+  estimator.finish(outcome);
   for (const std::string& warning : reader.take_warnings())
     if (options.warn) options.warn(warning);
 }
@@ -37,10 +44,11 @@ void read(const std::string& path, const FeatureReplayOptions& options, FeatureM
 FeatureReplayResult replay_features(const std::string& path, const FeatureReplayOptions& options) {
   const Clock::time_point start = Clock::now();
   const double cpu_start_s = process_cpu_s();
-  FeatureMapper mapper(options.map);
-  read(path, options, mapper);
+  FeatureEstimator estimator(options.map);
+  estimator.forbid(options.forbid);
+  read(path, options, estimator);
   FeatureReplayResult result;
-  result.maps = mapper.maps();
+  result.maps = estimator.maps();
   result.cost.wall_s = seconds_of(Clock::now() - start);
   result.cost.cpu_s = process_cpu_s() - cpu_start_s;
   result.cost.peak_rss_mb = process_peak_rss_mb();
@@ -54,8 +62,9 @@ std::string summary_text(const FeatureReplayResult& result) {
   const double log_s = 1e-6 * static_cast<double>(counts.last_receive_utime - counts.first_receive_utime);
   std::string text = printed_line("scans      %lld, %lld used", static_cast<long long>(counts.scans),
                                   static_cast<long long>(counts.scans_used));
-  text += printed_line("map        %zu features, %zu islands, %lld fusions", features,
-                       result.maps.teams.size(), static_cast<long long>(counts.fusions));
+  text += printed_line("map        %zu features, %zu islands, %lld fusions, %lld withdrawn", features,
+                       result.maps.teams.size(), static_cast<long long>(counts.fusions),
+                       static_cast<long long>(counts.withdrawn));
   text += printed_line("segments   %lld seen, %lld paired", static_cast<long long>(counts.segments_seen),
                        static_cast<long long>(counts.segments_paired));
   text += printed_line("time       %.1f s of log in %.2f s, %.2f s CPU; peak memory %.0f MB", log_s,

@@ -3,14 +3,17 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <set>
 #include <string>
 
+#include "server/feature_maps/feature_estimator.hpp"
 #include "server/feature_maps/feature_files.hpp"
 
 namespace isthmus {
 
 struct FeatureReplayOptions {
   FeatureMapOptions map;
+  std::set<std::int32_t> forbid;                             ///< fusions that must not be made
   double until_s = std::numeric_limits<double>::infinity();  ///< of event time after the first event
   std::function<void(double)> progress;
   std::function<void(const std::string&)> warn;  ///< of what is damaged

@@ -79,11 +79,11 @@ void run(const Arguments& arguments) {
 }
 
 void run_features(const Arguments& arguments) {
-  if (arguments.refine || arguments.json || !arguments.forbid.empty() || !arguments.config_file.empty() ||
-      !arguments.memory_file.empty())
-    throw std::runtime_error("--refine, --json, --forbid, --config and --memory are for the manifold map");
+  if (arguments.refine || arguments.json || !arguments.config_file.empty() || !arguments.memory_file.empty())
+    throw std::runtime_error("--refine, --json, --config and --memory are for the manifold map");
   FeatureReplayOptions options;
   options.map = feature_map_options(*arguments.features);
+  options.forbid = {arguments.forbid.begin(), arguments.forbid.end()};
   options.until_s = arguments.until_s;
   options.warn = [](const std::string& warning) {
     std::fprintf(stderr, "isthmus-replay: %s\n", warning.c_str());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/feature_maps/feature_estimator.hpp"
 #include "server/feature_maps/feature_files.hpp"
 #include "tests/support/feature_events.hpp"
 
@@ -25,7 +26,7 @@ double number_of_any_kind(double reach) {
 Event arbitrary_event(std::int64_t utime) {
   const std::string robot = "R" + std::to_string(*rc::gen::inRange(1, 4));
   const std::int64_t stamp = utime + *rc::gen::inRange(-300'000, 300'000);
-  switch (*rc::gen::inRange(0, 8)) {
+  switch (*rc::gen::inRange(0, 9)) {
     case 0: {
       RobotEvent event;
       event.robot = robot;
@@ -45,20 +46,25 @@ Event arbitrary_event(std::int64_t utime) {
       return {utime, ScanEvent{robot, testing::scan_from(testing::furnished_room(),
                                                          {between(-1, 1), between(-1, 0.5), between(-3, 3)},
                                                          stamp)}};
+    case 5: {
+      const Verb verb = *rc::gen::element(Verb::withdraw, Verb::forbid, Verb::allow, Verb::drop);
+      return {utime, CommandEvent{stamp, verb, *rc::gen::inRange(-1, 8), robot}};
+    }
     default:
       return {utime, SightingEvent{robot, stamp, *rc::gen::inRange(0, 8), number_of_any_kind(8),
                                    number_of_any_kind(1), number_of_any_kind(3), number_of_any_kind(1)}};
   }
 }
 
-TEST(FeatureMapperProperty, WhateverComesTheMapsAreFiniteAndPositiveDefinite) {
+TEST(FeatureEstimatorProperty, WhateverComesTheMapsAreFiniteAndPositiveDefinite) {
   EXPECT_TRUE(rc::check([] {
-    FeatureMapper mapper(
+    FeatureEstimator estimator(
         feature_map_options(*rc::gen::element(FeatureMapKind::segments, FeatureMapKind::points)));
     const int events = *rc::gen::inRange(0, 80);
-    for (int i = 0; i < events; ++i) mapper.handle(arbitrary_event(1'000'000 + 50'000 * i));
-    mapper.finish();
-    const FeatureMaps maps = mapper.maps();
+    for (int i = 0; i < events; ++i) estimator.handle(arbitrary_event(1'000'000 + 50'000 * i));
+    Outcome outcome;
+    estimator.finish(outcome);
+    const FeatureMaps maps = estimator.maps();
     for (const Team& team : maps.teams) {
       const Eigen::MatrixXd& covariance = team.filter.state().covariance;
       RC_ASSERT(covariance.allFinite());

@@ -1,0 +1,275 @@
+#include "server/feature_maps/feature_estimator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "server/feature_maps/feature_files.hpp"
+#include "tests/support/feature_events.hpp"
+
+namespace isthmus {
+namespace {
+
+using testing::FeatureEvents;
+using testing::Walls;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+const Pose start_1{-4, -1, 0.2}, start_2{5, -2, 3};
+
+Walls furnished_hall() {
+  Walls walls;
+  testing::add_box(walls, -6, -4, 6, 4);
+  testing::add_box(walls, 1, 1, 3, 2.2);
+  return walls;
+}
+
+/// Two robots in a hall; `where` is where R2 is said to be, and where it is.
+struct Hall {
+  FeatureEvents run;
+  int step = 0;
+
+  Hall() {
+    run.declare("R1", 101, 20);
+    run.declare("R2", 102, 20);
+  }
+  Pose driven() const { return {0.1 * step, 0, 0.01 * step}; }
+  Pose pose_1() const { return start_1 * driven(); }
+  Pose pose_2() const { return start_2 * driven(); }
+
+  void drive(int steps, bool with_scans = true) {
+    for (int i = 0; i < steps; ++i) {
+      run.odometry("R1", driven());
+      run.odometry("R2", driven());
+      if (with_scans) {
+        run.scan("R1", furnished_hall(), pose_1());
+        run.scan("R2", furnished_hall(), pose_2());
+      }
+      run.wait(0.2);
+      ++step;
+    }
+    run.odometry("R1", driven());
+    run.odometry("R2", driven());
+  }
+  /// Each sees the other, as if the second one were elsewhere.
+  void meet(const Pose& moved = {}) {
+    const Pose one = pose_1(), two = moved * pose_2();
+    run.sighting("R1", 102, position(ominus(two, one)));
+    run.sighting("R2", 101, position(ominus(one, two)));
+    run.wait(3);
+  }
+};
+
+FeatureEstimator estimate(const FeatureEvents& run, const std::set<std::int32_t>& forbidden = {}) {
+  FeatureEstimator estimator(feature_map_options(FeatureMapKind::segments));
+  estimator.forbid(forbidden);
+  for (const Event& event : run.events) estimator.handle(event);
+  Outcome outcome;
+  estimator.finish(outcome);
+  return estimator;
+}
+
+Event order(const Hall& hall, Verb verb, std::int64_t closure, const std::string& robot = "") {
+  return {hall.run.events.back().receive_utime, CommandEvent{0, verb, closure, robot}};
+}
+
+Hall met_hall() {
+  Hall hall;
+  hall.drive(15);
+  hall.meet();
+  hall.drive(5);
+  hall.meet();
+  hall.drive(5);
+  return hall;
+}
+
+Pose one_from_two(const FeatureMaps& maps) {
+  const auto& robots = maps.teams.at(0).filter.state().robots;
+  return ominus(robots.at(1).map_from_robot, robots.at(0).map_from_robot);
+}
+
+TEST(FeatureEstimator, AWithdrawnFusionLeavesWhatAReplayWithoutItMakes) {
+  const Hall hall = met_hall();
+  FeatureEstimator live = estimate(hall.run);
+  ASSERT_EQ(live.maps().teams.size(), 1u);
+  const std::string before = map_sha256(live.maps());
+  ASSERT_EQ(live.maps().fusions.size(), 1u);
+  const std::int32_t id = live.maps().fusions[0].id;
+  EXPECT_EQ(live.handle(order(hall, Verb::withdraw, id)).drop_reason, DropReason::none);
+  EXPECT_EQ(live.maps().teams.size(), 2u);
+  EXPECT_EQ(map_sha256(live.maps()), map_sha256(estimate(hall.run, {id}).maps()));
+  EXPECT_EQ(live.handle(order(hall, Verb::allow, id)).drop_reason, DropReason::none);
+  EXPECT_EQ(map_sha256(live.maps()), before);
+}
+
+TEST(FeatureEstimator, AForbiddenFusionStaysForbiddenWhateverElseSpeaksForIt) {
+  Hall hall = met_hall();
+  const std::int32_t id = estimate(hall.run).maps().fusions[0].id;
+  for (int i = 0; i < 30; ++i) {
+    hall.drive(1);
+    hall.meet();
+  }
+  const FeatureMaps maps = estimate(hall.run, {id}).maps();
+  EXPECT_EQ(maps.teams.size(), 2u);
+  ASSERT_EQ(maps.fusions.size(), 1u);
+  EXPECT_EQ(maps.fusions[0].state, FusionState::withdrawn);
+}
+
+TEST(FeatureEstimator, GoesOnAfterAWithdrawalAsIfTheFusionHadNeverBeen) {
+  Hall hall = met_hall();
+  const std::int32_t id = estimate(hall.run).maps().fusions[0].id;
+  FeatureEvents with_order = hall.run;
+  with_order.events.push_back(order(hall, Verb::withdraw, id));
+  const std::size_t orders_at = with_order.events.size();
+  hall.drive(10);
+  with_order.events.insert(with_order.events.end(),
+                           hall.run.events.begin() + static_cast<std::ptrdiff_t>(orders_at) - 1,
+                           hall.run.events.end());
+  EXPECT_EQ(map_sha256(estimate(with_order).maps()), map_sha256(estimate(hall.run, {id}).maps()));
+}
+
+TEST(FeatureEstimator, OrdersAboutWhatIsNotAreRefused) {
+  const Hall hall = met_hall();
+  FeatureEstimator live = estimate(hall.run);
+  const std::string before = map_sha256(live.maps());
+  EXPECT_EQ(live.handle(order(hall, Verb::withdraw, 77)).drop_reason, DropReason::no_such_closure);
+  EXPECT_EQ(live.handle(order(hall, Verb::withdraw, -1)).drop_reason, DropReason::no_such_closure);
+  EXPECT_EQ(live.handle(order(hall, Verb::allow, 0)).drop_reason, DropReason::not_forbidden);
+  EXPECT_EQ(live.handle(order(hall, Verb::drop, -1, "R9")).drop_reason, DropReason::unknown_robot);
+  EXPECT_EQ(live.handle(order(hall, Verb::allow, -1, "R1")).drop_reason, DropReason::not_dropped);
+  EXPECT_EQ(map_sha256(live.maps()), before);
+  EXPECT_EQ(live.maps().counts.dropped.at("no_such_closure"), 2);
+}
+
+TEST(FeatureEstimator, WhatADroppedRobotBroughtIsGoneAndComesBack) {
+  const Hall hall = met_hall();
+  FeatureEstimator live = estimate(hall.run);
+  const std::string before = map_sha256(live.maps());
+  EXPECT_EQ(live.handle(order(hall, Verb::drop, -1, "R2")).drop_reason, DropReason::none);
+  const FeatureMaps without = live.maps();
+  ASSERT_EQ(without.journeys.size(), 1u);
+  EXPECT_EQ(without.journeys[0].robot, "R1");
+  live.handle(order(hall, Verb::allow, -1, "R2"));
+  EXPECT_EQ(map_sha256(live.maps()), before);
+}
+
+TEST(FeatureEstimator, AFusionThatLaterSightingsContradictIsTakenBack) {
+  Hall hall;
+  hall.drive(2, false);
+  const Pose wrong{3, 2, 1.5};
+  hall.meet(wrong);
+  hall.drive(3, false);
+  hall.meet(wrong);
+  const FeatureMaps misled = estimate(hall.run).maps();
+  ASSERT_EQ(misled.teams.size(), 1u) << "what agrees with itself is believed";
+  for (int i = 0; i < 12; ++i) {
+    hall.drive(2, false);
+    hall.meet();
+  }
+  const FeatureMaps maps = estimate(hall.run).maps();
+  EXPECT_EQ(maps.counts.withdrawn, 1);
+  ASSERT_EQ(maps.teams.size(), 1u);
+  const Pose found = one_from_two(maps), truth = ominus(hall.pose_2(), hall.pose_1());
+  EXPECT_NEAR(found.x, truth.x, 0.05);
+  EXPECT_NEAR(found.y, truth.y, 0.05);
+  EXPECT_NEAR(wrap_angle(found.yaw - truth.yaw), 0, 0.02);
+  const std::int32_t id = misled.fusions[0].id;
+  EXPECT_EQ(map_sha256(maps), map_sha256(estimate(hall.run, {id}).maps()));
+}
+
+TEST(FeatureEstimator, OneFalseSightingChangesNoMap) {
+  Hall hall;
+  hall.drive(15);
+  hall.run.sighting("R1", 102, {2, 2});
+  hall.drive(5);
+  EXPECT_EQ(estimate(hall.run).maps().teams.size(), 2u);
+  hall.run.sighting("R2", 101, {1, -2});
+  hall.drive(5);
+  EXPECT_EQ(estimate(hall.run).maps().teams.size(), 2u);
+}
+
+TEST(FeatureEstimator, SightingsOfOneRobotByTheOtherMakeOneMapInTheEnd) {
+  Hall hall;
+  for (int i = 0; i < 6; ++i) {
+    hall.drive(5);
+    hall.run.sighting("R1", 102, position(ominus(hall.pose_2(), hall.pose_1())));
+    hall.run.wait(3);
+  }
+  hall.drive(1);
+  --hall.step;  // where the last scans are
+  const FeatureMaps maps = estimate(hall.run).maps();
+  ASSERT_EQ(maps.teams.size(), 1u);
+  const Pose found = one_from_two(maps), truth = ominus(hall.pose_2(), hall.pose_1());
+  EXPECT_NEAR(found.x, truth.x, 0.05);
+  EXPECT_NEAR(found.y, truth.y, 0.05);
+  EXPECT_NEAR(wrap_angle(found.yaw - truth.yaw), 0, 0.02);
+}
+
+TEST(FeatureEstimator, FixedBarcodesThatBothKnowMakeOneMap) {
+  Hall hall;
+  const std::vector<Eigen::Vector2d> places = {{-1, 3.9}, {2, 3.9}, {5.9, 1}, {1, -3.9}};
+  for (int i = 0; i < 4; ++i) hall.run.tag(i);
+  hall.drive(5);
+  for (int i = 0; i < 4; ++i) {
+    hall.run.sighting("R1", i, inverse(hall.pose_1()) * places[static_cast<std::size_t>(i)]);
+    hall.run.sighting("R2", i, inverse(hall.pose_2()) * places[static_cast<std::size_t>(i)]);
+    hall.drive(3);
+  }
+  const FeatureMaps maps = estimate(hall.run).maps();
+  ASSERT_EQ(maps.teams.size(), 1u);
+  EXPECT_EQ(maps.teams[0].landmarks.size(), 4u);
+  std::size_t points = 0;
+  for (const FeatureInState& entry : maps.teams[0].filter.state().features)
+    points += entry.feature.kind == FeatureKind::point ? 1 : 0;
+  EXPECT_EQ(points, 4u) << "none is there twice";
+}
+
+TEST(FeatureEstimator, ARangeOrABearingAloneCorrectsAMapAndNoneOfBothIsRefused) {
+  for (const bool range : {true, false}) {
+    Hall hall = met_hall();
+    const auto sigma = [](const FeatureMaps& maps) {
+      const FeatureState& state = maps.teams.at(0).filter.state();
+      const auto measured = measure_robot(state, {0, 1, 1, 0, 1, 1});
+      return innovation_covariance(state.covariance, *measured);
+    };
+    const LocalMatrix before = sigma(estimate(hall.run).maps());
+    const Eigen::Vector2d seen = position(ominus(hall.pose_2(), hall.pose_1()));
+    hall.run.add(SightingEvent{"R1", hall.run.events.back().receive_utime, 102, range ? seen.norm() : 0,
+                               range ? 1e-4 : infinity, range ? 0 : std::atan2(seen.y(), seen.x()),
+                               range ? infinity : 1e-4});
+    const FeatureMaps after = estimate(hall.run).maps();
+    EXPECT_TRUE(after.sightings.back().used) << after.sightings.back().reason;
+    const Eigen::Index which = range ? 0 : 1;
+    EXPECT_LT(sigma(after)(which, which) - 1, 0.5 * (before(which, which) - 1));
+    hall.run.add(SightingEvent{"R1", hall.run.events.back().receive_utime, 102, 1, infinity, 0, infinity});
+    EXPECT_EQ(estimate(hall.run).maps().sightings.back().reason, "incomplete");
+  }
+}
+
+TEST(FeatureEstimator, ALongLookAtOneAnotherIsOneEncounter) {
+  Hall hall;
+  hall.drive(2, false);
+  for (int i = 0; i < 20; ++i) {  // two seconds
+    hall.run.sighting("R1", 102, position(ominus(hall.pose_2(), hall.pose_1())));
+    hall.run.sighting("R2", 101, position(ominus(hall.pose_1(), hall.pose_2())));
+    hall.run.wait(0.1);
+  }
+  const FeatureMaps maps = estimate(hall.run).maps();
+  EXPECT_EQ(maps.teams.size(), 2u);
+  ASSERT_EQ(maps.fusions.size(), 1u);
+  EXPECT_EQ(maps.fusions[0].clues, 2u);
+}
+
+TEST(FeatureEstimator, StrangersChangeNothing) {
+  const Hall hall = met_hall();
+  FeatureEstimator live = estimate(hall.run);
+  const std::string before = map_sha256(live.maps());
+  const Event stranger{hall.run.events.back().receive_utime, OdometryEvent{"R9", 1, {}}};
+  EXPECT_TRUE(live.is_stranger(stranger));
+  EXPECT_EQ(live.handle(stranger).drop_reason, DropReason::unknown_robot);
+  EXPECT_EQ(map_sha256(live.maps()), before);
+}
+
+}  // namespace
+}  // namespace isthmus
