@@ -368,7 +368,9 @@ std::string FeatureMapper::use_landmark(const FeatureRobot& robot, const MapInpu
                                 sighting.bearing_rad,
                                 sighting.range_sigma_m,
                                 sighting.bearing_sigma_rad};
-    const auto measured = measure_point(team.filter.state(), *index, seen);
+    const auto measured =  // as it will be used
+        is_whole(sighting) ? measure_feature(team.filter.state(), *index, own.member, point_seen(sighting))
+                           : measure_point(team.filter.state(), *index, seen);
     const double gate = chi2_quantile(options_.sighting_probability, is_whole(sighting) ? 2 : 1);
     if (!measured || squared_distance(team.filter.state().covariance, *measured) > gate)
       return "contradicts_map";

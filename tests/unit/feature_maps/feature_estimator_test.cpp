@@ -86,7 +86,10 @@ Hall met_hall() {
 
 Pose one_from_two(const FeatureMaps& maps) {
   const auto& robots = maps.teams.at(0).filter.state().robots;
-  return ominus(robots.at(1).map_from_robot, robots.at(0).map_from_robot);
+  const auto of = [&](std::size_t journey) {
+    return robots.at(static_cast<std::size_t>(maps.journeys.at(journey).member)).map_from_robot;
+  };
+  return ominus(of(1), of(0));
 }
 
 TEST(FeatureEstimator, AWithdrawnFusionLeavesWhatAReplayWithoutItMakes) {
