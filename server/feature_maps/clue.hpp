@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "patches/pose.hpp"
@@ -31,6 +32,11 @@ struct Clue {
   double range_sigma_m = 0;  ///< infinity: not measured
   double bearing_rad = 0;
   double bearing_sigma_rad = 0;  ///< infinity: not measured
+
+  auto members() {
+    return std::tie(kind, number, encounter, observer, observer_covariance, target, target_covariance, place,
+                    place_covariance, target_yaw, range_m, range_sigma_m, bearing_rad, bearing_sigma_rad);
+  }
 };
 
 /// A clue, and whom it is of.
@@ -41,6 +47,8 @@ struct Heard {
   std::int64_t utime = 0;
   std::size_t row = 0;       ///< of the sighting
   std::int32_t fusion = -1;  ///< that it speaks for, so far
+
+  auto members() { return std::tie(clue, observer, target, utime, row, fusion); }
 };
 
 struct PlacementOptions {

@@ -4,7 +4,18 @@
 #include <utility>
 #include <variant>
 
+#include "server/feature_maps/feature_record.hpp"
+
 namespace isthmus {
+namespace {
+
+/// Places and zones are drawn on patches, and robots are found again among them.
+bool is_about_patches(const Event& event) {
+  return std::holds_alternative<AnnotationEvent>(event.body) ||
+         std::holds_alternative<InitialPoseEvent>(event.body);
+}
+
+}  // namespace
 
 FeatureEstimator::FeatureEstimator(const FeatureMapOptions& options) : options_(options), mapper_(options) {}
 
@@ -17,16 +28,21 @@ Outcome FeatureEstimator::handle(const Event& event) {
   Outcome outcome;
   if (is_stranger(event)) {
     outcome.drop_reason = DropReason::unknown_robot;
-    count_dropped(outcome.drop_reason);
+    std::visit(
+        [&](const auto& body) {
+          if constexpr (requires { body.robot; }) count_dropped(body.robot, outcome.drop_reason, 1);
+        },
+        event.body);
     return outcome;
   }
   if (const auto* configuration = std::get_if<ConfigurationEvent>(&event.body))
     outcome.drop_reason = configure(*configuration);
   if (const auto* order = std::get_if<CommandEvent>(&event.body)) outcome.drop_reason = obey(*order);
+  if (is_about_patches(event)) outcome.drop_reason = DropReason::no_manifold;
   ++events_;
   mapper_.handle(event);
   keep_inputs(outcome);
-  if (outcome.drop_reason != DropReason::none) count_dropped(outcome.drop_reason);
+  if (outcome.drop_reason != DropReason::none) count_dropped("", outcome.drop_reason, 1);
   return outcome;
 }
 
@@ -38,13 +54,15 @@ bool FeatureEstimator::is_stranger(const Event& event) const {
   return false;
 }
 
-void FeatureEstimator::count_dropped(DropReason reason, std::int64_t messages) {
+void FeatureEstimator::count_dropped(const std::string& robot, DropReason reason, std::int64_t messages) {
   dropped_[reason] += messages;
+  if (!robot.empty()) dropped_by_robot_[robot][reason] += messages;
 }
 
-void FeatureEstimator::finish(Outcome& outcome) {
+bool FeatureEstimator::finish_step(Outcome& outcome) {
   mapper_.finish();
   keep_inputs(outcome);
+  return false;
 }
 
 /// Only before every other event.
@@ -70,7 +88,7 @@ DropReason FeatureEstimator::obey(const CommandEvent& order) {
     make_again();
     return DropReason::none;
   }
-  if (order.verb == Verb::refine) return DropReason::unknown_command;  // a filter has nothing to refine
+  if (order.verb == Verb::refine) return DropReason::no_manifold;  // a filter has nothing to refine
   if (!is_about_a_closure(order.verb)) return DropReason::none;
   const std::optional<FusionState> state = mapper_.state_of_fusion(id);
   if (order.closure < 0 || (!state && order.verb == Verb::withdraw)) return DropReason::no_such_closure;
@@ -134,6 +152,15 @@ FeatureMaps FeatureEstimator::maps() const {
   maps.counts.withdrawn = withdrawn_;
   for (const auto& [reason, count] : dropped_) maps.counts.dropped[std::string(word(reason))] += count;
   return maps;
+}
+
+MapCopy FeatureEstimator::copy() const {
+  MapCopy copy = record_of(mapper_.summary());
+  for (const std::string& robot : mapper_.robot_names()) copy.health.push_back({robot, {}, {}});
+  copy.tags = mapper_.tag_records();
+  for (const auto& [reason, count] : dropped_) copy.counters.dropped[reason] += count;
+  copy.counters.dropped_by_robot = dropped_by_robot_;
+  return copy;
 }
 
 }  // namespace isthmus

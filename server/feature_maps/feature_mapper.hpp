@@ -5,10 +5,12 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "server/engine/robot/robot_pose.hpp"
+#include "server/engine/sightings/tag_record.hpp"
 #include "server/feature_maps/fusion_record.hpp"
 #include "server/feature_maps/journey.hpp"
 #include "server/feature_maps/map_input.hpp"
@@ -23,6 +25,8 @@ struct FeatureSighting {
   bool used = false;
   std::string reason;        ///< why not; empty where it was
   std::int32_t fusion = -1;  ///< that it speaks for or against; -1: none
+
+  auto members() { return std::tie(sighting, used, reason, fusion); }
 };
 
 struct FeatureCounts {
@@ -38,6 +42,11 @@ struct FeatureCounts {
   std::map<std::string, std::int64_t> dropped;  ///< events, by reason
   std::int64_t first_receive_utime = 0;
   std::int64_t last_receive_utime = 0;
+
+  auto members() {
+    return std::tie(events, scans, scans_used, segments_seen, segments_paired, slips, contradicted, fusions,
+                    withdrawn, dropped, first_receive_utime, last_receive_utime);
+  }
 };
 
 /// What there is of maps: for outputs.
@@ -82,14 +91,33 @@ class FeatureMapper {
   std::vector<RobotPose> take_answers();
 
   bool knows(const std::string& robot) const { return robots_.contains(robot); }
+  std::vector<std::string> robot_names() const;
+  bool has_waiting() const;
+  /// Fixed barcodes, with where those that were seen are.
+  std::vector<TagRecord> tag_records() const;
   void count_dropped(const std::string& reason) { ++counts_.dropped[reason]; }
 
   FeatureMaps maps() const;
+  /// The same without states and ways: does not grow with the map.
+  FeatureMaps summary() const;
+
+  /// For snapshots (feature_snapshot.cpp): options are those of whoever restores it, and are taken on by
+  /// `keep_options`.
+  auto members() {
+    return std::tie(options_, robots_, wearers_, tags_, teams_, journeys_, sightings_, last_used_,
+                    first_seen_, heard_, encounters_, encounter_count_, fusions_, forbidden_, contradicted_,
+                    inputs_, moved_, next_number_, counts_);
+  }
+  void keep_options();
+  /// Whether what names something names what there is.
+  bool is_sound() const;
 
  private:
   struct Encounter {
     int number = 0;
     std::int64_t begun_utime = 0;
+
+    auto members() { return std::tie(number, begun_utime); }
   };
 
   void take(const OdometryEvent& event);

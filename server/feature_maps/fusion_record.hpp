@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "server/engine/input/words.hpp"
@@ -30,6 +31,11 @@ struct FusionRecord {
   double since_log_odds = 0;        ///< by encounters afterwards
   std::size_t clues = 0;
   std::size_t duplicates = 0;
+
+  auto members() {
+    return std::tie(id, state, utime, robots, side_1, side_2, clues_log_odds, twins_log_odds, since_log_odds,
+                    clues, duplicates);
+  }
 
   double log_odds() const { return clues_log_odds + twins_log_odds + since_log_odds; }
 };

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "server/engine/input/event.hpp"
@@ -15,6 +16,8 @@ namespace isthmus {
 struct JourneyRow {
   std::int64_t utime = 0;
   Pose map_from_robot;
+
+  auto members() { return std::tie(utime, map_from_robot); }
 };
 
 /// One robot between two restarts: which map it is in, and its way there.
@@ -23,6 +26,8 @@ struct Journey {
   int team = -1;   ///< index of its map
   int member = 0;  ///< which of the map's robots it is
   std::vector<JourneyRow> rows;
+
+  auto members() { return std::tie(robot, team, member, rows); }
 };
 
 /// What is known of one robot beside the maps.
@@ -37,6 +42,11 @@ struct FeatureRobot {
   double way_m = 0, turn_rad = 0;  ///< since a scan was used
   bool matched = false;            ///< the last scan that was used, by a feature of the map at least
   std::deque<Event> waiting;       ///< scans and sightings that odometry has not reached
+
+  auto members() {
+    return std::tie(declared, odometry, noise, journey, odom_from_last, last_utime, last_step, way_m,
+                    turn_rad, matched, waiting);
+  }
 };
 
 }  // namespace isthmus

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "server/engine/input/event.hpp"
 
@@ -31,6 +32,13 @@ struct MapInput {
   std::shared_ptr<const Event> event;    ///< declared, tag, scanned, sighted
   std::optional<Pose> odom_from_target;  ///< sighted: odometry of the robot seen, at the stamp or nearest it
   double target_late_s = 0;              ///< how far from the stamp that is
+
+  /// Whether it holds the event that its kind says.
+  bool is_sound() const;
+
+  auto members() {
+    return std::tie(kind, number, robot, odom_from_robot, utime, event, odom_from_target, target_late_s);
+  }
 };
 
 }  // namespace isthmus

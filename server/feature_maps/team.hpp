@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "server/feature_maps/feature_map_options.hpp"
@@ -14,6 +15,8 @@ struct Team {
   FeatureFilter filter;
   std::vector<int> journeys;              ///< by the filter's index of a robot
   std::map<std::int32_t, int> landmarks;  ///< feature ids of fixed barcodes
+
+  auto members() { return std::tie(filter, journeys, landmarks); }
 };
 
 /// The second map in the frame of the first.

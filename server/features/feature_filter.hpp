@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <tuple>
 
 #include "server/features/association.hpp"
 #include "server/features/measurement.hpp"
@@ -58,12 +59,17 @@ class FeatureFilter {
   std::vector<int> contradict(int robot, const FeatureScanOutcome& outcome,
                               const std::function<bool(const Eigen::Vector2d&)>& is_free);
 
+  /// All that changes, for snapshots; options are of whoever restores it.
+  auto changing() { return std::tie(state_, tentative_); }
+
  private:
   struct Tentative {
     Feature feature;  ///< in the map's frame, by the estimate then
     int robot = 0;
     int seen = 1;
     int age = 0;  ///< scans of that robot since
+
+    auto members() { return std::tie(feature, robot, seen, age); }
   };
 
   std::vector<Candidate> choose(int robot, std::span<const ObservedFeature> seen,

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace isthmus {
 namespace {
@@ -53,6 +55,26 @@ void set_known(Feature& feature, std::size_t component) {
 }
 
 }  // namespace
+
+bool is_sound(const FeatureState& state) {
+  std::vector<std::pair<int, int>> errors;  // where each begins, and how long it is
+  for (const RobotInState& robot : state.robots) errors.emplace_back(robot.offset, 3);
+  int last_id = -1;
+  for (const FeatureInState& entry : state.features) {
+    if (!is_sound(entry.feature) || entry.id <= last_id || entry.robot < 0 ||
+        static_cast<std::size_t>(entry.robot) >= state.robots.size())
+      return false;
+    last_id = entry.id;
+    errors.emplace_back(entry.offset, dimension(entry.feature));
+  }
+  std::sort(errors.begin(), errors.end());
+  int end = 0;
+  for (const auto& [begin, length] : errors) {
+    if (begin != end) return false;
+    end += length;
+  }
+  return last_id < state.next_id && state.covariance.rows() == end && state.covariance.cols() == end;
+}
 
 int add_robot(FeatureState& state, const Pose& map_from_robot, const Eigen::Matrix3d& covariance) {
   const int at = static_cast<int>(state.covariance.rows());

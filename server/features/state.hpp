@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "patches/features/m_space.hpp"
@@ -12,6 +13,8 @@ namespace isthmus {
 struct RobotInState {
   Pose map_from_robot;
   int offset = 0;  ///< of its error (x, y, yaw) in the state's
+
+  auto members() { return std::tie(map_from_robot, offset); }
 };
 
 struct FeatureInState {
@@ -21,6 +24,8 @@ struct FeatureInState {
   int offset = 0;   ///< of its error x_p, dimension(feature) long
   int seen = 1;
   int contradicted = 0;
+
+  auto members() { return std::tie(id, feature, robot, offset, seen, contradicted); }
 };
 
 /// J: a quarter turn to the left.
@@ -41,6 +46,9 @@ struct FeatureState {
   Eigen::MatrixXd covariance;            ///< symmetric positive definite
   int next_id = 0;
 };
+
+/// Whether it is one: errors side by side in one covariance, features by rising id and each made by a robot.
+bool is_sound(const FeatureState& state);
 
 /// A robot unrelated to the others; returns its index. Variances below 1e-12 are raised to it, so that the
 /// first robot, whose pose is the frame, keeps the covariance positive definite.

@@ -9,6 +9,7 @@
 #include <future>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "server/output/output.hpp"
@@ -49,6 +50,7 @@ struct Arguments {
   int keep_snapshots = 10;
   int keep_segments = -1;
   bool frozen = false;
+  std::optional<EstimatorKind> estimator;
   bool force = false;
   double status_s = 1;
   double map_s = 60;
@@ -129,6 +131,12 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output_directory,
                  "directory for maps and trajectories, written at the end");
   add_force(app, arguments.force);
+  app.add_option_function<std::string>(
+         "--estimator",
+         [&arguments](const std::string& name) { arguments.estimator = value_of<EstimatorKind>(name); },
+         "manifold, or maps of features: segments (walls in scans) or points (fixed barcodes); as estimator "
+         "in the configuration")
+      ->check(CLI::IsMember({"manifold", "segments", "points"}));
   add_periods(app, arguments);
   app.add_option(
          "--stop-timeout", arguments.stop_timeout_s,
@@ -218,7 +226,7 @@ void check_output(const Arguments& arguments, const Log& log) {
 LiveOptions live_options(const Arguments& arguments, const std::string& toml, const std::string& log_file,
                          const Log& log) {
   LiveOptions options;
-  options.toml = toml;
+  options.toml = arguments.estimator ? with_estimator(toml, *arguments.estimator) : toml;
   options.journal_directory = arguments.journal_directory;
   options.frozen = arguments.frozen;
   options.output_directory = arguments.output_directory;

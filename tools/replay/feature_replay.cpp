@@ -2,8 +2,10 @@
 
 #include <chrono>
 
+#include "server/wire/file/text_file.hpp"
 #include "server/wire/journal/drop_record.hpp"
 #include "server/wire/journal/event_log.hpp"
+#include "server/wire/journal/snapshot.hpp"
 #include "server/wire/message/message.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/text/printed.hpp"
@@ -19,12 +21,11 @@ void read(const std::string& path, const FeatureReplayOptions& options, FeatureE
   std::optional<std::int64_t> first_utime;
   while (const std::optional<Message> message = reader.next()) {
     if (const std::optional<Drops> drops = read_drops(*message)) {
-      for (const auto& [robot, reasons] : *drops)
-        for (const auto& [reason, dropped] : reasons) estimator.count_dropped(reason, dropped.count);
+      count_drops(estimator, *drops);
       continue;
     }
     const Decoded decoded = decode(channels, message->channel, message->bytes, message->utime);
-    if (decoded.ours && !decoded.event) estimator.count_dropped(decoded.reason);
+    if (decoded.ours && !decoded.event) estimator.count_dropped(decoded.robot, decoded.reason, 1);
     if (!decoded.event) continue;
     if (!first_utime) first_utime = message->utime;
     if (1e-6 * static_cast<double>(message->utime - *first_utime) > options.until_s) break;
@@ -34,12 +35,23 @@ void read(const std::string& path, const FeatureReplayOptions& options, FeatureE
     if (options.progress) options.progress(reader.progress());
   }
   Outcome outcome;
-  estimator.finish(outcome);
+  estimator.finish_step(outcome);
   for (const std::string& warning : reader.take_warnings())
     if (options.warn) options.warn(warning);
 }
 
 }  // namespace
+
+std::optional<FeatureMapKind> feature_kind_of(const std::string& path, const std::string& config_file) {
+  if (!config_file.empty())
+    return feature_kind(parse_server_configuration(read_text_file(config_file), config_file).estimator);
+  const std::optional<Message> first = EventLogReader(whole_log(path)).next();
+  if (!first) return std::nullopt;
+  const Decoded decoded = decode({}, first->channel, first->bytes, first->utime);
+  const auto* event = decoded.event ? std::get_if<ConfigurationEvent>(&decoded.event->body) : nullptr;
+  if (event == nullptr) return std::nullopt;
+  return feature_kind(parse_server_configuration(event->toml, path + ": its configuration").estimator);
+}
 
 FeatureReplayResult replay_features(const std::string& path, const FeatureReplayOptions& options) {
   const Clock::time_point start = Clock::now();

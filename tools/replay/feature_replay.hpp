@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -23,6 +24,10 @@ struct FeatureReplayResult {
   FeatureMaps maps;
   RunCost cost;
 };
+
+/// What a log's own configuration, or that of a file in its stead, says that it is to be mapped by; nothing
+/// where that is the manifold.
+std::optional<FeatureMapKind> feature_kind_of(const std::string& path, const std::string& config_file = "");
 
 /// Maps by features what an LCM event log or a journal's directory holds. Throws std::runtime_error naming
 /// file, event or line and reason.

@@ -28,6 +28,7 @@ struct Arguments {
   bool json = false;
   bool force = false;
   std::optional<FeatureMapKind> features;  ///< the estimator; none: the manifold map
+  bool estimator_given = false;            ///< else it is as the log's configuration says
 };
 
 /// Memory by event time, a row a minute.
@@ -123,10 +124,11 @@ void add_options(CLI::App& app, Arguments& arguments) {
          [&arguments](const std::string& name) {
            if (name == "segments") arguments.features = FeatureMapKind::segments;
            if (name == "points") arguments.features = FeatureMapKind::points;
+           arguments.estimator_given = true;
          },
          "manifold, or a map of features beside it: segments (walls in scans) or points (fixed barcodes)")
       ->check(CLI::IsMember({"manifold", "segments", "points"}))
-      ->default_str("manifold");
+      ->default_str("as the log says");
   app.add_flag("--json", arguments.json, "print the summary as JSON");
   add_force(app, arguments.force);
   app.add_flag_callback("--list-tuning", list_tuning,
@@ -142,6 +144,8 @@ int main(int argc, char** argv) {
   add_options(app, arguments);
   return run_program(app, argc, argv, [&] {
     check_new_directory(arguments.output, arguments.force);
+    if (!arguments.estimator_given)
+      arguments.features = feature_kind_of(arguments.log, arguments.config_file);
     if (arguments.features)
       run_features(arguments);
     else

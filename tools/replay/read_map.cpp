@@ -11,7 +11,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-ReplayResult finished(ServedMap map, Clock::time_point start, const ReplayOptions& options) {
+ReplayResult finished(const std::string& path, ServedMap map, Clock::time_point start,
+                      const ReplayOptions& options) {
+  if (map.features)
+    throw std::runtime_error(path + ": its map is one of features; isthmus-replay makes it of the journal");
   ReplayResult result;
   result.engine = std::move(map.engine);
   finish_map(result.engine, options);
@@ -39,10 +42,10 @@ ReplayResult read_map(const std::string& path, const ReplayOptions& options) {
   if (is_snapshot(path)) {
     if (!options.config_file.empty())
       throw std::runtime_error(path + ": a snapshot keeps the configuration that it was made with");
-    return finished(read_snapshot(path).map, start, options);
+    return finished(path, read_snapshot(path).map, start, options);
   }
   if (is_journal(path) && options.config_file.empty())
-    return finished(recovered(path, options), start, options);
+    return finished(path, recovered(path, options), start, options);
   return replay(path, options);
 }
 

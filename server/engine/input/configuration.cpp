@@ -126,7 +126,7 @@ Configuration read_configuration(const Setting& table) {
   if (const Setting* limits = fields.table("limits")) read_limits(*limits, configuration.engine);
   if (const Setting* tuning = fields.table("tuning")) read_tuning(*tuning, configuration.engine);
   if (const Setting* robots = fields.table("robots")) read_robots(*robots, configuration);
-  for (const char* of_the_wire : {"auth", "exploration"}) fields.find(of_the_wire);
+  for (const char* of_the_wire : {"auth", "exploration", "estimator"}) fields.find(of_the_wire);
   fields.finish();
   return configuration;
 }

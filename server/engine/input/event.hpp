@@ -35,6 +35,8 @@ struct RobotEvent {
 struct TagEvent {
   std::int64_t utime = 0;
   std::int32_t barcode = -1;
+
+  auto members() { return std::tie(utime, barcode); }
 };
 
 struct OdometryEvent {
@@ -46,6 +48,8 @@ struct OdometryEvent {
 struct ScanEvent {
   std::string robot;
   Scan scan;
+
+  auto members() { return std::tie(robot, scan); }
 };
 
 /// From the observer's base origin to the target's; a sigma of +infinity: that part was not measured.

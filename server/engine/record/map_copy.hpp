@@ -42,6 +42,7 @@ struct MapCopy {
   std::vector<FindRecord> finds;         ///< of scans, the newest last
   std::optional<MeetingRecord> meeting;  ///< to be driven to
   std::vector<HealthRecord> health;      ///< of declared robots, by name
+  std::size_t feature_islands = 0;       ///< islands without patches: maps of features
 };
 
 /// Whether operators have dropped a patch's data.

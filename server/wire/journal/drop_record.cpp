@@ -54,10 +54,10 @@ std::optional<Drops> read_drops(const Message& message) {
   return drops;
 }
 
-void count_drops(Engine& engine, const Drops& drops) {
+void count_drops(Estimator& estimator, const Drops& drops) {
   for (const auto& [robot, reasons] : drops) {
     for (const auto& [reason, dropped] : reasons) {
-      if (dropped.count > 0) engine.count_dropped(robot, reason, dropped.count);
+      if (dropped.count > 0) estimator.count_dropped(robot, reason, dropped.count);
     }
   }
 }

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "server/engine/engine.hpp"
+#include "server/engine/estimator.hpp"
 #include "server/wire/message/drops.hpp"
 #include "server/wire/message/message.hpp"
 
@@ -18,6 +18,6 @@ Message encode_drops(std::int64_t utime, const Drops& drops);
 std::optional<Drops> read_drops(const Message& message);
 
 /// Counts them as the server did when they came.
-void count_drops(Engine& engine, const Drops& drops);
+void count_drops(Estimator& estimator, const Drops& drops);
 
 }  // namespace isthmus

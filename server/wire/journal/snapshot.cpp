@@ -28,9 +28,9 @@ struct Content {
   std::int64_t events = 0;
   std::int64_t last_utime = 0;
   std::vector<std::int64_t> set_aside;
-  std::vector<std::uint8_t> engine;
+  std::vector<std::uint8_t> estimator;  ///< begins with the configuration's text, which tells what it is
 
-  auto members() { return std::tie(place, trajectory, monitor, events, last_utime, set_aside, engine); }
+  auto members() { return std::tie(place, trajectory, monitor, events, last_utime, set_aside, estimator); }
 };
 
 template <class Take>
@@ -59,6 +59,18 @@ void read_head(const std::string& path, Members&... members) {
   }
 }
 
+void restore_estimator(const std::vector<std::uint8_t>& saved, std::shared_ptr<TrajectoryStore> rows,
+                       ServedMap& map) {
+  std::string toml;
+  SnapshotReader reader(saved);
+  reader(toml);
+  const auto kind = feature_kind(parse_server_configuration(toml, "its configuration").estimator);
+  if (kind)
+    map.features = std::make_unique<FeatureEstimator>(FeatureEstimator::restore(*kind, saved));
+  else
+    map.engine = Engine::restore(saved, std::move(rows));
+}
+
 /// The rows of an engine's trajectory from one on, as they lie in memory (see TrajectoryStore).
 std::vector<std::uint8_t> rows_from(const Engine& engine, std::uint64_t first) {
   const MapCopy map = engine.copy();
@@ -72,6 +84,17 @@ std::vector<std::uint8_t> rows_from(const Engine& engine, std::uint64_t first) {
 }
 
 }  // namespace
+
+std::optional<FeatureMapKind> feature_kind(EstimatorKind estimator) {
+  if (estimator == EstimatorKind::segments) return FeatureMapKind::segments;
+  if (estimator == EstimatorKind::points) return FeatureMapKind::points;
+  return std::nullopt;
+}
+
+void ServedMap::choose_estimator(const std::string& toml) {
+  if (const auto kind = feature_kind(parse_server_configuration(toml, "configuration").estimator))
+    features = std::make_unique<FeatureEstimator>(feature_map_options(*kind));
+}
 
 Snapshot read_snapshot(const std::string& path) {
   Snapshot snapshot;
@@ -89,11 +112,11 @@ Snapshot read_snapshot(const std::string& path) {
     read_rows(trajectory_path(directory, part.segment), part,
               [&](const TrajectoryRow& row) { rows->append(row); });
   try {
-    snapshot.map.engine = Engine::restore(content.engine, rows);
+    restore_estimator(content.estimator, rows, snapshot.map);
   } catch (const std::exception& error) {
     throw std::runtime_error(path + ": " + error.what());
   }
-  snapshot.map.channels = channels_of(snapshot.map.engine.configuration());
+  snapshot.map.channels = channels_of(snapshot.map.estimator().configuration());
   snapshot.place = content.place;
   snapshot.map.monitor = std::move(content.monitor);
   snapshot.map.events = content.events;
@@ -138,7 +161,7 @@ void write_snapshot(const std::string& directory, const JournalPlace& place, Ser
   content.events = map.events;
   content.last_utime = map.last_utime;
   content.set_aside = map.set_aside;
-  content.engine = map.engine.save();
+  content.estimator = map.features ? map.features->save() : map.engine.save();
   SnapshotWriter writer;
   writer(content);
   write_checked_file(snapshot_path(directory, place.segment), snapshot_form, writer.take());

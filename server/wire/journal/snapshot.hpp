@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/engine/engine.hpp"
+#include "server/feature_maps/feature_estimator.hpp"
 #include "server/wire/file/digest.hpp"
 #include "server/wire/journal/frames/segment_header.hpp"
 #include "server/wire/message/server_configuration.hpp"
@@ -13,14 +15,24 @@
 
 namespace isthmus {
 
+/// Of what features an estimator's maps are; none: the manifold map.
+std::optional<FeatureMapKind> feature_kind(EstimatorKind estimator);
+
 /// What the events of a journal made, up to the end of a segment.
 struct ServedMap {
-  Engine engine;
-  ChannelNames channels = {};  ///< of its configuration
+  Engine engine;                               ///< but where there are
+  std::unique_ptr<FeatureEstimator> features;  ///< maps of features, as the configuration says
+  ChannelNames channels = {};                  ///< of its configuration
   RobotMonitor monitor;
   std::int64_t events = 0;                   ///< of the journal, those too damaged to be read included
   std::int64_t last_utime = 0;               ///< receive time of the last one; 0: none
   std::vector<std::int64_t> set_aside = {};  ///< of the events, those that it was made without; rising
+
+  /// Whatever takes the events.
+  Estimator& estimator() { return features ? static_cast<Estimator&>(*features) : engine; }
+  const Estimator& estimator() const { return features ? static_cast<const Estimator&>(*features) : engine; }
+  /// Before the configuration, which must parse, is taken as an event.
+  void choose_estimator(const std::string& toml);
 };
 
 /// A part of the trajectory's rows, in a file of its own: rows never change, so that no snapshot need write

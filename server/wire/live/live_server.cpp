@@ -51,7 +51,7 @@ void LiveServer::run() {
 
 /// From now on it is known who is on the map.
 void LiveServer::refuse_strangers() {
-  for (const auto& [name, robot] : map_.engine.configuration().robots) inbox_.reserve(name);
+  for (const auto& [name, robot] : map_.estimator().configuration().robots) inbox_.reserve(name);
   inbox_.refuse_strangers();
 }
 
@@ -90,13 +90,13 @@ DropReason LiveServer::hand_on(const Message& message, const Decoded& decoded) {
 
 /// Why the map does not take an event, if so. What is refused is not journalled.
 DropReason LiveServer::refusal(const Event& event) {
-  return map_.engine.is_stranger(event) ? DropReason::unknown_robot : admission_.admit(event);
+  return map_.estimator().is_stranger(event) ? DropReason::unknown_robot : admission_.admit(event);
 }
 
 DropReason LiveServer::take(const Event& event) {
   const Clock::time_point start = Clock::now();
-  const Outcome outcome = handle_guarded(guard_.get(), journal_ ? journal_->last_sequence() : -1, map_.engine,
-                                         event, options_.before_event);
+  const Outcome outcome = handle_guarded(guard_.get(), journal_ ? journal_->last_sequence() : -1,
+                                         map_.estimator(), event, options_.before_event);
   last_event_ = Clock::now();
   latency_.add(seconds_of(last_event_ - start));
   if (options_.viewers.event) options_.viewers.event(event);
@@ -131,16 +131,20 @@ void LiveServer::reserve_queue(const Event& event) {
 void LiveServer::publish_poses(const Outcome& outcome) {
   for (const RobotPose& pose : outcome.poses) {
     map_.monitor.answered(pose);
-    if (options_.viewers.pose) options_.viewers.pose(pose);
-    if (options_.questions) options_.questions->note(pose);
-    if (goals_) goals_->note(pose);
+    if (!map_.features) show(pose);  // what is shown, asked and explored is patches
     publish_(pose.robot + "_POSE", encoded(pose_message(pose)));
   }
 }
 
+void LiveServer::show(const RobotPose& pose) {
+  if (options_.viewers.pose) options_.viewers.pose(pose);
+  if (options_.questions) options_.questions->note(pose);
+  if (goals_) goals_->note(pose);
+}
+
 void LiveServer::tick_if_due() {
   if (!options_.clock || Clock::now() - last_event_ < options_.tick_interval) return;
-  if (!map_.engine.has_queued_work()) return;
+  if (!map_.estimator().has_queued_work()) return;
   map_.last_utime = std::max(map_.last_utime, options_.clock->now());
   const Event tick{map_.last_utime, TickEvent{}};
   if (journal(encode(tick))) take(tick);
@@ -153,7 +157,7 @@ void LiveServer::count_inbox_drops() {
 }
 
 void LiveServer::drop(const std::string& robot, DropReason reason, const Dropped& dropped) {
-  count_drops(map_.engine, {{robot, {{reason, dropped}}}});
+  count_drops(map_.estimator(), {{robot, {{reason, dropped}}}});
   if (settlement_) settlement_->dropped(robot, reason, dropped);
 }
 

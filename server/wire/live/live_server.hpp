@@ -95,7 +95,7 @@ class LiveServer {
   /// to finish the map and write it. Once; any thread.
   void stop_within(std::chrono::steady_clock::duration time);
 
-  const Engine& engine() const { return map_.engine; }
+  const Estimator& engine() const { return map_.estimator(); }
   /// Of the robots, by the configuration; they stay.
   const ChannelNames& channels() const { return map_.channels; }
 
@@ -126,6 +126,7 @@ class LiveServer {
   void reserve_queue(const Event& event);
   std::string finish_journal();
   void publish_poses(const Outcome& outcome);
+  void show(const RobotPose& pose);
   void tick_if_due();
   void go_on_in_time(std::int64_t journal_utime);
   void tell_clock_step();

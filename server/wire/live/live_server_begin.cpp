@@ -65,7 +65,7 @@ LiveServer::LiveServer(LiveOptions options, Inbox& inbox, Publish publish)
 /// Of a map that is being made: on a finished one there is nothing to explore.
 void LiveServer::begin_goals() {
   if (options_.frozen || !options_.clock) return;
-  const std::string& journalled = map_.engine.configuration().toml;
+  const std::string& journalled = map_.estimator().configuration().toml;
   const std::string& toml = options_.toml.empty() ? journalled : options_.toml;
   const ServerConfiguration configuration = parse_server_configuration(toml, "configuration");
   if (!configuration.exploration.enabled) return;
@@ -76,11 +76,12 @@ void LiveServer::begin_goals() {
 
 void LiveServer::begin() {
   map_.last_utime = options_.clock ? options_.clock->now() : options_.start_utime;
+  map_.choose_estimator(options_.toml);
   const Event configuration{map_.last_utime, ConfigurationEvent{options_.toml}};
   if (!journal(encode(configuration)) || (journal_ && journal_->waiting() > 0))
     throw std::runtime_error(options_.journal_directory + ": the disk refuses the journal's first event");
   take(configuration);
-  map_.channels = channels_of(map_.engine.configuration());
+  map_.channels = channels_of(map_.estimator().configuration());
 }
 
 void LiveServer::begin_guard() {

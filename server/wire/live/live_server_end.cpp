@@ -3,6 +3,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "server/feature_maps/feature_files.hpp"
 #include "server/output/output.hpp"
 #include "server/wire/live/live_server.hpp"
 #include "server/wire/message/message.hpp"
@@ -35,7 +36,7 @@ void LiveServer::count_left_over() {
       continue;
     }
     const Decoded decoded = decode(map_.channels, message->channel, message->bytes, message->utime);
-    if (decoded.ours) map_.engine.count_dropped(decoded.robot, DropReason::stopped);
+    if (decoded.ours) map_.estimator().count_dropped(decoded.robot, DropReason::stopped, 1);
   }
   if (kept > 0)
     say(LogLevel::info, "received and not handled yet; the next start on this journal does",
@@ -52,7 +53,7 @@ void LiveServer::end() {
   const Clock::time_point written = Clock::now();
   const bool finished = finish_map(written - begun);
   finish_s_ = seconds_of(Clock::now() - written);
-  closure_log_.tell(map_.engine.copy().closures, options_.log);
+  closure_log_.tell(map_.estimator().copy().closures, options_.log);
   write_results(finished && recovered_all_);
   if (!lost.empty()) throw std::runtime_error(lost);
 }
@@ -77,13 +78,13 @@ std::string LiveServer::finish_journal() {
 bool LiveServer::finish_map(Clock::duration time_to_write) {
   constexpr int caution = 2;  // a finished map may take longer to write
   Outcome outcome;
-  while (map_.engine.finish_step(outcome)) {
+  while (map_.estimator().finish_step(outcome)) {
     publish_poses(outcome);
     outcome.poses.clear();
     const Clock::time_point deadline = deadline_;
     if (deadline == Clock::time_point::max() || Clock::now() + caution * time_to_write < deadline) continue;
     say(LogLevel::warning, "no time to finish the map; isthmus-replay makes the finished one of the journal",
-        {{"left", std::string(map_.engine.finishing())}});
+        {{"left", std::string(map_.estimator().finishing())}});
     return false;
   }
   publish_poses(outcome);
@@ -99,7 +100,10 @@ void LiveServer::write_results(bool finished) {
   cost.cpu_s = process_cpu_s();
   cost.peak_rss_mb = process_peak_rss_mb();
   cost.event_latency = latency_;
-  write_outputs(map_.engine.copy(), cost, options_.output_directory);
+  if (map_.features)
+    write_outputs(map_.features->maps(), cost, options_.output_directory);
+  else
+    write_outputs(map_.engine.copy(), cost, options_.output_directory);
 }
 
 }  // namespace isthmus

@@ -41,10 +41,14 @@ RecoveryOptions LiveServer::recovery_options() const {
 
 void LiveServer::begin_recovery() {
   map_ = recovery_->begin();
+  if (options_.frozen && map_.features)
+    throw std::runtime_error(options_.journal_directory +
+                             ": robots are localised in a manifold map only (--frozen), and this journal's "
+                             "map is one of features");
   know_robots();
   if (journal_ && options_.clock)
     go_on_in_time(std::max(map_.last_utime, newest_utime(journal_->earlier_segments())));
-  const std::string& journalled = map_.engine.configuration().toml;
+  const std::string& journalled = map_.estimator().configuration().toml;
   if (!options_.toml.empty() && !map_alike(options_.toml, journalled)) {
     throw std::runtime_error(options_.journal_directory +
                              ": this journal was begun with another configuration; give that or none, or "
@@ -95,7 +99,7 @@ void LiveServer::recover() {
        {"events_missing", std::to_string(missing)},
        {"seconds", std::to_string(seconds_of(Clock::now() - start))}});
   if (options_.frozen && recovered_all_) freeze();
-  closure_log_.tell(map_.engine.copy().closures, {});  // they were logged when they were new
+  closure_log_.tell(map_.estimator().copy().closures, {});  // they were logged when they were new
 }
 
 void LiveServer::tell_journal_found() const {
@@ -110,7 +114,7 @@ void LiveServer::tell_journal_found() const {
 
 /// Those of the journal.
 void LiveServer::know_robots() {
-  const MapCopy map = map_.engine.copy();
+  const MapCopy map = map_.estimator().copy();
   admission_.know(map);
   for (const HealthRecord& robot : map.health) inbox_.reserve(robot.robot);
 }
@@ -118,7 +122,7 @@ void LiveServer::know_robots() {
 void LiveServer::freeze() {
   map_.engine.freeze();
   map_.last_utime = 0;
-  const MapCopy map = map_.engine.copy();
+  const MapCopy map = map_.estimator().copy();
   say(LogLevel::info, "frozen: robots are localised, the map does not change and nothing is journalled",
       {{"patches", std::to_string(map.patches.size())},
        {"islands", std::to_string(map.graph.islands().size())},

@@ -30,7 +30,7 @@ void LiveServer::publish_status_if_due() {
   if (elapsed < options_.status_interval) return;
   last_status_ += elapsed;
   tell_clock_step();
-  const auto map = std::make_shared<const MapCopy>(map_.engine.copy());
+  const auto map = std::make_shared<const MapCopy>(map_.estimator().copy());
   const std::int64_t utime = options_.clock ? options_.clock->now() : map_.last_utime;
   status_t status = map_.monitor.status(*map, server_counters(), utime, seconds_of(elapsed));
   update_warnings(*map, status);
@@ -51,7 +51,7 @@ void LiveServer::publish_status_if_due() {
 /// Of health, of what clients do wrong, and of the map itself, of which some patches are looked at each time.
 void LiveServer::update_warnings(const MapCopy& map, status_t& status) {
   std::vector<LiveWarning> now = health_warnings_of(map);
-  for (LiveWarning& lost : warnings_of_lost(map_.engine.lost_robots())) now.push_back(std::move(lost));
+  for (LiveWarning& lost : warnings_of_lost(map_.estimator().lost_robots())) now.push_back(std::move(lost));
   for (LiveWarning& lost : warnings_of_annotations(map.annotations)) now.push_back(std::move(lost));
   for (LiveWarning& mistake : options_.mistakes->warnings()) {
     if (mistake.kind == word(Mistake::wrong_time_unit)) forget_clock(mistake.robot, now);

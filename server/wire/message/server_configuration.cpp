@@ -97,6 +97,14 @@ void read_wire_parts(const Setting& root, ServerConfiguration& configuration) {
   if (const Setting* auth = fields.table("auth")) configuration.authentication = read_authentication(*auth);
   if (const Setting* explore = fields.table("exploration"))
     configuration.exploration = read_exploration(*explore);
+  std::string estimator(word(configuration.estimator));
+  fields.read("estimator", estimator);
+  if (const auto kind = value_of<EstimatorKind>(estimator))
+    configuration.estimator = *kind;
+  else
+    fail_at(fields.where("estimator"), "estimator is manifold, segments or points");
+  if (configuration.exploration.enabled && configuration.estimator != EstimatorKind::manifold)
+    fail_at(fields.where("exploration"), "robots are sent to explore on a manifold map only");
 }
 
 std::string text_of(const toml::table& table) {
@@ -137,12 +145,22 @@ std::string without_keys(const std::string& toml) {
   return text_of(table);
 }
 
+std::string with_estimator(const std::string& toml, EstimatorKind estimator) {
+  toml::table table = toml::parse(toml);
+  const std::string name(word(estimator));
+  const std::string given = table["estimator"].value_or(name);
+  if (given != name) throw std::runtime_error("the configuration says estimator = \"" + given + "\"");
+  table.insert_or_assign("estimator", name);
+  return text_of(table);
+}
+
 bool map_alike(const std::string& toml, const std::string& other) {
   toml::table table = toml::parse(toml);
   toml::table other_table = toml::parse(other);
-  for (const char* key : {"auth", "exploration"}) {
-    table.erase(key);
-    other_table.erase(key);
+  for (toml::table* one : {&table, &other_table}) {
+    for (const char* key : {"auth", "exploration"}) one->erase(key);
+    one->insert_or_assign("estimator",
+                          (*one)["estimator"].value_or(std::string(word(EstimatorKind::manifold))));
   }
   return text_of(table) == text_of(other_table);
 }

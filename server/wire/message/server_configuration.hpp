@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/engine/input/configuration.hpp"
+#include "server/engine/input/words.hpp"
 
 namespace isthmus {
 
@@ -40,12 +41,20 @@ struct ExplorationConfiguration {
   double search_radius_m = 5;
 };
 
+/// What makes the map.
+enum class EstimatorKind : std::uint8_t { manifold, segments, points };
+
+template <>
+inline constexpr auto words_of<EstimatorKind> = std::to_array<std::string_view>({"manifold", "segments",
+                                                                                 "points"});
+
 /// A configuration file: what the engine takes of it, and what concerns the wire alone.
 struct ServerConfiguration {
   Configuration engine;
   ChannelNames channels;
   Authentication authentication;
   ExplorationConfiguration exploration;
+  EstimatorKind estimator = EstimatorKind::manifold;
 };
 
 /// Reads all parts of a configuration. Throws std::runtime_error naming `file`, the line and the reason.
@@ -57,6 +66,10 @@ ChannelNames channels_of(const Configuration& configuration);
 /// A configuration's text with its keys made empty, so that it can be shown; the text itself where it has
 /// none. It must parse.
 std::string without_keys(const std::string& toml);
+
+/// A configuration's text with the estimator that it is to name. Throws std::runtime_error where it names
+/// another. It must parse.
+std::string with_estimator(const std::string& toml, EstimatorKind estimator);
 
 /// Whether two configurations' texts say the same, but for who signs and who explores. Both must parse.
 bool map_alike(const std::string& toml, const std::string& other);

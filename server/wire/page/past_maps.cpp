@@ -161,7 +161,9 @@ PastMaps::Found PastMaps::read(int snapshot) {
   }
   if (entry.error.empty()) {
     try {
-      const MapCopy map = read_snapshot(path).map.engine.copy();
+      const ServedMap served = read_snapshot(path).map;
+      if (served.features) throw std::runtime_error("a map of features, which the page does not show");
+      const MapCopy map = served.engine.copy();
       return {std::make_shared<PastMap>(snapshot, entry.summary, map, first_version_), 200, ""};
     } catch (const std::exception& error) {
       entry.error = without_directory(error.what(), directory_);

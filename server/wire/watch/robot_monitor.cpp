@@ -76,7 +76,7 @@ status_t RobotMonitor::status(const MapCopy& map, const ServerCounters& server, 
   status.sightings = map.counters.sightings;
   status.patches = static_cast<std::int32_t>(map.patches.size());
   status.relations = static_cast<std::int32_t>(map.graph.relations().size());
-  status.islands = static_cast<std::int32_t>(map.graph.islands().size());
+  status.islands = static_cast<std::int32_t>(map.graph.islands().size() + map.feature_islands);
   count_meetings(map, status);
   status.queued = server.queued;
   status.journal_bytes = server.journal_bytes;

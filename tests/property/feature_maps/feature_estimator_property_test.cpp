@@ -63,7 +63,7 @@ TEST(FeatureEstimatorProperty, WhateverComesTheMapsAreFiniteAndPositiveDefinite)
     const int events = *rc::gen::inRange(0, 80);
     for (int i = 0; i < events; ++i) estimator.handle(arbitrary_event(1'000'000 + 50'000 * i));
     Outcome outcome;
-    estimator.finish(outcome);
+    estimator.finish_step(outcome);
     const FeatureMaps maps = estimator.maps();
     for (const Team& team : maps.teams) {
       const Eigen::MatrixXd& covariance = team.filter.state().covariance;

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "server/engine/estimator.hpp"
 #include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/feature_record.hpp"
 #include "tests/support/feature_events.hpp"
 
 namespace isthmus {
@@ -66,7 +68,7 @@ FeatureEstimator estimate(const FeatureEvents& run, const std::set<std::int32_t>
   estimator.forbid(forbidden);
   for (const Event& event : run.events) estimator.handle(event);
   Outcome outcome;
-  estimator.finish(outcome);
+  estimator.finish_step(outcome);
   return estimator;
 }
 
@@ -142,7 +144,7 @@ TEST(FeatureEstimator, OrdersAboutWhatIsNotAreRefused) {
   EXPECT_EQ(live.handle(order(hall, Verb::drop, -1, "R9")).drop_reason, DropReason::unknown_robot);
   EXPECT_EQ(live.handle(order(hall, Verb::allow, -1, "R1")).drop_reason, DropReason::not_dropped);
   EXPECT_EQ(map_sha256(live.maps()), before);
-  EXPECT_EQ(live.maps().counts.dropped.at("no_such_closure"), 2);
+  EXPECT_EQ(live.copy().counters.dropped.at(DropReason::no_such_closure), 2);
 }
 
 TEST(FeatureEstimator, WhatADroppedRobotBroughtIsGoneAndComesBack) {
@@ -262,6 +264,73 @@ TEST(FeatureEstimator, ALongLookAtOneAnotherIsOneEncounter) {
   EXPECT_EQ(maps.teams.size(), 2u);
   ASSERT_EQ(maps.fusions.size(), 1u);
   EXPECT_EQ(maps.fusions[0].clues, 2u);
+}
+
+TEST(FeatureEstimator, ItsRecordTellsOfRobotsSightingsAndFusions) {
+  const Hall hall = met_hall();
+  const MapCopy copy = estimate(hall.run).copy();
+  EXPECT_EQ(copy.feature_islands, 1u);
+  ASSERT_EQ(copy.health.size(), 2u);
+  EXPECT_EQ(copy.health[1].robot, "R2");
+  ASSERT_EQ(copy.closures.size(), 1u);
+  EXPECT_EQ(copy.closures[0].state, ClosureState::accepted);
+  EXPECT_EQ(copy.sightings.count(Verdict::accepted), 4);
+  EXPECT_EQ(copy.counters.scans, 50);
+}
+
+TEST(FeatureEstimator, WhatIsRestoredFromItsBytesGoesOnAsItWouldHave) {
+  const Hall hall = met_hall();
+  for (const std::size_t share : {1U, 3U, 5U, 9U}) {
+    const std::size_t split = hall.run.events.size() * share / 10;
+    FeatureEstimator live(feature_map_options(FeatureMapKind::segments));
+    for (std::size_t i = 0; i < split; ++i) live.handle(hall.run.events[i]);
+    const std::vector<std::uint8_t> saved = live.save();
+    FeatureEstimator restored = FeatureEstimator::restore(FeatureMapKind::segments, saved);
+    EXPECT_EQ(restored.save(), saved);
+    EXPECT_EQ(restored.maps().teams.at(0).filter.options().association.probability,
+              live.maps().teams.at(0).filter.options().association.probability);
+    for (std::size_t i = split; i < hall.run.events.size(); ++i) restored.handle(hall.run.events[i]);
+    Outcome outcome;
+    restored.finish_step(outcome);
+    EXPECT_EQ(map_sha256(restored.maps()), map_sha256(estimate(hall.run).maps()));
+    const std::int32_t id = restored.maps().fusions.at(0).id;
+    EXPECT_EQ(restored.handle(order(hall, Verb::withdraw, id)).drop_reason, DropReason::none);
+    EXPECT_EQ(map_sha256(restored.maps()), map_sha256(estimate(hall.run, {id}).maps()))
+        << "what it was made of is saved too";
+  }
+}
+
+TEST(FeatureEstimator, BytesThatAreNotWhatWasSavedAreRefused) {
+  const std::vector<std::uint8_t> saved = estimate(met_hall().run).save();
+  for (std::size_t size = 0; size < saved.size(); size += 4001)
+    EXPECT_THROW(FeatureEstimator::restore(FeatureMapKind::segments, std::span(saved).first(size)),
+                 std::exception);
+  std::vector<std::uint8_t> longer = saved;
+  longer.push_back(0);
+  EXPECT_THROW(FeatureEstimator::restore(FeatureMapKind::segments, longer), std::exception);
+  for (std::size_t at = 0; at < saved.size(); at += 1009) {  // anything but a crash
+    std::vector<std::uint8_t> other = saved;
+    other[at] ^= 0xff;
+    try {
+      FeatureEstimator restored = FeatureEstimator::restore(FeatureMapKind::segments, other);
+      Outcome outcome;
+      restored.finish_step(outcome);
+      map_sha256(restored.maps());
+    } catch (const std::exception&) {
+    }
+  }
+}
+
+TEST(FeatureEstimator, OrdersAboutPatchesAreRefusedInWords) {
+  const Hall hall = met_hall();
+  FeatureEstimator live = estimate(hall.run);
+  const std::int64_t now = hall.run.events.back().receive_utime;
+  const std::string before = map_sha256(live.maps());
+  EXPECT_EQ(live.handle(order(hall, Verb::refine, -1)).drop_reason, DropReason::no_manifold);
+  EXPECT_EQ(live.handle({now, AnnotationEvent()}).drop_reason, DropReason::no_manifold);
+  EXPECT_EQ(live.handle({now, InitialPoseEvent()}).drop_reason, DropReason::no_manifold);
+  EXPECT_EQ(live.copy().counters.dropped.at(DropReason::no_manifold), 3);
+  EXPECT_EQ(map_sha256(live.maps()), before);
 }
 
 TEST(FeatureEstimator, StrangersChangeNothing) {

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "server/engine/engine.hpp"
+#include "server/engine/estimator.hpp"
 #include "server/wire/file/file_bytes.hpp"
 
 namespace isthmus {
@@ -70,13 +70,13 @@ void CrashGuard::leave() {
 
 void CrashGuard::acquit() { mark_->suspect = 0; }
 
-Outcome handle_guarded(CrashGuard* guard, std::int64_t sequence, Engine& engine, const Event& event,
+Outcome handle_guarded(CrashGuard* guard, std::int64_t sequence, Estimator& estimator, const Event& event,
                        const std::function<void(const Event&)>& before) {
   const bool guarded =
       guard != nullptr && sequence >= 0 && !std::holds_alternative<ConfigurationEvent>(event.body);
   if (guarded) guard->enter(sequence);
   if (before) before(event);
-  Outcome outcome = engine.handle(event);
+  Outcome outcome = estimator.handle(event);
   if (guarded) guard->leave();
   return outcome;
 }

@@ -7,7 +7,7 @@
 
 namespace isthmus {
 
-class Engine;
+class Estimator;
 struct Event;
 struct Outcome;
 
@@ -50,7 +50,7 @@ class CrashGuard {
 
 /// The engine takes an event of a journal. Without a guard, or for an event that has no number there or is
 /// the configuration, nothing is noted. `before`: for tests, which let the engine fail.
-Outcome handle_guarded(CrashGuard* guard, std::int64_t sequence, Engine& engine, const Event& event,
+Outcome handle_guarded(CrashGuard* guard, std::int64_t sequence, Estimator& estimator, const Event& event,
                        const std::function<void(const Event&)>& before = {});
 
 }  // namespace isthmus

@@ -95,20 +95,23 @@ void Recovery::take(ServedMap& map, const Message& message) {
   ++map.events;
   if (const std::optional<Drops> drops = read_drops(message)) {
     if (set_aside_.contains(message.sequence)) map.set_aside.push_back(message.sequence);
-    return count_drops(map.engine, *drops);
+    return count_drops(map.estimator(), *drops);
   }
   const Decoded decoded = decode(map.channels, message.channel, message.bytes, message.utime);
   if (decoded.event && options_.guard && options_.guard->is_condemned(message.sequence)) {
     set_aside(map, message, decoded.robot);
   } else if (decoded.event) {
     map.last_utime = std::max(map.last_utime, message.utime);
-    const Outcome outcome =
-        handle_guarded(options_.guard, message.sequence, map.engine, *decoded.event, options_.before_event);
+    if (const auto* configuration = std::get_if<ConfigurationEvent>(&decoded.event->body);
+        configuration && map.events == 1)
+      map.choose_estimator(configuration->toml);
+    const Outcome outcome = handle_guarded(options_.guard, message.sequence, map.estimator(), *decoded.event,
+                                           options_.before_event);
     for (const RobotPose& pose : outcome.poses) map.monitor.answered(pose);
     if (std::holds_alternative<ConfigurationEvent>(decoded.event->body))
-      map.channels = channels_of(map.engine.configuration());
+      map.channels = channels_of(map.estimator().configuration());
   } else if (decoded.ours) {
-    map.engine.count_dropped(decoded.robot, decoded.reason);
+    map.estimator().count_dropped(decoded.robot, decoded.reason, 1);
   }
 }
 
@@ -119,7 +122,7 @@ void Recovery::set_aside(ServedMap& map, const Message& message, const std::stri
   write_set_aside(directory_, set_aside_);
   options_.guard->acquit();
   map.set_aside.push_back(message.sequence);
-  map.engine.count_dropped(robot, DropReason::set_aside);
+  map.estimator().count_dropped(robot, DropReason::set_aside, 1);
   if (options_.report_set_aside)
     options_.report_set_aside("event " + std::to_string(message.sequence) + " of the journal on " +
                               message.channel + " is set aside: two servers ended while they took it");

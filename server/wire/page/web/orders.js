@@ -22,6 +22,7 @@ const WORDS = {
   off_the_map: "it is too far from everything that is mapped",
   other_island: "its corners are on several islands",
   unknown_patch: "the map has changed meanwhile: draw it again",
+  no_manifold: "the server makes maps of features, which have no patches for this",
   too_many_annotations: "there are as many places and zones as there may be",
   not_finished: "robots are placed on finished maps only (--frozen)",
   absurd_value: "a number is none that can be",

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "isthmus/dropped_t.hpp"
+#include "server/engine/engine.hpp"
 #include "server/wire/message/encoded.hpp"
 
 namespace isthmus {

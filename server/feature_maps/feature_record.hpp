@@ -1,0 +1,13 @@
+#pragma once
+
+#include "server/engine/record/map_copy.hpp"
+#include "server/feature_maps/feature_mapper.hpp"
+
+namespace isthmus {
+
+/// What status, metrics and logs tell of maps of features, as they tell it of the manifold map: sightings
+/// with their verdicts, fusions as merges, counters. There are no patches, so no relations, sessions and
+/// grids.
+MapCopy record_of(const FeatureMaps& maps);
+
+}  // namespace isthmus
