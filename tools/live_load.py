@@ -4,6 +4,7 @@
     tools/live_load.py [--robots 14] [--rate 10] [--seconds 150] [--viewers 10] [--build DIR] [--keep DIR]
     tools/live_load.py --log run.lcm
     tools/live_load.py --compare 3 --viewers 10 [--foxglove-viewers 2]
+    tools/live_load.py --compare 3 --bad-questions 2000
 
 Without --log a team is simulated first, on a floor made for so many (isthmus-simulate --scenario floor). The log is
 played at its own speed (lcm-logplayer, ttl=0) while lcm-logger hears scans and poses.
@@ -12,9 +13,10 @@ played at its own speed (lcm-logplayer, ttl=0) while lcm-logger hears scans and 
     latency   from when a scan was heard to when the pose that answers it was, both by the logger
     engine    what an event takes in the server
     viewers   what each of --viewers who watch the page, and of --foxglove-viewers, was sent
+    asked     bad questions sent, of --bad-questions a second: NaN, unknown kinds, cut short
 
---compare plays the same load with viewers and without, in turn, so many times, and tells how the engine's latencies
-with viewers are to those without: of each pair, and the least, middle and largest of the pairs.
+--compare plays the same load with viewers (or bad questions) and without, in turn, so many times, and tells how the
+engine's latencies with them are to those without: of each pair, and the least, middle and largest of the pairs.
 """
 
 import argparse
@@ -193,14 +195,54 @@ class FoxgloveViewer(threading.Thread):
         stream.flush()
 
 
+class Asker(threading.Thread):
+    """Asks what is refused, so many times a second, under ever other names."""
+
+    BURST_S = 0.01
+
+    def __init__(self, port, rate, types):
+        super().__init__(daemon=True)
+        self.address, self.rate, self.asked, self.ended = ("239.255.76.67", port), rate, 0, False
+        self.questions = [self.question(types, f"A{i}", **fields) for i in range(50)
+                          for fields in ({"radius_m": float("nan")}, {"kind": "why"}, {"robot": "nobody"}, {"id": 7})]
+
+    @staticmethod
+    def question(types, asker, **fields):
+        request = types.request_t()
+        request.asker, request.kind, request.timeout_s, request.robot = asker, "frontiers", 5.0, "R99"
+        request.patch_from_start, request.patch_from_target = [0, 0, 0], [0, 0, 0]
+        for name, value in fields.items():
+            setattr(request, name, value)
+        data = request.encode()
+        return b"LC02\0\0\0\0ISTHMUS_REQUEST\0" + (data[:-1] if "id" in fields else data)
+
+    def run(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+            began = time.monotonic()
+            while not self.ended:
+                while self.asked < self.rate * (time.monotonic() - began):
+                    out.sendto(self.questions[self.asked % len(self.questions)], self.address)
+                    self.asked += 1
+                time.sleep(self.BURST_S)
+
+
+def question_types(work):
+    subprocess.run(["lcm-gen", "-p", "--ppath", work, os.path.join(ROOT, "lcmtypes", "request_t.lcm")], check=True)
+    sys.path.insert(0, work)
+    import isthmus  # pylint: disable=import-error,import-outside-toplevel
+    return isthmus
+
+
 def viewer_options(arguments):
     page = ["--http-port", str(arguments.http_port)] if arguments.viewers else []
     return page + (["--foxglove-port", str(arguments.foxglove_port)] if arguments.foxglove_viewers else [])
 
 
-def viewers_of(arguments):
+def viewers_of(arguments, work):
     return [Viewer(arguments.http_port) for _ in range(arguments.viewers)] + [
-        FoxgloveViewer(arguments.foxglove_port) for _ in range(arguments.foxglove_viewers)]
+        FoxgloveViewer(arguments.foxglove_port) for _ in range(arguments.foxglove_viewers)] + (
+            [Asker(arguments.port, arguments.bad_questions, question_types(work))] if arguments.bad_questions else [])
 
 
 def play(arguments, log, work):
@@ -215,11 +257,13 @@ def play(arguments, log, work):
     logger = subprocess.Popen(["lcm-logger", "--force", f"--lcm-url={url}", "--channel=.*_(SCAN|POSE)", heard], **quiet)
     try:
         time.sleep(1)  # robots say what they are at the log's beginning only
-        viewers = viewers_of(arguments)
+        viewers = viewers_of(arguments, work)
         for viewer in viewers:
             viewer.start()
         subprocess.run(["lcm-logplayer", f"--lcm-url={url}", log], check=True, **quiet)
         time.sleep(2)
+        for asker in (one for one in viewers if isinstance(one, Asker)):
+            asker.ended = True
     finally:
         logger.send_signal(signal.SIGINT)
         server.send_signal(signal.SIGTERM)
@@ -245,12 +289,14 @@ def tell_page(report, viewers):
     if others:
         print(f"foxglove  {len(others)}, each {sum(one.messages for one in others) / len(others):.0f} messages, "
               f"{sum(one.bytes for one in others) / len(others) / 1e3:.0f} kB")
+    for asker in (one for one in viewers if isinstance(one, Asker)):
+        print(f"asked     {asker.asked}")
 
 
 def compare(arguments, log, work):
-    """Pairs of runs with and without viewers; every other pair begins with those, so that what changes with time is in
+    """Pairs of runs with and without viewers and askers; every other pair begins with those, so that what changes with time is in
     both alike."""
-    alone = argparse.Namespace(**{**vars(arguments), "viewers": 0, "foxglove_viewers": 0})
+    alone = argparse.Namespace(**{**vars(arguments), "viewers": 0, "foxglove_viewers": 0, "bad_questions": 0})
     pairs = []
     for pair in range(arguments.compare):
         latencies = {}
@@ -284,12 +330,13 @@ def main():
     parser.add_argument("--http-port", type=int, default=8099)
     parser.add_argument("--foxglove-viewers", type=int, default=0, help="how many watch as Foxglove does")
     parser.add_argument("--foxglove-port", type=int, default=8769)
+    parser.add_argument("--bad-questions", type=float, default=0, metavar="RATE", help="asked a second")
     parser.add_argument("--compare", type=int, default=0, metavar="PAIRS", help="runs with viewers and without, in turn")
     parser.add_argument("--most-lost", type=float, default=1e-4, help="share of messages; more is a failure")
     parser.add_argument("--keep", metavar="DIR", help="keep log, journal and map in this directory")
     arguments = parser.parse_args()
-    if arguments.compare > 0 and arguments.viewers + arguments.foxglove_viewers == 0:
-        parser.error("--compare needs --viewers or --foxglove-viewers")
+    if arguments.compare > 0 and not (arguments.viewers or arguments.foxglove_viewers or arguments.bad_questions):
+        parser.error("--compare needs --viewers, --foxglove-viewers or --bad-questions")
     warn_of_small_buffer()
     with tempfile.TemporaryDirectory() as scratch:
         work = arguments.keep or scratch
