@@ -13,8 +13,11 @@ int squared(const Cell& a, const Cell& b) { return (a.x - b.x) * (a.x - b.x) + (
 /// Nodes to look at, by their squared distance in cells.
 class Brushfire {
  public:
-  Brushfire(const Ground& ground, int max_squared)
+  using Counts = std::function<bool(NodeId, const Cell&)>;
+
+  Brushfire(const Ground& ground, int max_squared, const Counts& counts)
       : ground_(ground),
+        counts_(counts),
         least_(ground.size(), std::numeric_limits<int>::max()),
         waiting_(static_cast<std::size_t>(max_squared) + 1) {}
 
@@ -35,7 +38,7 @@ class Brushfire {
         visit_beside(ground_.cell(source.node), [&](const Cell& beside) {
           if (squared(beside, source.cell) <= static_cast<int>(distance)) return;
           const NodeId next = ground_.step(source.node, beside);
-          if (next >= 0) light({next, source.cell});
+          if (next >= 0 && (!counts_ || counts_(next, source.cell))) light({next, source.cell});
         });
       }
     }
@@ -45,16 +48,18 @@ class Brushfire {
 
  private:
   const Ground& ground_;
+  const Counts& counts_;
   std::vector<int> least_;
   std::vector<std::vector<Source>> waiting_;
 };
 
 }  // namespace
 
-std::vector<float> distances_m(const Ground& ground, std::span<const Source> sources, double reach_m) {
+std::vector<float> distances_m(const Ground& ground, std::span<const Source> sources, double reach_m,
+                               const std::function<bool(NodeId, const Cell&)>& counts) {
   constexpr double half_diagonal = 0.5 * std::numbers::sqrt2;
   const double reach_cells = reach_m / ground_cell_m + half_diagonal;
-  Brushfire fire(ground, static_cast<int>(reach_cells * reach_cells));
+  Brushfire fire(ground, static_cast<int>(reach_cells * reach_cells), counts);
   for (const Source& source : sources) fire.light(source);
   fire.burn();
   std::vector<float> distances;

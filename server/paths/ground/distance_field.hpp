@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -15,7 +16,9 @@ struct Source {
 
 /// For each node how far its centre is from the nearest source's cell, in metres, along the surface: from a
 /// point of that cell that lies nearest, at least. No more than `reach_m`. A brushfire that carries the
-/// nearest source along (Kalra, Ferguson and Stentz 2009).
-std::vector<float> distances_m(const Ground& ground, std::span<const Source> sources, double reach_m);
+/// nearest source along (Kalra, Ferguson and Stentz 2009). A node to which a source's cell is nothing
+/// (`counts`; empty: it always is something) does not carry it on.
+std::vector<float> distances_m(const Ground& ground, std::span<const Source> sources, double reach_m,
+                               const std::function<bool(NodeId node, const Cell& source)>& counts = {});
 
 }  // namespace isthmus

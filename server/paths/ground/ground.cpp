@@ -97,7 +97,9 @@ void Ground::measure() {
     });
   }
   wall_m_ = distances_m(*this, walls, reach_m);
-  unseen_m_ = distances_m(*this, unseen, reach_m);
+  // What one stretch does not show is known to another that is near to both.
+  const auto is_unseen = [this](NodeId node, const Cell& cell) { return find(cell, layer(node).leader) < 0; };
+  unseen_m_ = distances_m(*this, unseen, reach_m, is_unseen);
 }
 
 std::pair<NodeId, NodeId> Ground::at(const Cell& cell) const {

@@ -68,6 +68,35 @@ TEST(Ground, AWallThatOthersSeeThroughIsNoneAndOneThatIsHitStays) {
   EXPECT_TRUE(occupied({-2.19, 1.01}) || occupied({-2.21, 1.01}));  // the pillar
 }
 
+/// Three patches in a row, of which the outer ones are not near one another. The first and the last see a
+/// square 6 m wide each in a layer of its own, the first only its left half; the one in the middle joins them
+/// in a strip.
+std::shared_ptr<const Ground> half_closed_loop(const Cell& strip_low, const Cell& strip_high) {
+  Map map;
+  testing::add_round_way(map, testing::furnished_room(), {{-1, 0, 0}, {0, 0, 0}, {1, 0, 0}});
+  auto tile = std::make_shared<GroundTile>(GroundTile{{0, 0}, {0}, {}});
+  for (int y = 0; y < ground_tile_cells; ++y) {
+    for (int x = 0; x < ground_tile_cells; ++x) {
+      const bool is_strip = x >= strip_low.x && x <= strip_high.x && y >= strip_low.y && y <= strip_high.y;
+      if (is_strip) tile->layers.push_back({PatchId{1}});
+      if (!is_strip) tile->layers.push_back({PatchId{2}});
+      if (!is_strip && x < 60) tile->layers.push_back({PatchId{0}});
+      tile->first.push_back(static_cast<std::uint32_t>(tile->layers.size()));
+    }
+  }
+  return std::make_shared<const Ground>(std::vector<std::shared_ptr<const GroundTile>>{tile},
+                                        std::make_shared<const NearPatches>(testing::copy_of(map), 1.5));
+}
+
+TEST(Ground, WhatOneStretchHasNotSeenIsNotUnseenToAnotherThatHas) {
+  const auto ground = half_closed_loop({50, 60}, {58, 62});
+  const Cell cell{57, 65};
+  const NodeId first = ground->find(cell, PatchId{0}), last = ground->find(cell, PatchId{2});
+  ASSERT_NE(first, last);
+  EXPECT_LT(ground->unseen_m(first), 0.2);
+  EXPECT_NEAR(ground->unseen_m(last), Ground::reach_m, 1e-6);
+}
+
 TEST(Ground, DistancesAreToTheNearestWallAndToTheUnseen) {
   const auto ground =
       testing::ground_of(60, [](int x, int) { return x == 10 ? Seen::occupied : Seen::open; });
