@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/engine/engine.hpp"
+#include "server/engine/hypotheses/find_record.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
