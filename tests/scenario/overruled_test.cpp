@@ -201,10 +201,11 @@ TEST(MeasuredStart, MergesTwoRobotsThatNeverSeeOneAnother) {
   configuration.robots["R2"].start = MeasuredStart{"R1", with_from_robot, {0.05, 0.05, 0.02}};
   const MapCopy map = map_events(deaf, configuration);
   EXPECT_EQ(islands(map), 1U);
-  ASSERT_EQ(map.closures.size(), 1U);
+  ASSERT_FALSE(map.closures.empty());
   EXPECT_EQ(map.closures[0].kind, ClosureKind::merge);
   EXPECT_EQ(map.closures[0].state, ClosureState::accepted);
   EXPECT_EQ(map.closures[0].reason, Reason::measured_start);
+  EXPECT_EQ(std::ranges::count(map.closures, ClosureKind::merge, &ClosureRecord::kind), 1);
   int starts = 0;
   for (const auto& [id, relation] : map.graph.relations())
     starts += relation.origin.kind == OriginKind::start ? 1 : 0;
