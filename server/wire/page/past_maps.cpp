@@ -132,7 +132,7 @@ PastMaps::Found PastMaps::find(int snapshot) {
   const std::unique_lock lock(reading_, std::try_to_lock);
   if (!lock) return {nullptr, 503, "another map of the past is being read"};
   if (auto map = kept(snapshot)) return {std::move(map), 200, ""};
-  const Found found = read(snapshot);
+  Found found = read(snapshot);
   if (!found.map) return found;
   const std::lock_guard keeping(keeping_);
   kept_.push_front(found.map);
