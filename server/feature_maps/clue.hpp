@@ -62,7 +62,7 @@ struct PlacementOptions {
 };
 
 /// Where the second map lies in the first, by all clues together.
-struct Placement {
+struct MapPlacement {
   Pose one_from_two;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of its (x, y, yaw)
   double log_odds = 0;                ///< that it lies there, rather than anywhere else

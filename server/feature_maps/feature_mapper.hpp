@@ -141,7 +141,7 @@ class FeatureMapper {
   void forget_waiting(std::int32_t fusion);
   std::vector<Heard> heard_between(int one, int two) const;
   std::vector<Heard> tags_between(int one, int two) const;
-  bool fuse_at(int one, int two, const std::vector<Heard>& heard, const Placement& placement,
+  bool fuse_at(int one, int two, const std::vector<Heard>& heard, const MapPlacement& placement,
                FusionRecord& record);
   bool is_known(const RobotEvent& event) const;
   void close_account(int one, int two, const std::set<std::size_t>& agreeing, std::int32_t fusion);

@@ -134,7 +134,7 @@ void FeatureMapper::forget_waiting(std::int32_t fusion) {
 void FeatureMapper::consider(int one, int two) {
   std::vector<Heard> heard = tags_between(one, two);
   for (Heard& sighting : heard_between(one, two)) heard.push_back(std::move(sighting));
-  const std::optional<Placement> placement = best_placement(clues_of(heard), options_.placement);
+  const std::optional<MapPlacement> placement = best_placement(clues_of(heard), options_.placement);
   if (!placement || placement->log_odds <= 0) return;
   std::int32_t id = next_number_;
   bool is_forbidden = false;
@@ -163,7 +163,7 @@ void FeatureMapper::consider(int one, int two) {
 }
 
 /// Makes one map of two where clues and what the maps have in common are enough; else nothing changes.
-bool FeatureMapper::fuse_at(int one, int two, const std::vector<Heard>& heard, const Placement& placement,
+bool FeatureMapper::fuse_at(int one, int two, const std::vector<Heard>& heard, const MapPlacement& placement,
                             FusionRecord& record) {
   const Team &first = teams_[static_cast<std::size_t>(one)], &second = teams_[static_cast<std::size_t>(two)];
   const Heard& newest = heard[placement.agreeing.back()];

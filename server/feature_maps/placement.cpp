@@ -93,7 +93,7 @@ double log_sum(double a, double b) {
 
 /// A local answer, with logs of masses of the posterior.
 struct Mode {
-  Placement placement;
+  MapPlacement placement;
   double mass = 0;       ///< near it
   double elsewhere = 0;  ///< of all that its own clues leave open
 };
@@ -286,7 +286,7 @@ Pose Search::refined(Pose pose) const {
 
 std::optional<Mode> Search::at(const Pose& pose) const {
   Mode mode;
-  Placement& placement = mode.placement;
+  MapPlacement& placement = mode.placement;
   placement.one_from_two = pose;
   Eigen::Matrix3d total = Eigen::Matrix3d::Zero();
   std::map<int, Eigen::Matrix3d> of_encounter;
@@ -314,7 +314,7 @@ std::optional<Mode> Search::at(const Pose& pose) const {
   return mode;
 }
 
-bool is_same(const Placement& a, const Placement& b, const PlacementOptions& options) {
+bool is_same(const MapPlacement& a, const MapPlacement& b, const PlacementOptions& options) {
   const Eigen::Vector3d off = wrapped_difference(a.one_from_two, b.one_from_two);
   if (off.head<2>().norm() < options.same_m && std::abs(off.z()) < options.same_rad) return true;
   return off.dot((a.covariance + b.covariance).llt().solve(off)) < std::pow(options.same_sigmas, 2);
@@ -326,7 +326,7 @@ double clue_log_ratio(const Clue& clue, const Pose& one_from_two, const Placemen
   return log_ratio(rows_of(clue, one_from_two, options.reach_m));
 }
 
-std::optional<Placement> best_placement(std::span<const Clue> clues, const PlacementOptions& options) {
+std::optional<MapPlacement> best_placement(std::span<const Clue> clues, const PlacementOptions& options) {
   if (clues.empty()) return std::nullopt;
   const Search search(clues, options);
   std::vector<Mode> modes;
@@ -348,7 +348,7 @@ std::optional<Placement> best_placement(std::span<const Clue> clues, const Place
   double elsewhere = best->elsewhere;
   for (auto mode = modes.begin(); mode != modes.end(); ++mode)
     if (mode != best) elsewhere = log_sum(elsewhere, mode->mass);
-  Placement result = best->placement;
+  MapPlacement result = best->placement;
   result.log_odds = best->mass - elsewhere;
   return result;
 }

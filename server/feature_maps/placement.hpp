@@ -17,7 +17,7 @@ namespace isthmus {
 /// one encounter has the odds of that one being true, however many sightings agree in the rest.
 ///
 /// Nothing where the clues do not determine a pose. Deterministic.
-std::optional<Placement> best_placement(std::span<const Clue> clues, const PlacementOptions& options);
+std::optional<MapPlacement> best_placement(std::span<const Clue> clues, const PlacementOptions& options);
 
 /// The log of how much likelier a clue is where the second map lies there than if it were false.
 double clue_log_ratio(const Clue& clue, const Pose& one_from_two, const PlacementOptions& options);

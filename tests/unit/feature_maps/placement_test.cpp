@@ -37,7 +37,7 @@ Clue clue_of(const Seeing& seeing) {
   return clue;
 }
 
-void expect_true(const std::optional<Placement>& placement, double within = 1e-3) {
+void expect_true(const std::optional<MapPlacement>& placement, double within = 1e-3) {
   ASSERT_TRUE(placement);
   const Eigen::Vector3d off = wrapped_difference(placement->one_from_two, truth);
   EXPECT_LT(off.cwiseAbs().maxCoeff(), within);
