@@ -62,10 +62,10 @@ Json marks(const std::vector<Mark>& places, double size_m, const Json& in_colour
   return list;
 }
 
-Json lines(const std::vector<Line>& all) {
+Json lines(const std::vector<SceneLine>& all) {
   if (all.empty()) return Json::array();
   Json points = Json::array();
-  for (const Line& line : all)
+  for (const SceneLine& line : all)
     for (const Eigen::Vector2d& end : {line.from, line.to}) points.push_back(vector(end.x(), end.y(), 0));
   return Json::array({{{"type", line_list},
                        {"pose", json(Pose{})},

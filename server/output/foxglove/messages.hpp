@@ -46,17 +46,17 @@ struct Mark {
   std::string text;
   bool operator==(const Mark&) const = default;
 };
-struct Line {
+struct SceneLine {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
-  bool operator==(const Line&) const = default;
+  bool operator==(const SceneLine&) const = default;
 };
 /// What is shown of an island, in its frame.
 struct Scene {
   std::string frame;
   std::vector<Mark> patches;
   std::vector<Mark> tags;
-  std::vector<Line> closures;
+  std::vector<SceneLine> closures;
   bool operator==(const Scene&) const = default;
 };
 /// Shows these, each in place of what was shown in its frame before, and no longer those of `gone` frames.

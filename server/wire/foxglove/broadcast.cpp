@@ -15,7 +15,7 @@ Broadcast::Broadcast(std::string session, Outbox::Limits limits)
 
 Viewer& Broadcast::join(std::function<void()> wake) {
   Viewer& viewer = viewers_.emplace_back(limits_, std::move(wake));
-  std::vector<Channel> all;
+  std::vector<FoxgloveChannel> all;
   for (const auto& [topic, open] : channels_) all.push_back(open.channel);
   viewer.tell(server_info(session_));
   viewer.tell(advertisement(all));

@@ -57,7 +57,7 @@ class Broadcast {
 
  private:
   struct OpenChannel {
-    Channel channel;
+    FoxgloveChannel channel;
     Keep keep = Keep::all;
     int listeners = 0;
     std::int64_t newest_utime = 0;

@@ -68,9 +68,9 @@ std::string server_info(const std::string& session) {
       .dump();
 }
 
-std::string advertisement(const std::vector<Channel>& channels) {
+std::string advertisement(const std::vector<FoxgloveChannel>& channels) {
   Json list = Json::array();
-  for (const Channel& channel : channels) {
+  for (const FoxgloveChannel& channel : channels) {
     const Schema fields = schema(channel.kind);
     list.push_back({{"id", channel.id},
                     {"topic", channel.topic},

@@ -16,14 +16,14 @@ namespace isthmus::foxglove {
 /// Two names of one protocol, the one preferred first.
 inline constexpr std::array<std::string_view, 2> subprotocols = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
-struct Channel {
+struct FoxgloveChannel {
   std::uint32_t id = 0;
   std::string topic;
   Kind kind = Kind::log;
 };
 
 std::string server_info(const std::string& session);
-std::string advertisement(const std::vector<Channel>& channels);
+std::string advertisement(const std::vector<FoxgloveChannel>& channels);
 std::string withdrawal(const std::vector<std::uint32_t>& channels);
 /// Tells a viewer what is wrong with what it said.
 std::string complaint(const std::string& what);

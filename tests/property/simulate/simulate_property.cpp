@@ -103,7 +103,7 @@ TEST(RobotsProperty, NeverCrossAWallWhateverTheSeed) {
     const auto seed = *rc::gen::inRange<std::uint64_t>(0, 1'000'000);
     for (const RobotPlan& robot : scenario.robots) {
       const TruePath path = drive(robot, seed);
-      for (const Stretch& stretch : path.stretches()) {
+      for (const PathStretch& stretch : path.stretches()) {
         const auto& poses = stretch.world_from_robot;
         for (std::size_t i = 1; i < poses.size(); ++i) {
           RC_ASSERT(caster.line_of_sight({poses[i - 1].x, poses[i - 1].y}, {poses[i].x, poses[i].y}));

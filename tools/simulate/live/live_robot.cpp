@@ -51,7 +51,7 @@ OdometryEvent LiveRobot::odometry(double time_s) const {
   return {plan_.name, utime(time_s), odometry_.pose()};
 }
 
-ScanEvent LiveRobot::scan(double time_s, const RayCaster& caster, const std::vector<Body>& bodies) {
+ScanEvent LiveRobot::scan(double time_s, const RayCaster& caster, const std::vector<Passerby>& bodies) {
   ScanEvent event{plan_.name, take_scan(plan_.laser, caster, world_from_robot_, bodies, laser_random_)};
   event.scan.utime = utime(time_s);
   return event;

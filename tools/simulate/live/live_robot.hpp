@@ -30,7 +30,7 @@ class LiveRobot {
 
   RobotEvent introduction(double time_s) const;
   OdometryEvent odometry(double time_s) const;
-  ScanEvent scan(double time_s, const RayCaster& caster, const std::vector<Body>& bodies);
+  ScanEvent scan(double time_s, const RayCaster& caster, const std::vector<Passerby>& bodies);
   /// A barcode somewhere; nothing where it is not in sight, or was not read.
   std::optional<SightingEvent> look(double time_s, const RayCaster& caster, const Eigen::Vector2d& target,
                                     int barcode);

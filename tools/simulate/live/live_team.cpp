@@ -78,7 +78,7 @@ void LiveTeam::sense(const Take& take) {
 
 void LiveTeam::scan(std::size_t i, const Take& take) {
   Member& member = *members_[i];
-  std::vector<Body> bodies;
+  std::vector<Passerby> bodies;
   for (std::size_t other = 0; other < members_.size(); ++other)
     if (other != i)
       bodies.push_back(

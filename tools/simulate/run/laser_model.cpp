@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector2d;
 
 // The range at which a ray meets a disc from outside.
-double ray_meets(const Vector2d& from, const Vector2d& direction, const Body& body) {
+double ray_meets(const Vector2d& from, const Vector2d& direction, const Passerby& body) {
   const Vector2d to_centre = body.centre - from;
   const double along = to_centre.dot(direction);
   const double squared = body.radius_m * body.radius_m - (to_centre.squaredNorm() - along * along);
@@ -19,9 +19,9 @@ double ray_meets(const Vector2d& from, const Vector2d& direction, const Body& bo
 
 // The true range along a beam; infinite where nothing comes back. A body hides the wall behind it.
 double true_range(const LaserPlan& plan, const RayCaster& caster, const Vector2d& from,
-                  const Vector2d& direction, const std::vector<Body>& bodies) {
+                  const Vector2d& direction, const std::vector<Passerby>& bodies) {
   double nearest_body = no_hit_m;
-  for (const Body& body : bodies) nearest_body = std::min(nearest_body, ray_meets(from, direction, body));
+  for (const Passerby& body : bodies) nearest_body = std::min(nearest_body, ray_meets(from, direction, body));
   const auto hit = caster.cast(from, direction, plan.laser.range_max_m);
   if (!hit || nearest_body < hit->range_m) return nearest_body;
   const double limit = std::min(plan.return_limit_rad, hit->return_limit_rad);
@@ -38,7 +38,7 @@ Laser declared_laser(const LaserPlan& plan) {
 }
 
 Scan take_scan(const LaserPlan& plan, const RayCaster& caster, const Pose& world_from_robot,
-               const std::vector<Body>& bodies, Random& random, double shift_rad) {
+               const std::vector<Passerby>& bodies, Random& random, double shift_rad) {
   const Pose world_from_laser = world_from_robot * plan.laser.robot_from_laser;
   const Vector2d from(world_from_laser.x, world_from_laser.y);
   Scan scan;

@@ -9,7 +9,7 @@
 namespace isthmus {
 
 /// Another robot, as a laser sees it.
-struct Body {
+struct Passerby {
   Eigen::Vector2d centre;
   double radius_m = 0;
 };
@@ -20,6 +20,6 @@ Laser declared_laser(const LaserPlan& plan);
 /// One scan taken at a pose, with noise, dropouts and no-returns, all of its beams turned by `shift_rad`;
 /// utime is left to the caller.
 Scan take_scan(const LaserPlan& plan, const RayCaster& caster, const Pose& world_from_robot,
-               const std::vector<Body>& bodies, Random& random, double shift_rad = 0);
+               const std::vector<Passerby>& bodies, Random& random, double shift_rad = 0);
 
 }  // namespace isthmus

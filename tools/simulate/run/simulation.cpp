@@ -49,7 +49,7 @@ struct World {
 };
 
 void check_path(const RobotPlan& robot, const TruePath& path, const RayCaster& caster) {
-  for (const Stretch& stretch : path.stretches()) {
+  for (const PathStretch& stretch : path.stretches()) {
     for (std::size_t i = 0; i < stretch.world_from_robot.size(); i += 4) {
       const Pose& pose = stretch.world_from_robot[i];
       if (!caster.touches({pose.x, pose.y}, robot.radius_m)) continue;
@@ -124,7 +124,7 @@ class RobotRun {
 
   void tell_of_itself() {
     for (std::size_t i = 0; i < path_.stretches().size(); ++i) {
-      const Stretch& stretch = path_.stretches()[i];
+      const PathStretch& stretch = path_.stretches()[i];
       const bool last = i + 1 == path_.stretches().size();
       const double until_s = std::min(world_.end_s, last ? world_.end_s : stretch.end_s());
       for (double time_s = stretch.start_s; time_s < until_s; time_s += robot_message_period_s) {
@@ -165,7 +165,7 @@ class RobotRun {
     const std::size_t stretch = *path_.stretch_at(time_s);
     const double taken_s = time_s - plan_.laser.scan_lag_s;
     const Pose pose = path_.at(stretch, taken_s);
-    std::vector<Body> bodies;
+    std::vector<Passerby> bodies;
     for (std::size_t other = 0; world_.scenario.bodies_visible && other < world_.paths.size(); ++other) {
       if (other == index_) continue;
       const auto body = world_.paths[other].at(taken_s);

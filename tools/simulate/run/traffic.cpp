@@ -90,7 +90,7 @@ class Timetable {
 
 TruePath delayed(const TruePath& path, const std::vector<std::size_t>& delays) {
   const std::vector<Pose>& poses = path.stretches()[0].world_from_robot;
-  Stretch stretch = path.stretches()[0];
+  PathStretch stretch = path.stretches()[0];
   stretch.world_from_robot.clear();
   for (std::size_t tick = 0; tick + 1 < delays.size(); ++tick) {
     const bool waits = delays[tick + 1] > delays[tick];

@@ -120,7 +120,7 @@ Vector2d jittered(const Waypoint& waypoint, const RobotPlan& robot, Random& rand
 
 }  // namespace
 
-double Stretch::end_s() const {
+double PathStretch::end_s() const {
   return start_s + TruePath::step_s * static_cast<double>(world_from_robot.size() - 1);
 }
 
@@ -134,7 +134,7 @@ std::optional<std::size_t> TruePath::stretch_at(double time_s) const {
 }
 
 Pose TruePath::at(std::size_t stretch, double time_s) const {
-  const Stretch& s = stretches_[stretch];
+  const PathStretch& s = stretches_[stretch];
   const double steps =
       std::clamp((time_s - s.start_s) / step_s, 0.0, static_cast<double>(s.world_from_robot.size() - 1));
   const auto i = static_cast<std::size_t>(steps);
@@ -152,7 +152,7 @@ std::optional<Pose> TruePath::at(double time_s) const {
 
 TruePath drive(const RobotPlan& robot, std::uint64_t seed) {
   Random random(seed, robot.name + " waypoints");
-  std::vector<Stretch> stretches{{robot.start_s, {robot.start}, true, true}};
+  std::vector<PathStretch> stretches{{robot.start_s, {robot.start}, true, true}};
   std::vector<Vector2d> ahead;
   const auto go = [&](double stand_s, double turn_rad = 0) {
     Driver driver(robot, stretches.back().world_from_robot);

@@ -9,7 +9,7 @@
 namespace isthmus {
 
 /// A time in which a robot is on its wheels: from when it is put down until it is carried away.
-struct Stretch {
+struct PathStretch {
   double start_s = 0;
   std::vector<Pose> world_from_robot;  ///< a pose every TruePath::step_s
   bool odometry_restarts = false;      ///< at its beginning
@@ -23,9 +23,9 @@ class TruePath {
  public:
   static constexpr double step_s = 0.02;
 
-  explicit TruePath(std::vector<Stretch> stretches) : stretches_(std::move(stretches)) {}
+  explicit TruePath(std::vector<PathStretch> stretches) : stretches_(std::move(stretches)) {}
 
-  const std::vector<Stretch>& stretches() const { return stretches_; }
+  const std::vector<PathStretch>& stretches() const { return stretches_; }
   /// When its tour is done; it stands where it is from then on.
   double end_s() const { return stretches_.back().end_s(); }
   /// Index of the stretch of a time; none before the robot starts and while it is carried.
@@ -35,7 +35,7 @@ class TruePath {
   std::optional<Pose> at(double time_s) const;
 
  private:
-  std::vector<Stretch> stretches_;
+  std::vector<PathStretch> stretches_;
 };
 
 /// Drives a robot's tour as a unicycle with bounded speed, turn rate and acceleration, after a point that
