@@ -34,6 +34,7 @@ Json account_of(const TrialAccount& account) {
           {"shared_log_odds", account.shared_log_odds},
           {"fit_log_odds", account.fit_log_odds},
           {"blamed", account.blamed},
+          {"blamed_closure", account.blamed_closure.value},
           {"blamed_log_odds", account.blamed_log_odds},
           {"log_odds", account.log_odds()}};
 }

@@ -111,7 +111,11 @@ std::string evidence(const Json& closure) {
   std::string text = found.at("matched").dump() + " of " + found.at("compared").dump() + " match";
   if (found.at("way_m").get<double>() > 0 && found.contains("log_odds"))
     text += ", log-odds " + decimal(found.at("log_odds").get<double>(), 1);
-  if (found.value("blamed", 0) > 0) text += ", against " + found.at("blamed").dump() + " relations";
+  if (found.value("blamed_closure", -1) >= 0) {
+    text += ", against closure " + found.at("blamed_closure").dump();
+  } else if (found.value("blamed", 0) > 0) {
+    text += ", against " + found.at("blamed").dump() + " relations";
+  }
   return text;
 }
 

@@ -6,7 +6,8 @@
 namespace isthmus {
 namespace {
 
-constexpr std::size_t max_kept = 400;  // of the sightings that say what is forbidden, the newest
+constexpr std::size_t max_kept = 400;   // of the sightings that say what is forbidden, the newest
+constexpr std::size_t max_doubted = 4;  // of the loops of an island: bounds what a trial costs
 
 }  // namespace
 
@@ -37,7 +38,7 @@ ClosureLedger::Entry* ClosureLedger::find(ClosureId id) {
 void ClosureLedger::decide(Entry& entry, ClosureState state, Reason reason, double value) {
   entry.record.state = state;
   entry.record.reason = reason;
-  if (entry.record.from_scans) outcomes_.push_back({entry.record.id, state, reason, value});
+  outcomes_.push_back({entry.record.id, state, reason, value});
 }
 
 void ClosureLedger::allow(Entry& entry) {
@@ -69,6 +70,21 @@ void ClosureLedger::keep_with_forbidden(ClosureId forbidden, std::vector<Evidenc
 
 void ClosureLedger::correct(const std::function<void(Evidence&)>& change) {
   for (auto& [id, entry] : entries_) std::ranges::for_each(entry.evidence, change);
+}
+
+// What operators have measured is not in doubt. Each costs a fit of the island to look at.
+std::vector<UncertainClosure> ClosureLedger::closed_loops(const RelationGraph& graph, IslandId island) const {
+  std::vector<UncertainClosure> found;
+  for (const auto& [id, entry] : entries_) {
+    const ClosureRecord& record = entry.record;
+    if (record.kind != ClosureKind::loop || record.state != ClosureState::accepted ||
+        record.reason == Reason::measured_start || graph.island(record.joining.first) != island)
+      continue;
+    found.push_back({id, std::max(0.0, record.account.log_odds())});
+  }
+  std::ranges::stable_sort(found, {}, &UncertainClosure::log_odds);
+  found.resize(std::min(found.size(), max_doubted));
+  return found;
 }
 
 std::vector<ClosureRecord> ClosureLedger::records() const {

@@ -15,7 +15,7 @@
 
 namespace isthmus {
 
-/// What became of a closure that scans proposed: accepted, refused, or waiting for more support.
+/// What became of a closure: accepted, refused, withdrawn, or waiting for more support.
 struct ClosureOutcome {
   ClosureId id;
   ClosureState state = ClosureState::waiting;
@@ -68,6 +68,8 @@ class ClosureLedger {
   /// Changes the places of all sightings that speak for closures.
   void correct(const std::function<void(Evidence&)>& change);
   std::vector<ClosureRecord> records() const;
+  /// The loops of an island that were closed by what was seen there, the least sure of them.
+  std::vector<UncertainClosure> closed_loops(const RelationGraph& graph, IslandId island) const;
   /// By id.
   const std::map<ClosureId, Entry>& entries() const { return entries_; }
 

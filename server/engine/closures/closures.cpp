@@ -103,6 +103,7 @@ ClosureId Closures::propose_from_scans(World world, const ScanProposal& finds) {
 void Closures::begin_trial(World world, Proposal proposal) {
   Entry& closure = ledger_.at(proposal.id);
   const bool merge = proposal.merge;
+  if (!merge) proposal.loop.closed_before = ledger_.closed_loops(world.map.graph(), proposal.older);
   trials_.begin(world, std::move(proposal));
   if (merge && refuse_as_forbidden(world, closure, trials_.trial()->map())) trials_.take();
 }
@@ -138,8 +139,12 @@ void Closures::end_trial(World world) {
 }
 
 void Closures::accept(World world, const Trial& trial, Entry& closure) {
-  for (const RelationId id : trial.blamed())
-    if (const Relation* relation = world.map.graph().find(id)) closure.blamed.push_back(*relation);
+  if (const ClosureId wrong = trial.account().blamed_closure; wrong.valid()) {
+    withdraw(world, wrong);
+  } else {
+    for (const RelationId id : trial.blamed())
+      if (const Relation* relation = world.map.graph().find(id)) closure.blamed.push_back(*relation);
+  }
   trial.commit(world.map);
   changed_.push_back(trial.proposal().older);
   ledger_.decide(closure, ClosureState::accepted,
@@ -149,6 +154,15 @@ void Closures::accept(World world, const Trial& trial, Entry& closure) {
   proposer_.forget();
 }
 
+void Closures::withdraw(World world, ClosureId contradicted) {
+  Entry& wrong = ledger_.at(contradicted);
+  if (wrong.record.state != ClosureState::accepted) return;
+  std::ranges::copy(take_back(world, contradicted, ledger_, observations_, tags_),
+                    std::back_inserter(changed_));
+  ledger_.decide(wrong, ClosureState::withdrawn, Reason::contradicted);
+  observations_.put_back(std::exchange(wrong.evidence, {}), Reason::unsupported);
+}
+
 // Of what the map believes and what sightings say instead, one is wrong: where they are more than speak for
 // the merge that parts the two, it goes, and all is looked at anew without it. It may come again by what
 // speaks for it.
@@ -156,11 +170,7 @@ void Closures::withdraw_what_it_contradicts(World world, const Entry& refused) {
   const std::optional<MergeAccount> account =
       contradicted_merge(world, tags_.patches(), ledger_, observations_, refused);
   if (!account) return;
-  std::ranges::copy(take_back(world, account->merge, ledger_, observations_, tags_),
-                    std::back_inserter(changed_));
-  Entry& merge = ledger_.at(account->merge);
-  ledger_.decide(merge, ClosureState::withdrawn, Reason::contradicted);
-  observations_.put_back(std::exchange(merge.evidence, {}), Reason::unsupported);
+  withdraw(world, account->merge);
   observations_.reopen(world, tags_.patches(), account->agreed);
   observations_.reopen(world, tags_.patches(),
                        observations_.refused_by_map(world.options.closures.max_reopened));

@@ -73,6 +73,7 @@ class Closures {
   void begin_trial(World world, Proposal proposal);
   void end_trial(World world);
   void accept(World world, const Trial& trial, Entry& closure);
+  void withdraw(World world, ClosureId contradicted);
   void withdraw_what_it_contradicts(World world, const Entry& refused);
   void put_off(Entry& closure);
   void put_off_trial();

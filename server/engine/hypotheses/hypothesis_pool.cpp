@@ -8,18 +8,35 @@
 #include <set>
 #include <utility>
 
+#include "relations/confidence.hpp"
+#include "server/engine/closures/rejudging.hpp"
+#include "server/engine/map/surroundings.hpp"
 #include "server/engine/map/ways.hpp"
 #include "server/engine/places/place_candidates.hpp"
 
 namespace isthmus {
 namespace {
 
-// Whether the map, as it is now, has the patches about where the find has them.
-bool agrees_with_map(const Map& map, const Find& find, const HypothesisOptions& options) {
-  if (map.graph().island(find.query) != map.graph().island(find.anchor)) return false;
-  const Pose mapped = map.relative_pose(find.anchor, find.query);
-  const Pose off = ominus(find.anchor_from_query, mapped);
-  return std::hypot(off.x, off.y) < options.mapped_m && std::abs(off.yaw) < options.mapped_rad;
+bool on_one_island(const Map& map, const Find& find) {
+  return map.graph().island(find.query) == map.graph().island(find.anchor);
+}
+
+// Whether the map knows well how the patches of a find lie to one another, and that they lie so: a match of
+// the two would be taken as it is.
+bool agrees_with_map(const Map& map, const Find& find, const EngineOptions& options) {
+  if (!on_one_island(map, find)) return false;
+  const ConfidenceThreshold known{options.surroundings.loop_position_m, options.surroundings.loop_yaw_rad};
+  const auto fits = [&](const Eigen::Matrix3d& covariance) {
+    return std::ranges::all_of(find.relations, [&](const Relation& relation) {
+      return chi_squared(relation.measurement, map.relative_pose(relation.a, relation.b), covariance) <
+             options.local_loops.max_surprise.value();
+    });
+  };
+  const Eigen::Vector3d widest(known.position_m, known.position_m, known.yaw_rad);
+  if (!fits(widest.cwiseAbs2().asDiagonal())) return false;
+  const std::optional<Eigen::Matrix3d> covariance = local_relative_covariance(
+      map.graph(), map.manifold().poses(), find.anchor, find.query, options.surroundings.confidence_patches);
+  return covariance && well_determined(*covariance, known) && fits(*covariance);
 }
 
 /// How many finds, and how sure in sum, are proposed.
@@ -29,9 +46,8 @@ struct Bound {
 };
 
 Bound bound_of(const Map& map, const Find& find, const HypothesisOptions& options) {
-  const bool loop = map.graph().island(find.query) == map.graph().island(find.anchor);
-  return loop ? Bound{options.min_finds, options.min_log_odds}
-              : Bound{options.min_merge_finds, options.min_merge_log_odds};
+  return on_one_island(map, find) ? Bound{options.min_finds, options.min_log_odds}
+                                  : Bound{options.min_merge_finds, options.min_merge_log_odds};
 }
 
 /// Among how many places that look alike this is one: so few finds as may propose it could be of those that
@@ -55,7 +71,7 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
     proposal.first_from_second = inverse(first.anchor_from_query);
   }
   // By the map as it is now: the two may have been on two islands, or elsewhere, when they were found.
-  if (map.graph().island(first.query) == map.graph().island(first.anchor))
+  if (on_one_island(map, first))
     proposal.way_m =
         ways_over_relations_m(map, std::span(&first.anchor, 1))[static_cast<std::size_t>(first.query.value)];
   proposal.finds = static_cast<int>(finds.size());
@@ -137,8 +153,9 @@ bool HypothesisPool::propose(World world, Closures& closures, const std::vector<
   const HypothesisOptions& options = world.options.hypotheses;
   const Find& first = pool_[set.front()].find;
   const Bound bound = bound_of(world.map, first, options);
-  if (set.size() < bound.finds || log_odds(set, world.options.answers_along_way) < bound.log_odds ||
-      2 * rivals(world.map, set, options.rival_m) > set.size())
+  const double sure = log_odds(set, world.options.answers_along_way);
+  if (set.size() < bound.finds || sure < bound.log_odds ||
+      rivals_log_odds(world.map, set, world.options) >= sure)
     return false;
   std::vector<const Find*> finds;
   ClosureId id;
@@ -170,17 +187,30 @@ double HypothesisPool::log_odds(const std::vector<std::size_t>& set,
          static_cast<double>(set.size() - 1) * std::log(options.found_where_true / options.found_where_alike);
 }
 
-// Finds from about the same stretch of way that say otherwise.
-std::size_t HypothesisPool::rivals(const Map& map, const std::vector<std::size_t>& set,
-                                   double rival_m) const {
-  const auto near = [&](std::size_t rival, std::size_t member) {
-    const Pose apart = map.relative_pose(pool_[member].find.query, pool_[rival].find.query);
-    return std::hypot(apart.x, apart.y) < rival_m;
+// Of the finds about the same stretches of way that say otherwise, the surest with those that agree with it.
+double HypothesisPool::rivals_log_odds(const Map& map, const std::vector<std::size_t>& set,
+                                       const EngineOptions& options) const {
+  const auto near = [&](PatchId one, PatchId other) {
+    if (map.graph().island(one) != map.graph().island(other)) return false;
+    const Pose apart = map.relative_pose(one, other);
+    return std::hypot(apart.x, apart.y) < options.hypotheses.rival_m;
   };
-  const std::vector<std::size_t> rivals = agreements_.rivals_of(set);
-  return static_cast<std::size_t>(std::ranges::count_if(rivals, [&](std::size_t rival) {
-    return std::ranges::any_of(set, [&](std::size_t member) { return near(rival, member); });
-  }));
+  const auto are_near = [&](const Find& rival, const Find& member) {
+    return near(rival.query, member.query) || near(rival.query, member.anchor) ||
+           near(rival.anchor, member.query) || near(rival.anchor, member.anchor);
+  };
+  std::vector<std::size_t> rivals = agreements_.rivals_of(set);
+  std::erase_if(rivals, [&](std::size_t rival) {
+    return std::ranges::none_of(
+        set, [&](std::size_t member) { return are_near(pool_[rival].find, pool_[member].find); });
+  });
+  if (rivals.empty()) return -std::numeric_limits<double>::infinity();
+  const std::size_t surest =
+      *std::ranges::max_element(rivals, {}, [&](std::size_t i) { return pool_[i].find.log_odds; });
+  std::erase_if(rivals, [&](std::size_t i) {
+    return i != surest && agreements_.between(i, surest) != Agreement::consistent;
+  });
+  return log_odds(rivals, options.answers_along_way);
 }
 
 void HypothesisPool::take_outcomes(World world, Closures& closures, HypothesisCounts& counts) {
@@ -191,12 +221,16 @@ void HypothesisPool::take_outcomes(World world, Closures& closures, HypothesisCo
         take(world, waiting.robot, std::move(waiting.find), counts);
       parked_.erase(outcome.id);
     } else {
-      conclude(world, outcome);
+      conclude(world.map, outcome, world.options);
     }
+    if (outcome.state == ClosureState::withdrawn) let_go(world, outcome.id, counts);
+    if (outcome.state != ClosureState::accepted) continue;
+    take_in(world, outcome.id);
+    reopen(world, counts);
   }
 }
 
-void HypothesisPool::conclude(World world, const ClosureOutcome& outcome) {
+void HypothesisPool::conclude(const Map& map, const ClosureOutcome& outcome, const EngineOptions& options) {
   const auto found = hypotheses_.find(outcome.id);
   if (found == hypotheses_.end()) return;
   changed_ = true;
@@ -206,19 +240,62 @@ void HypothesisPool::conclude(World world, const ClosureOutcome& outcome) {
     if (outcome.reason == Reason::map_changed) found->second.tried = 0;
     return;
   }
+  const bool comes_back = outcome.state == ClosureState::accepted || outcome.reason == Reason::forbidden;
   std::vector<bool> gone(pool_.size(), false);
   for (std::size_t i = 0; i < pool_.size(); ++i) {
     if (pool_[i].hypothesis != outcome.id) continue;
     gone[i] = true;
-    if (outcome.state == ClosureState::accepted || outcome.reason == Reason::forbidden)
+    if (comes_back) {
       parked_[outcome.id].push_back(pool_[i]);
-  }
-  if (outcome.state == ClosureState::accepted) {
-    for (std::size_t i = 0; i < pool_.size(); ++i)
-      gone[i] = gone[i] || agrees_with_map(world.map, pool_[i].find, world.options.hypotheses);
+    } else if (!on_one_island(map, pool_[i].find)) {
+      refused_merges_.push_back(pool_[i]);
+    }
   }
   remove(gone);
   hypotheses_.erase(found);
+  if (refused_merges_.size() > options.hypotheses.max_finds)
+    refused_merges_.erase(refused_merges_.begin(), refused_merges_.end() - options.hypotheses.max_finds);
+}
+
+// What agrees with the map that an accepted closure has made belongs to it, and goes with it: whatever says
+// otherwise later has it against it too.
+void HypothesisPool::take_in(World world, ClosureId closure) {
+  const auto belongs = [&](const Waiting& waiting) {
+    if (!agrees_with_map(world.map, waiting.find, world.options)) return false;
+    for (Relation relation : waiting.find.relations) {
+      relation.origin = {OriginKind::hypothesis, closure};
+      world.map.relate(relation);
+    }
+    parked_[closure].push_back(waiting);
+    return true;
+  };
+  std::vector<bool> gone;
+  for (const Waiting& waiting : pool_) gone.push_back(belongs(waiting));
+  remove(gone);
+  changed_ = true;
+}
+
+// What only agreed with a closure that is withdrawn is as true as before.
+void HypothesisPool::let_go(World world, ClosureId withdrawn, HypothesisCounts& counts) {
+  std::vector<Waiting> free;
+  std::erase_if(parked_[withdrawn], [&](const Waiting& waiting) {
+    if (waiting.hypothesis == withdrawn) return false;
+    free.push_back(waiting);
+    return true;
+  });
+  for (Waiting& waiting : free) take(world, waiting.robot, std::move(waiting.find), counts);
+}
+
+// Finds of a merge that was refused say something else once their islands have merged otherwise: how a loop
+// closes.
+void HypothesisPool::reopen(World world, HypothesisCounts& counts) {
+  std::vector<Waiting> reopened;
+  std::erase_if(refused_merges_, [&](const Waiting& waiting) {
+    if (!on_one_island(world.map, waiting.find)) return false;
+    reopened.push_back(waiting);
+    return true;
+  });
+  for (Waiting& waiting : reopened) take(world, waiting.robot, std::move(waiting.find), counts);
 }
 
 void HypothesisPool::try_all_again() {
@@ -234,6 +311,7 @@ void HypothesisPool::forget_robot(const Map& map, const std::string& robot) {
   for (const Waiting& waiting : pool_) gone.push_back(is_its(waiting));
   remove(gone);
   for (auto& [id, finds] : parked_) std::erase_if(finds, is_its);
+  std::erase_if(refused_merges_, is_its);
 }
 
 std::vector<PlaceHint> HypothesisPool::hints(const Map& map, PatchId patch,

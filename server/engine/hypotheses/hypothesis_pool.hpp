@@ -40,7 +40,9 @@ class HypothesisPool {
   std::vector<UndecidedHypothesis> undecided() const;
   std::size_t waiting() const { return pool_.size(); }
 
-  auto members() { return std::tie(pool_, agreements_, changed_, hypotheses_, parked_, refuted_); }
+  auto members() {
+    return std::tie(pool_, agreements_, changed_, hypotheses_, parked_, refused_merges_, refuted_);
+  }
 
  private:
   struct Waiting {
@@ -66,8 +68,12 @@ class HypothesisPool {
 
   bool propose(World world, Closures& closures, const std::vector<std::size_t>& set);
   double log_odds(const std::vector<std::size_t>& set, const AnswersAlongWayOptions& options) const;
-  std::size_t rivals(const Map& map, const std::vector<std::size_t>& set, double rival_m) const;
-  void conclude(World world, const ClosureOutcome& outcome);
+  double rivals_log_odds(const Map& map, const std::vector<std::size_t>& set,
+                         const EngineOptions& options) const;
+  void conclude(const Map& map, const ClosureOutcome& outcome, const EngineOptions& options);
+  void take_in(World world, ClosureId closure);
+  void let_go(World world, ClosureId withdrawn, HypothesisCounts& counts);
+  void reopen(World world, HypothesisCounts& counts);
   void remove(const std::vector<bool>& gone);
 
   std::vector<Waiting> pool_;
@@ -75,6 +81,7 @@ class HypothesisPool {
   bool changed_ = false;
   std::map<ClosureId, Hypothesis> hypotheses_;
   std::map<ClosureId, std::vector<Waiting>> parked_;  ///< finds of closures that may be withdrawn or allowed
+  std::vector<Waiting> refused_merges_;  ///< the newest finds of two islands whose merge was refused
   std::vector<Refutation> refuted_;
 };
 

@@ -37,7 +37,8 @@ void answer(const FitJob::LoopQuestion& question, const RelationGraph& graph, st
       blame(question.loop, question.before, poses, graph, cost, max_log_odds, question.weak_links);
   if (!found) return;
   result.blamed = std::move(found->wrong);
-  result.blamed_log_odds = found->link.log_odds;
+  result.blamed_closure = found->closure;
+  result.blamed_log_odds = found->log_odds;
   result.poses = std::move(found->poses);
 }
 

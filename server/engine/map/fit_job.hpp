@@ -30,9 +30,12 @@ class FitJob {
     std::optional<Eigen::Matrix3d> covariance;
     /// Of a loop: relations that were wrong if it is right. The poses are those without them.
     std::vector<RelationId> blamed;
+    ClosureId blamed_closure;    ///< that they rest on, where it is what was wrong
     double blamed_log_odds = 0;  ///< that they are right, but for the loop
 
-    auto members() { return std::tie(patches, poses, ok, covariance, blamed, blamed_log_odds); }
+    auto members() {
+      return std::tie(patches, poses, ok, covariance, blamed, blamed_closure, blamed_log_odds);
+    }
   };
   /// Asked of a loop that closes: how well one end was determined relative to the other before, and what is
   /// to blame where that is at odds with it.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/engine/map/dependencies.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -41,6 +43,61 @@ bool agrees(const Relation& relation, std::span<const Pose> poses, const WeakLin
   return misfit(relation, poses) < options.agreeing.value();
 }
 
+/// A map and a loop that is at odds with it, see blame().
+struct Contradicted {
+  const OpenLoop& loop;
+  const RelationGraph& before;
+  std::span<const Pose> poses_before;
+  const RelationGraph& fitted;
+  double cost;
+  double max_log_odds;
+
+  IslandId island() const { return before.island(loop.first.front()); }
+};
+
+std::optional<Blame> weakest_link(const Contradicted& map, const WeakLinkOptions& options) {
+  std::optional<WeakestCut> link = weakest_cut(
+      uncertain_links(map.before, map.island(), map.poses_before, options), map.loop.first, map.loop.second);
+  if (!link || link->log_odds > map.max_log_odds) return std::nullopt;
+  std::vector<Pose> poses(map.poses_before.begin(), map.poses_before.end());
+  for (const PatchId id : link->beyond) poses[index(id)] = map.loop.first_from_second * poses[index(id)];
+  RelationGraph without = map.fitted;
+  without.remove(link->relations);
+  FitReport report = fit_island(without, map.island(), poses);
+  if (!report.ok || map.cost - report.cost_after < link->log_odds) return std::nullopt;
+  std::vector<RelationId> wrong = link->relations;
+  std::erase_if(wrong, [&](RelationId id) { return agrees(*map.fitted.find(id), poses, options); });
+  if (wrong.size() < link->relations.size()) {
+    without = map.fitted;
+    without.remove(wrong);
+    report = fit_island(without, map.island(), poses);
+    if (!report.ok) return std::nullopt;
+  }
+  const double log_odds = link->log_odds;
+  return Blame{log_odds, *std::move(link), {}, std::move(wrong), report.cost_after, std::move(poses)};
+}
+
+std::vector<RelationId> resting_on(const RelationGraph& graph, ClosureId closure) {
+  const Dependencies dependencies(graph);
+  std::vector<RelationId> found;
+  for (const auto& [id, relation] : graph.relations())
+    if (dependencies.has(id, closure)) found.push_back(id);
+  return found;
+}
+
+// The way from where the earlier closure bent the map to may be long: the linear solution knows no way.
+std::optional<Blame> earlier_closure(const Contradicted& map, const UncertainClosure& earlier) {
+  if (earlier.log_odds > map.max_log_odds) return std::nullopt;
+  std::vector<RelationId> wrong = resting_on(map.before, earlier.id);
+  RelationGraph without = map.fitted;
+  without.remove(wrong);
+  if (wrong.empty() || without.islands().size() != map.fitted.islands().size()) return std::nullopt;
+  std::vector<Pose> poses(map.poses_before.begin(), map.poses_before.end());
+  const FitReport report = fit_island(without, map.island(), poses, {.chordal_start = true});
+  if (!report.ok || map.cost - report.cost_after < earlier.log_odds) return std::nullopt;
+  return Blame{earlier.log_odds, {}, earlier.id, std::move(wrong), report.cost_after, std::move(poses)};
+}
+
 }  // namespace
 
 std::vector<UncertainLink> uncertain_links(const RelationGraph& graph, IslandId island,
@@ -64,25 +121,15 @@ std::optional<Blame> blame(const OpenLoop& loop, const RelationGraph& before,
   if (loop.first.empty() || loop.second.empty()) return std::nullopt;
   const IslandId island = before.island(loop.first.front());
   const double bent_by = cost - cost_of_island(before, island, poses_before);
-  max_log_odds = std::min(max_log_odds, bent_by);
-  if (max_log_odds <= 0) return std::nullopt;
-  std::optional<WeakestCut> link =
-      weakest_cut(uncertain_links(before, island, poses_before, options), loop.first, loop.second);
-  if (!link || link->log_odds > max_log_odds) return std::nullopt;
-  std::vector<Pose> poses(poses_before.begin(), poses_before.end());
-  for (const PatchId id : link->beyond) poses[index(id)] = loop.first_from_second * poses[index(id)];
-  RelationGraph without = fitted;
-  without.remove(link->relations);
-  const FitReport report = fit_island(without, island, poses);
-  if (!report.ok || cost - report.cost_after < link->log_odds) return std::nullopt;
-  std::vector<RelationId> wrong = link->relations;
-  std::erase_if(wrong, [&](RelationId id) { return agrees(*fitted.find(id), poses, options); });
-  if (wrong.size() < link->relations.size()) {
-    without = fitted;
-    without.remove(wrong);
-    if (!fit_island(without, island, poses).ok) return std::nullopt;
+  const Contradicted map{loop, before, poses_before, fitted, cost, std::min(max_log_odds, bent_by)};
+  if (map.max_log_odds <= 0) return std::nullopt;
+  std::optional<Blame> found = weakest_link(map, options);
+  for (const UncertainClosure& earlier : loop.closed_before) {
+    std::optional<Blame> other = earlier_closure(map, earlier);
+    if (other && (!found || other->log_odds + other->cost < found->log_odds + found->cost))
+      found = std::move(other);
   }
-  return Blame{*std::move(link), std::move(wrong), std::move(poses)};
+  return found;
 }
 
 }  // namespace isthmus

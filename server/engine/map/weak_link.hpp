@@ -17,29 +17,43 @@ namespace isthmus {
 std::vector<UncertainLink> uncertain_links(const RelationGraph& graph, IslandId island,
                                            std::span<const Pose> poses, const WeakLinkOptions& options);
 
+/// A loop that was closed earlier, and the log-odds that this was right.
+struct UncertainClosure {
+  ClosureId id;
+  double log_odds = 0;
+
+  auto members() { return std::tie(id, log_odds); }
+};
+
 /// A loop that closes otherwise than a map has it: the patches that lie near one another by it, of either
-/// side, how the second side moves by it, in the plane of the island, and the way over the map between them.
+/// side, how the second side moves by it, in the plane of the island, the way over the map between them, and
+/// the loops of the island that were closed before.
 struct OpenLoop {
   std::vector<PatchId> first;
   std::vector<PatchId> second;
   Pose first_from_second;
   double way_m = 0;
+  std::vector<UncertainClosure> closed_before = {};
 
-  auto members() { return std::tie(first, second, first_from_second, way_m); }
+  auto members() { return std::tie(first, second, first_from_second, way_m, closed_before); }
 };
 
-/// What the relations of a map were wrong in, if a closure is right that they are at odds with.
+/// What the relations of a map were wrong in, if a closure is right that they are at odds with: a link, or a
+/// closure that was accepted before, with all that rests on it.
 struct Blame {
-  WeakestCut link;
-  std::vector<RelationId> wrong;  ///< those of the link that do not agree with the closure, by id
-  std::vector<Pose> poses;        ///< of the island, fitted with the closure and without those
+  double log_odds = 0;            ///< that it is right, but for the closure
+  WeakestCut link;                ///< nothing in it: an earlier closure is to blame,
+  ClosureId closure;              ///< this
+  std::vector<RelationId> wrong;  ///< those that do not agree with the closure, by id
+  double cost = 0;                ///< of the fit with the closure and without those
+  std::vector<Pose> poses;        ///< of the island by that fit
 };
 
-/// Whether the link that is weakest around a loop was wrong, rather than all of them off by a little: where
-/// the island, fitted with the closure, costs more than without the link by more than the log-odds that the
-/// link is right. (The costs are negative log-likelihoods.) `before` is the graph without the closure, with
-/// `poses_before`; `fitted` that with it, and what its fit costs. A link that is surer than `max_log_odds` is
-/// not to blame.
+/// Whether the link that is weakest around a loop, or a loop that was closed before, was wrong, rather than
+/// all relations off by a little: where the island, fitted with the closure, costs more than without the
+/// culprit by more than the log-odds that it is right. (The costs are negative log-likelihoods.) Of several
+/// that which explains most. `before` is the graph without the closure, with `poses_before`; `fitted` that
+/// with it, and what its fit costs. What is surer than `max_log_odds` is not to blame.
 std::optional<Blame> blame(const OpenLoop& loop, const RelationGraph& before,
                            std::span<const Pose> poses_before, const RelationGraph& fitted, double cost,
                            double max_log_odds, const WeakLinkOptions& options);

@@ -78,10 +78,13 @@ double Trial::revisit_log_odds(const std::optional<Eigen::Matrix3d>& before) con
 }
 
 // Which of the links around the loop is wrong is not known before: as many could be as there are patches on
-// the way. What the one that is weakest has against it is in the account already.
-double Trial::any_link_log_odds() const {
+// the way, or loops that were closed before. What the one that is blamed has against it is in the account
+// already.
+double Trial::blamed_log_odds() const {
   const double links = std::max(1.0, proposal_.revisit->way_m / options_.patch_spacing_m);
-  return std::log(links) - std::log(proposal_.look_alikes);
+  const double culprits =
+      account_.blamed_closure.valid() ? static_cast<double>(proposal_.loop.closed_before.size()) : links;
+  return std::log(culprits) - std::log(proposal_.look_alikes);
 }
 
 void Trial::end_fit() {
@@ -103,7 +106,7 @@ void Trial::end_fit() {
     return;
   }
   if (proposal_.revisit)
-    account_.revisit_log_odds = blamed_.empty() ? revisit_log_odds(result.covariance) : any_link_log_odds();
+    account_.revisit_log_odds = blamed_.empty() ? revisit_log_odds(result.covariance) : blamed_log_odds();
   for (const Relation& relation : proposal_.relations) {
     propagation_.enqueue(relation.a, options_.propagation);
     propagation_.enqueue(relation.b, options_.propagation);
@@ -119,6 +122,7 @@ void Trial::take_out(const FitJob::Result& wrong) {
   blamed_ = wrong.blamed;
   map_.remove(blamed_);
   account_.blamed = static_cast<int>(blamed_.size());
+  account_.blamed_closure = wrong.blamed_closure;
   account_.blamed_log_odds = wrong.blamed_log_odds;
 }
 
@@ -361,7 +365,7 @@ void Trial::commit(Map& map) const {
   for (const auto& [id, relation] : map_.graph().relations()) {
     if (static_cast<std::size_t>(id.value) >= first_relation_) map.relate(relation);
   }
-  map.remove(blamed_);
+  if (!account_.blamed_closure.valid()) map.remove(blamed_);
 }
 
 }  // namespace isthmus

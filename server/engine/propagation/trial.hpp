@@ -116,7 +116,7 @@ class Trial {
   void judge_merge(const SharedPart& shared);
   void leave_undecided(Reason why);
   bool scans_disagree() const;
-  double any_link_log_odds() const;
+  double blamed_log_odds() const;
   double shared_log_odds() const;
   /// Against the closure, by walls of one side in the other's free space beyond what each does itself.
   double log_odds_by_walls() const;

@@ -2,6 +2,8 @@
 
 #include <tuple>
 
+#include "patches/ids.hpp"
+
 namespace isthmus {
 
 /// What spoke for and against a closure on its trial, as far as it was looked at; what it was held against is
@@ -25,6 +27,7 @@ struct TrialAccount {
   double fit_log_odds = 0;          ///< and by how badly finds and scans fit: none speaks for it
 
   int blamed = 0;              ///< relations of the map that are wrong if it is true,
+  ClosureId blamed_closure;    ///< the closure that they rest on, if that is what was wrong,
   double blamed_log_odds = 0;  ///< and that they are right, but for it
 
   /// By all of them.
@@ -35,7 +38,7 @@ struct TrialAccount {
   auto members() {
     return std::tie(supporters, two_way, compared, matched, cost, contradiction, own_contradiction, way_m,
                     width_m, own_m, border_contradiction, look_alikes, sighting_log_odds, revisit_log_odds,
-                    shared_log_odds, fit_log_odds, blamed, blamed_log_odds);
+                    shared_log_odds, fit_log_odds, blamed, blamed_closure, blamed_log_odds);
   }
 };
 

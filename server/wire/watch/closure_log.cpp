@@ -23,6 +23,8 @@ void ClosureLog::tell(const std::vector<ClosureRecord>& closures, const Log& log
                         {"patches", std::to_string(closure.patches_touched)}};
     if (closure.account.blamed > 0)
       fields.emplace_back("blamed_relations", std::to_string(closure.account.blamed));
+    if (closure.account.blamed_closure.valid())
+      fields.emplace_back("blamed_closure", std::to_string(closure.account.blamed_closure.value));
     log(LogLevel::info, std::string(word(closure.kind)) + " " + std::string(word(state)), fields);
   }
 }

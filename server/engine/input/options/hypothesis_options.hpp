@@ -27,8 +27,6 @@ struct HypothesisOptions {
   std::size_t agreement_patches = 200;
   double known_sigma_m = 4;
   double rival_m = 6;
-  double mapped_m = 0.15;
-  double mapped_rad = 0.03;
   std::size_t more_finds = 3;
   double hint_way_m = 40;
 
@@ -56,8 +54,6 @@ struct HypothesisOptions {
     option(known_sigma_m, "known_sigma_m", "m",
            "standard deviation: a map that knows less well than this where a find is asks for caution");
     option(rival_m, "rival_m", "m", "between finds of the same stretch of way that say otherwise");
-    option(mapped_m, "mapped_m", "m", "so near to what the map says, a find has nothing to add");
-    option(mapped_rad, "mapped_rad", "rad", "the same of its yaw");
     option(more_finds, "more_finds", "count", "before what was undecided is tried again");
     option(hint_way_m, "hint_way_m", "m", "of way over which a find that waits says where to look next");
   }

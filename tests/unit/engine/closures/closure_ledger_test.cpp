@@ -44,7 +44,7 @@ TEST(ClosureLedger, ContinuesTheRecordOfWhatIsOnTrialOnceMore) {
   EXPECT_EQ(ledger.at(id).record.work_steps, 12);
 }
 
-TEST(ClosureLedger, TellsScansWhatBecameOfWhatTheyProposed) {
+TEST(ClosureLedger, TellsOnceWhatBecameOfWhatWasProposed) {
   ClosureLedger ledger;
   for (const bool from_scans : {false, true}) {
     ClosureLedger::Entry& entry = ledger.enter(draft_of(ledger.take_id(), from_scans));
@@ -52,12 +52,33 @@ TEST(ClosureLedger, TellsScansWhatBecameOfWhatTheyProposed) {
     EXPECT_EQ(entry.record.reason, Reason::one_corridor);
   }
   const std::vector<ClosureOutcome> rulings = ledger.take_outcomes();
-  ASSERT_EQ(rulings.size(), 1U);
-  EXPECT_EQ(rulings[0].id, ClosureId{1});
-  EXPECT_EQ(rulings[0].state, ClosureState::waiting);
-  EXPECT_EQ(rulings[0].reason, Reason::one_corridor);
-  EXPECT_EQ(rulings[0].value, 40);
+  ASSERT_EQ(rulings.size(), 2U);
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(rulings[static_cast<std::size_t>(i)].id, ClosureId{i});
+  EXPECT_EQ(rulings[1].state, ClosureState::waiting);
+  EXPECT_EQ(rulings[1].reason, Reason::one_corridor);
+  EXPECT_EQ(rulings[1].value, 40);
   EXPECT_TRUE(ledger.take_outcomes().empty());
+}
+
+TEST(ClosureLedger, KnowsTheLoopsOfAnIslandThatItIsLeastSureOf) {
+  ClosureLedger ledger;
+  RelationGraph graph;
+  for (const int patch : {0, 1}) graph.add_patch(PatchId{patch});
+  const auto add = [&](int patch, ClosureState state, double log_odds) {
+    ClosureDraft draft = draft_of(ledger.take_id(), true);
+    draft.record.kind = ClosureKind::loop;
+    draft.record.joining.first = PatchId{patch};
+    draft.record.account.shared_log_odds = log_odds;
+    ledger.decide(ledger.enter(draft), state, Reason::from_scans);
+  };
+  for (const double sure : {9.0, -2.0, 7.0, 4.0, 8.0}) add(0, ClosureState::accepted, sure);
+  add(0, ClosureState::refused, 1);
+  add(1, ClosureState::accepted, 1);
+  const std::vector<UncertainClosure> found = ledger.closed_loops(graph, IslandId{PatchId{0}});
+  ASSERT_EQ(found.size(), 4U) << "a trial looks at so many";
+  const int by_doubt[] = {1, 3, 2, 4};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(found[i].id, ClosureId{by_doubt[i]});
+  EXPECT_EQ(found[0].log_odds, 0) << "it was accepted";
 }
 
 TEST(ClosureLedger, AllowsWithAClosureWhatScansWereRefusedForItsSake) {

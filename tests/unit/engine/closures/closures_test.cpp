@@ -166,6 +166,32 @@ TEST(Closures, KeepAMergeThatMoreSightingsSupportThanContradict) {
   EXPECT_NEAR(met.apart_y(), 1.5, 0.1);
 }
 
+// On one island, which hardly knows how the two lie to one another.
+TEST(Closures, WithdrawALoopThatSurerSightingsContradict) {
+  for (const bool surer : {true, false}) {
+    MisreadBarcodes met;
+    met.scene.join({0.1, 0.1, 1});
+    for (const double s : {10.0, 12.0, 14.0}) met.see_one_another(s, {1, 3});
+    met.work(16);
+    ASSERT_EQ(met.closures.closures().at(0).kind, ClosureKind::loop);
+    ASSERT_EQ(met.closures.closures().at(0).state, ClosureState::accepted);
+    ASSERT_NEAR(met.apart_y(), 4.5, 0.1) << "nothing has told yet that they are wrong";
+    const double step_s = surer ? 0.25 : 2.5;
+    for (double s = 10.25; s < 15; s += step_s) met.see_one_another(s);
+    met.work(30);
+    ASSERT_GE(met.closures.closures().size(), 2U) << "they agree with one another, and were tried";
+    const ClosureRecord first = met.closures.closures().at(0), second = met.closures.closures().at(1);
+    EXPECT_EQ(first.state, surer ? ClosureState::withdrawn : ClosureState::accepted) << word(second.reason);
+    EXPECT_NEAR(met.apart_y(), surer ? 1.5 : 4.5, 0.1);
+    if (!surer) continue;
+    EXPECT_EQ(first.reason, Reason::contradicted);
+    EXPECT_EQ(second.state, ClosureState::accepted);
+    EXPECT_EQ(second.account.blamed_closure, first.id);
+    for (std::size_t i = 0; i < 6; ++i)
+      EXPECT_NE(met.closures.sightings()[i].verdict, Verdict::accepted) << i;
+  }
+}
+
 // Nobody has agreed with it since it was made, but more made it than contradict it.
 TEST(Closures, KeepAMergeThatIsMadeOfMoreThanContradictIt) {
   MisreadBarcodes met;

@@ -114,13 +114,63 @@ TEST(HypothesisPool, ProposesFindsOfOnePlaceToo) {
   EXPECT_TRUE(its.propose()) << "a metre of way";
 }
 
-TEST(HypothesisPool, ProposesNothingThatAsManyFindsContradict) {
-  for (const std::size_t rivals : {1U, 2U}) {
+TEST(HypothesisPool, ProposesNothingThatASurerFindContradicts) {
+  for (const double rival : {3.0, 3.5}) {
     Pooling its;
     for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
-    for (std::size_t i = 0; i < rivals; ++i) its.find(1 + 2 * i, {3, -1.5 + 2.0 * static_cast<double>(i), 1});
-    EXPECT_EQ(its.propose(), rivals == 1);
+    its.find(1, {3, -1.5, 1}, 1, rival);
+    EXPECT_EQ(its.propose(), rival < 3.1) << "the three are worth 2 + 2 log(0.9 / 0.5)";
   }
+}
+
+// Whichever of its ends is near: what one robot found of the other's way the other may have found of its own.
+TEST(HypothesisPool, ProposesNothingThatASurerFindContradictsOfTheOtherRobot) {
+  Pooling its;
+  for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
+  const PatchId query = its.scene.first[1], anchor = its.scene.second[1];
+  const Relation relation = odometry_relation(anchor, query, {3, -1.5, 1});
+  its.pool.take(its.world(), "R1", {query, anchor, {3, -1.5, 1}, 0, 1, {relation}, 1, 0.7, 0.7, 5},
+                its.counts);
+  EXPECT_FALSE(its.propose());
+}
+
+TEST(HypothesisPool, TakesFindsThatAgreeWithAClosureInWithItAndLetsThemGoWithIt) {
+  Pooling its;
+  its.believe_little();
+  for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
+  ASSERT_TRUE(its.propose());
+  its.find(3, {0, 1.51, 0}, 1, 0.5);
+  its.find(1, {3, -1.5, 1}, 1, 0.5);
+  its.take_outcomes();
+  ASSERT_EQ(its.closures.closures()[0].state, ClosureState::accepted);
+  EXPECT_EQ(its.pool.waiting(), 1U) << "that which says otherwise";
+  const auto taken_in = [&] {
+    int count = 0;
+    for (const auto& [id, relation] : its.scene.map.graph().relations())
+      count += relation.origin == Origin{OriginKind::hypothesis, ClosureId{0}} &&
+               relation.a == its.scene.first[3] && relation.b == its.scene.second[3];
+    return count;
+  };
+  EXPECT_EQ(taken_in(), 1);
+  its.closures.forbid(its.world(), ClosureId{0}, true);
+  its.take_outcomes();
+  EXPECT_EQ(taken_in(), 0) << "it rests on the closure";
+  EXPECT_EQ(its.pool.waiting(), 2U) << "nobody has forbidden it itself";
+}
+
+TEST(HypothesisPool, ReopensFindsOfARefusedMergeOnceTheyAreOfOneIsland) {
+  Pooling its;
+  its.believe_little();
+  const auto decided = [&](const Pose& first_from_second) {
+    for (const std::size_t i : {0U, 2U, 4U}) its.find(i, first_from_second);
+    EXPECT_TRUE(its.propose());
+    its.take_outcomes();
+    return its.closures.closures().back().state;
+  };
+  ASSERT_EQ(decided({1.2, 0.6, 0}), ClosureState::refused);
+  EXPECT_EQ(its.pool.waiting(), 0U);
+  ASSERT_EQ(decided({0, 1.5, 0}), ClosureState::accepted);
+  EXPECT_EQ(its.pool.waiting(), 3U) << "the question is another one now";
 }
 
 TEST(HypothesisPool, KeepsAFindOnceHoweverOftenItIsMade) {

@@ -48,14 +48,15 @@ struct Square {
     return relation;
   }
   /// What is to blame if patch 15 lies by patch 0 where it truly does.
-  std::optional<Blame> closed(double max_log_odds = 100, const WeakLinkOptions& options = {}) const {
+  std::optional<Blame> closed(double max_log_odds = 100, const WeakLinkOptions& options = {},
+                              const std::vector<UncertainClosure>& closed_before = {}) const {
     RelationGraph with = graph;
     Relation closure = odometry_relation(PatchId{0}, PatchId{15}, step(0, 15), {2500, 2500, 10000});
     closure.origin = {OriginKind::hypothesis, ClosureId{0}};
     with.add(closure);
     std::vector<Pose> fitted = poses;
     const FitReport report = fit_island(with, IslandId{PatchId{0}}, fitted);
-    const OpenLoop loop{{PatchId{0}}, {PatchId{15}}, truth[15] * inverse(poses[15])};
+    const OpenLoop loop{{PatchId{0}}, {PatchId{15}}, truth[15] * inverse(poses[15]), 15, closed_before};
     return blame(loop, graph, poses, with, report.cost_after, max_log_odds, options);
   }
 
@@ -75,6 +76,39 @@ TEST(WeakLink, IsThePlacingAtWhichTheRobotSlipped) {
     const Pose off = ominus(found->poses[Square::at(i)], square.truth[Square::at(i)]);
     EXPECT_LT(std::hypot(off.x, off.y), 0.05) << i;
   }
+}
+
+/// Somebody has taken patch 12 for a place beside patch 3, a metre and more from where it truly is.
+Square bent_by(ClosureId wrong) {
+  Square square;
+  for (const int beside : {3, 4}) {
+    Relation relation = odometry_relation(PatchId{beside}, PatchId{12},
+                                          square.step(beside, 12) * Pose{1, 0.5, 0.3}, {2500, 2500, 10000});
+    relation.origin = {OriginKind::hypothesis, wrong};
+    square.graph.add(relation);
+  }
+  fit_island(square.graph, IslandId{PatchId{0}}, square.poses);
+  return square;
+}
+
+TEST(WeakLink, IsALoopThatWasClosedWronglyBeforeWhereThatExplainsMore) {
+  const ClosureId wrong{7};
+  const auto found = bent_by(wrong).closed(100, {}, {{wrong, 3}});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->closure, wrong);
+  EXPECT_EQ(found->log_odds, 3);
+  EXPECT_EQ(found->wrong.size(), 2U) << "all that it says, and no link of the way";
+  const Square square;
+  for (int i = 0; i < 16; ++i) {
+    const Pose off = ominus(found->poses[Square::at(i)], square.truth[Square::at(i)]);
+    EXPECT_LT(std::hypot(off.x, off.y), 0.05) << i;
+  }
+}
+
+TEST(WeakLink, IsNoEarlierLoopThatIsSurerThanWhatItWouldExplain) {
+  const ClosureId right{7};
+  const auto found = bent_by(right).closed(1e6, {}, {{right, 1e5}});
+  EXPECT_FALSE(found && found->closure.valid());
 }
 
 // What all links err by a little, no link is to blame for.

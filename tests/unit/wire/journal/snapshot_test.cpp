@@ -235,7 +235,7 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
   update_snapshots(journal);
   const std::string newest = list_journal(journal).snapshots.rbegin()->second;
   std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(9);
-  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 9; this program reads version 3");
+  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 9; this program reads version 4");
   EXPECT_TRUE(is_snapshot(newest));
   EXPECT_FALSE(is_snapshot(segment_path(journal, 1)));
 }
@@ -245,16 +245,21 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
 /// migrated.
 TEST(Snapshots, OfVersion1AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-1/snapshot-000002.isthmus");
-  EXPECT_NE(why.find("is of version 1; this program reads version 3"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 1; this program reads version 4"), std::string::npos) << why;
 }
 
 TEST(Snapshots, OfVersion2AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-2/snapshot-000002.isthmus");
-  EXPECT_NE(why.find("is of version 2; this program reads version 3"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 2; this program reads version 4"), std::string::npos) << why;
 }
 
-TEST(Snapshots, OfVersion3AreRead) {
-  const std::string path = "tests/unit/wire/snapshots/version-3/snapshot-000001.isthmus";
+TEST(Snapshots, OfVersion3AreRefusedByWord) {
+  const std::string why = why_unreadable("tests/unit/wire/snapshots/version-3/snapshot-000001.isthmus");
+  EXPECT_NE(why.find("is of version 3; this program reads version 4"), std::string::npos) << why;
+}
+
+TEST(Snapshots, OfVersion4AreRead) {
+  const std::string path = "tests/unit/wire/snapshots/version-4/snapshot-000001.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
   EXPECT_EQ(snapshot.map.events, 806);
@@ -262,7 +267,7 @@ TEST(Snapshots, OfVersion3AreRead) {
   EXPECT_EQ(map.trajectory_rows, 130U);
   EXPECT_EQ(map.sightings.size(), 15U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "ad10eb5d56c30c508d917eb2e3863c462a1bb157f0e8f4031f947e81eaf2539e");
+  EXPECT_EQ(map_sha256(map), "7abee5dbaf107cb171df038787643de9cec6d4fe413d06b988302c23663e963c");
 }
 
 }  // namespace
