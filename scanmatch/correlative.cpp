@@ -141,9 +141,15 @@ class Search {
             wrap_angle(window_.centre.yaw + answer.yaw_offset)};
   }
 
+  // The cells that the beams end in, at one yaw and without a shift.
+  struct Turned {
+    double yaw_offset = 0;
+    std::vector<std::ptrdiff_t> cells;
+  };
+
   // A block of shifts at one yaw.
   struct Block {
-    double yaw_offset = 0;
+    std::size_t turned = 0;
     Shift shift;
   };
 
@@ -158,47 +164,48 @@ class Search {
       const int outwards = (k + 1) / 2;
       const double yaw_offset = (k % 2 == 1 ? 1 : -1) * outwards * options_.yaw_step_rad;
       if (std::abs(yaw_offset) > std::numbers::pi + options_.yaw_step_rad / 2) break;
-      turn_to(yaw_offset);
+      turned_.push_back(turned(yaw_offset));
       const int width = 1 << top_;
       for (int y = -half_y_; y <= half_y_; y += width)
         for (int x = -half_x_; x <= half_x_; x += width)
-          blocks.push_back({yaw_offset, evaluated(top_, x, y)});
+          blocks.push_back({turned_.size() - 1, evaluated(turned_.back(), top_, x, y)});
     }
     std::stable_sort(blocks.begin(), blocks.end(),
                      [](const Block& a, const Block& b) { return a.shift.score > b.shift.score; });
     for (const Block& block : blocks) {
       if (exhausted_ || block.shift.score <= options_.second_share * best_score_) return;
-      turn_to(block.yaw_offset);
       std::vector<Shift> nodes{block.shift};
-      descend(top_, nodes, block.yaw_offset);
+      descend(turned_[block.turned], top_, nodes);
     }
   }
 
-  void turn_to(double yaw_offset) {
-    cells_.clear();
+  Turned turned(double yaw_offset) const {
+    Turned made{yaw_offset, {}};
+    made.cells.reserve(beams_.size());
     const double c = std::cos(window_.centre.yaw + yaw_offset);
     const double s = std::sin(window_.centre.yaw + yaw_offset);
     for (const Eigen::Vector2d& beam : beams_)
-      cells_.push_back(pyramid_.cell({window_.centre.x + (c * beam.x() - s * beam.y()),
-                                      window_.centre.y + (s * beam.x() + c * beam.y())}));
+      made.cells.push_back(pyramid_.cell({window_.centre.x + (c * beam.x() - s * beam.y()),
+                                          window_.centre.y + (s * beam.x() + c * beam.y())}));
+    return made;
   }
 
-  Shift evaluated(int level, int x, int y) {
+  Shift evaluated(const Turned& turned, int level, int x, int y) {
     ++evaluations_;
     if (evaluations_ > options_.max_evaluations) exhausted_ = true;
     int score = 0;
     const std::uint8_t* fits = pyramid_.level(level) + pyramid_.step(x, y);
-    for (const std::ptrdiff_t cell : cells_) score += fits[cell];
+    for (const std::ptrdiff_t cell : turned.cells) score += fits[cell];
     return {x, y, score};
   }
 
-  void descend(int level, std::vector<Shift>& nodes, double yaw_offset) {
+  void descend(const Turned& turned, int level, std::vector<Shift>& nodes) {
     std::stable_sort(nodes.begin(), nodes.end(),
                      [](const Shift& a, const Shift& b) { return a.score > b.score; });
     for (const Shift& node : nodes) {
       if (exhausted_ || node.score <= options_.second_share * best_score_) return;
       if (level == 0) {
-        answers_.push_back({node.x, node.y, yaw_offset, node.score});
+        answers_.push_back({node.x, node.y, turned.yaw_offset, node.score});
         best_score_ = std::max(best_score_, node.score);
         continue;
       }
@@ -207,10 +214,10 @@ class Search {
       for (const int dy : {0, half}) {
         for (const int dx : {0, half}) {
           if (node.x + dx <= half_x_ && node.y + dy <= half_y_)
-            children.push_back(evaluated(level - 1, node.x + dx, node.y + dy));
+            children.push_back(evaluated(turned, level - 1, node.x + dx, node.y + dy));
         }
       }
-      descend(level - 1, children, yaw_offset);
+      descend(turned, level - 1, children);
     }
   }
 
@@ -222,7 +229,7 @@ class Search {
   int top_;
   FitPyramid pyramid_;
   std::vector<Eigen::Vector2d> beams_;
-  std::vector<std::ptrdiff_t> cells_;
+  std::vector<Turned> turned_;
   std::vector<Answer> answers_;
   int best_score_ = 0;
   long evaluations_ = 0;
