@@ -1,6 +1,7 @@
 #include "scanmatch/correlative.hpp"
 
 #include <algorithm>
+#include <boost/container/static_vector.hpp>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -174,8 +175,7 @@ class Search {
                      [](const Block& a, const Block& b) { return a.shift.score > b.shift.score; });
     for (const Block& block : blocks) {
       if (exhausted_ || block.shift.score <= options_.second_share * best_score_) return;
-      std::vector<Shift> nodes{block.shift};
-      descend(turned_[block.turned], top_, nodes);
+      descend(turned_[block.turned], top_, {block.shift});
     }
   }
 
@@ -199,9 +199,14 @@ class Search {
     return {x, y, score};
   }
 
-  void descend(const Turned& turned, int level, std::vector<Shift>& nodes) {
-    std::stable_sort(nodes.begin(), nodes.end(),
-                     [](const Shift& a, const Shift& b) { return a.score > b.score; });
+  // Best first; of equal ones, that which came first.
+  using BestFirst = boost::container::static_vector<Shift, 4>;
+  static void insert(BestFirst& shifts, const Shift& shift) {
+    const auto worse = [](const Shift& a, const Shift& b) { return a.score > b.score; };
+    shifts.insert(std::upper_bound(shifts.begin(), shifts.end(), shift, worse), shift);
+  }
+
+  void descend(const Turned& turned, int level, const BestFirst& nodes) {
     for (const Shift& node : nodes) {
       if (exhausted_ || node.score <= options_.second_share * best_score_) return;
       if (level == 0) {
@@ -209,12 +214,12 @@ class Search {
         best_score_ = std::max(best_score_, node.score);
         continue;
       }
-      std::vector<Shift> children;
+      BestFirst children;
       const int half = 1 << (level - 1);
       for (const int dy : {0, half}) {
         for (const int dx : {0, half}) {
           if (node.x + dx <= half_x_ && node.y + dy <= half_y_)
-            children.push_back(evaluated(turned, level - 1, node.x + dx, node.y + dy));
+            insert(children, evaluated(turned, level - 1, node.x + dx, node.y + dy));
         }
       }
       descend(turned, level - 1, children);
