@@ -109,6 +109,10 @@ Eigen::Vector2d across(const Feature& feature) {
   return {t.y(), -t.x()};
 }
 
+Eigen::Vector2d middle(const Feature& feature) {
+  return feature.kind == FeatureKind::segment ? Eigen::Vector2d(0.5 * (feature.a + feature.b)) : feature.a;
+}
+
 Feature operator*(const Pose& a_from_b, const Feature& feature_b) {
   Feature feature = feature_b;
   feature.a = a_from_b * feature_b.a;

@@ -70,6 +70,9 @@ Eigen::Vector2d along(const Feature& feature);  ///< unit, from a to b
 Eigen::Vector2d across(
     const Feature& feature);  ///< unit, a quarter turn clockwise of `along`: away from the observer
 
+/// Halfway between a segment's ends; the place of others.
+Eigen::Vector2d middle(const Feature& feature);
+
 /// The feature of frame b, in frame a.
 Feature operator*(const Pose& a_from_b, const Feature& feature_b);
 

@@ -1,306 +1,235 @@
 #include "server/features/fusion.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <nanoflann.hpp>
-#include <numbers>
-#include <optional>
-#include <set>
 #include <utility>
 
 #include "server/features/growth.hpp"
-#include "server/features/measurement.hpp"
+#include "server/features/joined_maps.hpp"
+#include "server/features/twin_search.hpp"
 
 namespace isthmus {
 namespace {
 
-/// On FusionOptions::at_once: larger groups are slower, and sometimes tell apart what smaller ones do not.
-constexpr std::array<std::size_t, 3> group_factors = {1, 2, 4};
-
-/// Points along features of the first map, for the kd-tree: a segment has one each metre.
-struct Landmarks {
-  std::vector<Eigen::Vector2d> points;
-  std::vector<std::size_t> feature;  ///< index in the state, of each point
-
-  // As nanoflann asks for it.
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points[i][static_cast<Eigen::Index>(axis)];
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
+struct TwinPair {
+  std::size_t one = 0;  ///< indices of features
+  std::size_t two = 0;
 };
 
-Landmarks landmarks_of(const FeatureState& state, std::size_t count) {
-  Landmarks all;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Feature& feature = state.features[i].feature;
-    const bool is_long = feature.kind == FeatureKind::segment;
-    const int pieces = is_long ? std::max(1, static_cast<int>(std::ceil(length_m(feature)))) : 0;
-    for (int k = 0; k <= pieces; ++k) {
-      const double share = is_long ? static_cast<double>(k) / pieces : 0;
-      all.points.push_back(is_long ? Eigen::Vector2d(feature.a + share * (feature.b - feature.a))
-                                   : feature.a);
-      all.feature.push_back(i);
+/// The two that met, and how.
+struct WhoMet {
+  int robot_1 = 0;
+  int robot_2 = 0;
+  RobotAlignment alignment;
+};
+
+/// Two maps, the pairs found so far, and what these tell together with the sighting.
+class Joining {
+ public:
+  Joining(const FeatureState& one, const FeatureState& two, const WhoMet& met,
+          const FusionOptions& options)
+      : maps_{one, two, {}, {}, {}},
+        met_(met),
+        options_(options),
+        ties_(one, two),
+        taken_(one.features.size(), false) {
+    const Pose& first = one.robots[static_cast<std::size_t>(met.robot_1)].map_from_robot;
+    const Pose& second = two.robots[static_cast<std::size_t>(met.robot_2)].map_from_robot;
+    maps_.one_from_two = first * met.alignment.one_from_two * inverse(second);
+    maps_.about = position(first * met.alignment.one_from_two);
+    maps_.seen_from = met.alignment.is_polar ? position(first) : maps_.about;
+    tie_all();
+  }
+
+  const TiedMaps& maps() const { return maps_; }
+  const TieFilter& ties() const { return ties_; }
+  const std::vector<bool>& taken() const { return taken_; }
+  const std::vector<TwinPair>& pairs() const { return pairs_; }
+
+  void add(const TwinCandidate& found) {
+    if (taken_[found.one] || !ties_.append(found.tie)) return;
+    pairs_.push_back({found.one, found.two});
+    taken_[found.one] = true;
+  }
+
+  /// Where the ties turn the second map, by itself or about the robot that saw the other, they are taken anew
+  /// about its new place (Gauss and Newton).
+  void follow() {
+    const double range = std::max(1.0, (maps_.about - maps_.seen_from).norm());
+    for (int step = 0; step < max_steps; ++step) {
+      const Eigen::Vector3d delta = ties_.maps_correction();
+      if (!(std::max(std::abs(delta.z()), delta.head<2>().norm() / range) > options_.linear_rad)) return;
+      maps_.one_from_two = maps_.moved(delta);
+      tie_all();
     }
   }
-  return all;
-}
 
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Landmarks>, Landmarks,
-                                                 2, std::uint32_t>;
+  /// Pairs that all other ties contradict go, the worst first.
+  void drop_contradicted(const Gates& gates) {
+    while (const std::optional<std::size_t> worst = contradicted(gates)) {
+      taken_[pairs_[*worst].one] = false;
+      pairs_.erase(pairs_.begin() + static_cast<std::ptrdiff_t>(*worst));
+      tie_all();
+      follow();
+    }
+  }
 
-/// The search for duplicates in an aligned state, which each one found corrects.
-class DuplicateSearch {
- public:
-  DuplicateSearch(Fusion& fusion, std::size_t first_count, const FusionOptions& options)
-      : fusion_(fusion),
-        state_(fusion.state),
-        first_count_(first_count),
-        options_(options),
-        gates_(options.probability) {}
-
-  void run(const Eigen::Vector2d& rendezvous) {
-    std::vector<std::size_t> order;
-    for (std::size_t i = first_count_; i < state_.features.size(); ++i) order.push_back(i);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return (middle(a) - rendezvous).squaredNorm() < (middle(b) - rendezvous).squaredNorm();
-    });
-    pair_all(order);
-    pair_all(std::exchange(waiting_, {}));
+  /// The same pairs with another state of the first map, whose features are the same.
+  Joining with(const FeatureState& one) const {
+    Joining other(one, maps_.two, met_, options_);
+    other.maps_.one_from_two = maps_.one_from_two;
+    other.pairs_ = pairs_;
+    other.taken_ = taken_;
+    other.tie_all();
+    return other;
   }
 
  private:
-  void pair_all(const std::vector<std::size_t>& order) {
-    for (std::size_t from = 0; from < order.size(); from += options_.at_once) {
-      const std::size_t to = std::min(order.size(), from + options_.at_once);
-      pair_group(std::span(order).subspan(from, to - from));
-    }
-  }
+  static constexpr int max_steps = 5;  // two are enough
 
-  Eigen::Vector2d middle(std::size_t index) const {
-    const Feature& feature = state_.features[index].feature;
-    return feature.kind == FeatureKind::segment ? Eigen::Vector2d(0.5 * (feature.a + feature.b)) : feature.a;
-  }
-
-  /// Of its place, or of a segment's line and middle along it as far as known.
-  double largest_sigma(std::size_t index) const {
-    const LocalMatrix by = project_to_feature(state_.features[index].feature).topRows<2>();
-    return std::sqrt((by * feature_covariance(state_, index) * by.transpose()).trace());
-  }
-
-  void pair_group(std::span<const std::size_t> group) {
-    const Landmarks landmarks = landmarks_of(state_, first_count_);
-    Tree tree(2, landmarks);
-    tree.buildIndex();
-    double first_sigma = 0;
-    for (std::size_t i = 0; i < first_count_; ++i) first_sigma = std::max(first_sigma, largest_sigma(i));
-    std::vector<Candidate> all;
-    for (const std::size_t index : group) {
-      std::vector<Candidate> own = candidates_of(index, landmarks, tree, first_sigma);
-      const bool ambiguous =
-          own.size() > 1 && own[1].squared_distance < own[0].squared_distance + options_.ambiguity;
-      if (ambiguous) {
-        waiting_.push_back(index);
-        continue;
-      }
-      for (Candidate& one : own) all.push_back(std::move(one));
-    }
-    const std::vector<std::size_t> chosen =
-        largest_compatible(state_.covariance, all, options_.association, gates_);
-    const Fusion before = fusion_;
-    const std::set<std::size_t> taken_before = taken_;
-    bool is_supported = chosen.empty();
-    for (const std::size_t which : chosen) is_supported = accept(all[which], tree) || is_supported;
-    if (is_supported) return;
-    fusion_ = before;  // no pair that chance may not have made
-    taken_ = taken_before;
-  }
-
-  std::vector<Candidate> candidates_of(std::size_t index, const Landmarks& landmarks, const Tree& tree,
-                                       double first_sigma) {
-    const Feature& feature = state_.features[index].feature;
-    const double half = feature.kind == FeatureKind::segment ? 0.5 * length_m(feature) + 1 : 0;
-    const double radius = std::sqrt(gates_(2)) * (largest_sigma(index) + first_sigma) + half;
-    const Eigen::Vector2d centre = middle(index);
-    std::vector<std::pair<std::uint32_t, double>> found;
-    tree.radiusSearch(centre.data(), radius * radius, found, nanoflann::SearchParams());
-    std::set<std::size_t> twins;
-    for (const auto& [point, squared] : found) twins.insert(landmarks.feature[point]);
-    std::vector<Candidate> all;
-    for (const std::size_t twin : twins) {
-      if (taken_.contains(twin) || !alike(twin, index)) continue;
-      auto measurement = measure_identity(state_, twin, index, options_.identity_sigma_m);
-      if (!measurement) continue;
-      const double distance = squared_distance(state_.covariance, *measurement);
-      if (distance < gates_(measurement->residual.size()))
-        all.push_back({index, twin, *std::move(measurement), distance, false});
-    }
-    std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
-      return std::pair(a.squared_distance, a.index) < std::pair(b.squared_distance, b.index);
+  void tie_all() {
+    ties_.clear();
+    ties_.append(tie_robots(maps_, met_.robot_1, met_.robot_2, met_.alignment));
+    std::erase_if(pairs_, [&](const TwinPair& pair) {
+      const std::optional<MapTie> tie = tie_features(maps_, pair.one, pair.two, options_.identity_sigma_m);
+      if (tie && ties_.append(*tie)) return false;
+      taken_[pair.one] = false;
+      return true;
     });
-    return all;
   }
 
-  bool alike(std::size_t twin, std::size_t index) const {
-    const Feature &one = state_.features[twin].feature, &other = state_.features[index].feature;
-    if (one.kind != other.kind || (one.kind == FeatureKind::point && !options_.points)) return false;
-    if (one.kind == FeatureKind::corner)
-      return std::abs(one.opening_rad - other.opening_rad) < options_.association.opening_tolerance_rad;
-    return one.kind != FeatureKind::segment ||
-           overlap(one, other, largest_sigma(index)) >= options_.association.min_overlap;
+  /// The pair beyond its gate that the others put farthest apart: S⁻¹, the second map's place being unknown,
+  /// has what each says given all others on its diagonal.
+  std::optional<std::size_t> contradicted(const Gates& gates) const {
+    const Eigen::Index rows = ties_.rows();
+    const Eigen::MatrixXd white =
+        ties_.factor().triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(rows, rows));
+    const Eigen::MatrixXd by = white.transpose() * ties_.by_maps();
+    const Eigen::Matrix3d place = ties_.maps_covariance();
+    const Eigen::VectorXd pull =
+        white.transpose() * (ties_.residual() - ties_.by_maps() * ties_.maps_correction());
+    std::optional<std::size_t> worst;
+    double most = 1;
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      const Eigen::Index at = ties_.starts()[i + 1];
+      const Eigen::Index size = (i + 2 < ties_.starts().size() ? ties_.starts()[i + 2] : rows) - at;
+      const Eigen::MatrixXd own_white = white.middleCols(at, size);
+      const LocalMatrix own = own_white.transpose() * own_white -
+                              by.middleRows(at, size) * place * by.middleRows(at, size).transpose();
+      const LocalVector force = pull.segment(at, size);
+      const double share = force.dot(own.llt().solve(force)) / gates(size);
+      if (share <= most) continue;
+      most = share;
+      worst = i;
+    }
+    return worst;
   }
 
-  /// Measured anew, for those accepted before it have corrected the state. Whether it is one that chance
-  /// would hardly have made.
-  bool accept(const Candidate& pair, const Tree& tree) {
-    learn_from(state_, pair.index, state_.features[pair.seen].feature, options_.association.end_slack_m);
-    const auto identity = measure_identity(state_, pair.index, pair.seen, options_.identity_sigma_m);
-    if (!identity) return false;
-    const double distance = squared_distance(state_.covariance, *identity);
-    const double by_chance = expected_by_chance(pair, *identity, tree);
-    if (distance >= gates_(identity->residual.size()) || !correct(state_, {&*identity, 1})) return false;
-    fusion_.squared_distance += distance;
-    fusion_.degrees_of_freedom += static_cast<int>(identity->residual.size());
-    fusion_.duplicates.push_back({state_.features[pair.index].id, state_.features[pair.seen].id});
-    state_.features[pair.index].seen += state_.features[pair.seen].seen;
-    reach_to(state_, pair.index, state_.features[pair.seen].feature);
-    taken_.insert(pair.index);
-    return by_chance < options_.max_by_chance;
-  }
-
-  /// How many landmarks of the first map would lie within the gate by chance: their density within 5 m, times
-  /// its area. A segment's direction and line are seldom met by chance.
-  double expected_by_chance(const Candidate& pair, const LinearMeasurement& identity,
-                            const Tree& tree) const {
-    if (state_.features[pair.seen].feature.kind == FeatureKind::segment) return 0;
-    constexpr double around_m = 5;
-    std::vector<std::pair<std::uint32_t, double>> found;
-    const Eigen::Vector2d place = state_.features[pair.index].feature.a;
-    tree.radiusSearch(place.data(), around_m * around_m, found, nanoflann::SearchParams());
-    const double density = static_cast<double>(found.size()) / (std::numbers::pi * around_m * around_m);
-    const LocalMatrix s = innovation_covariance(state_.covariance, identity);
-    const double area = std::numbers::pi * gates_(2) * std::sqrt(s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0));
-    return density * area;
-  }
-
-  Fusion& fusion_;
-  FeatureState& state_;
-  std::size_t first_count_;
-  const FusionOptions& options_;
-  Gates gates_;
-  std::set<std::size_t> taken_;
-  std::vector<std::size_t> waiting_;
+  TiedMaps maps_;
+  WhoMet met_;
+  FusionOptions options_;
+  TieFilter ties_;
+  std::vector<bool> taken_;  ///< features of the first map
+  std::vector<TwinPair> pairs_;
 };
 
-/// A prior so wide says a hundredth of what the sighting says.
-constexpr double wide = 100;
-
-/// Both maps aligned where a first pass found them to lie, and all that is known of how they do: the sighting
-/// as one measurement, then each pair.
-struct Joined {
-  FeatureState state;
-  std::vector<LinearMeasurement> measurements;
-};
-Joined join(const Fusion& fusion, const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
-            const RobotAlignment& alignment, const Pose& found, const FusionOptions& options) {
-  const int met = static_cast<int>(one.robots.size()) + robot_2;
-  Joined joined{aligned(one, robot_1, two, robot_2, {found, wide * alignment.covariance}), {}};
-  FeatureState& state = joined.state;
-  for (const Fusion::Duplicate& pair : fusion.duplicates)
-    learn_from(state, *index_of(state, pair.kept), state.features[*index_of(state, pair.gone)].feature,
-               options.association.end_slack_m);
-  joined.measurements.push_back(
-      measure_relative_pose(state, robot_1, met, alignment.one_from_two, alignment.covariance));
-  for (const Fusion::Duplicate& pair : fusion.duplicates) {
-    auto identity = measure_identity(state, *index_of(state, pair.kept), *index_of(state, pair.gone),
-                                     options.identity_sigma_m);
-    if (identity) joined.measurements.push_back(*std::move(identity));
+/// Features of the second map, from the rendezvous outwards.
+std::vector<std::size_t> outwards(const TiedMaps& maps) {
+  std::vector<std::pair<double, std::size_t>> by_distance;
+  for (std::size_t i = 0; i < maps.two.features.size(); ++i) {
+    const Eigen::Vector2d arm = maps.one_from_two * middle(maps.two.features[i].feature) - maps.about;
+    by_distance.emplace_back(arm.squaredNorm(), i);
   }
-  return joined;
+  std::sort(by_distance.begin(), by_distance.end());
+  std::vector<std::size_t> order;
+  for (const auto& [distance, index] : by_distance) order.push_back(index);
+  return order;
 }
 
-/// The pair that all other measurements contradict most, beyond its gate: its squared distance given them.
-std::optional<std::size_t> contradicted_pair(const Joined& joined, const Gates& gates) {
-  const auto& all = joined.measurements;
-  std::vector<Eigen::Index> at{0};
-  for (const LinearMeasurement& one : all) at.push_back(at.back() + one.residual.size());
-  Eigen::MatrixXd s(at.back(), at.back());
-  Eigen::VectorXd residual(at.back());
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    residual.segment(at[i], all[i].residual.size()) = all[i].residual;
-    for (std::size_t k = 0; k < all.size(); ++k)
-      s.block(at[i], at[k], all[i].residual.size(), all[k].residual.size()) =
-          cross_covariance(joined.state.covariance, all[i], all[k]);
-    s.block(at[i], at[i], all[i].residual.size(), all[i].residual.size()) += all[i].noise;
+/// Pairs what is certain of `order`, a group at a time; returns what had candidates and stayed open.
+std::vector<std::size_t> pair_up(Joining& joining, const TwinSearch& search,
+                                 const std::vector<std::size_t>& order, const FusionOptions& options,
+                                 SearchWork& work) {
+  std::vector<std::size_t> open;
+  std::vector<TwinCandidate> group;
+  std::vector<std::size_t> members;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    std::vector<TwinCandidate> own =
+        search.candidates(joining.maps(), joining.ties(), order[k], joining.taken(), work);
+    if (!own.empty()) members.push_back(order[k]);
+    for (TwinCandidate& one : own) group.push_back(std::move(one));
+    if (members.empty() || (members.size() < options.at_once && k + 1 < order.size())) continue;
+    std::vector<std::size_t> waiting = std::exchange(members, {});
+    for (const std::size_t which : search.certain(joining.maps(), joining.ties(), group, work)) {
+      joining.add(group[which]);
+      std::erase(waiting, group[which].two);
+    }
+    joining.follow();
+    open.insert(open.end(), waiting.begin(), waiting.end());
+    group.clear();
   }
-  const Eigen::MatrixXd inverse = s.llt().solve(Eigen::MatrixXd::Identity(s.rows(), s.cols()));
-  const Eigen::VectorXd pull = inverse * residual;
-  std::optional<std::size_t> worst;
-  double most = 1;
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    const Eigen::Index size = all[i].residual.size();
-    const LocalMatrix own = inverse.block(at[i], at[i], size, size);
-    const LocalVector by = pull.segment(at[i], size);
-    const double share = by.dot(own.llt().solve(by)) / gates(size);
-    if (share <= most) continue;
-    most = share;
-    worst = i - 1;
-  }
-  return worst;
+  return open;
 }
 
-/// The duplicates once more in maps aligned where the first pass found them to lie: nothing is compared by an
-/// alignment that is degrees off. Pairs that all others contradict go. False where that cannot be solved.
-bool fuse_again(Fusion& fusion, const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
-                const RobotAlignment& alignment, const FusionOptions& options) {
-  const std::size_t met = one.robots.size() + static_cast<std::size_t>(robot_2);
-  const Pose found = ominus(fusion.state.robots[met].map_from_robot,
-                            fusion.state.robots[static_cast<std::size_t>(robot_1)].map_from_robot);
-  const Gates gates(options.probability, 4);
-  Joined joined = join(fusion, one, robot_1, two, robot_2, alignment, found, options);
-  while (joined.measurements.size() == fusion.duplicates.size() + 1) {
-    const std::optional<std::size_t> worst = contradicted_pair(joined, gates);
-    if (!worst) break;
-    fusion.duplicates.erase(fusion.duplicates.begin() + static_cast<std::ptrdiff_t>(*worst));
-    joined = join(fusion, one, robot_1, two, robot_2, alignment, found, options);
+/// The first map with what its twins know more of its features: an end, a heading, a radius. Nothing where
+/// they know no more.
+std::optional<FeatureState> learned(const Joining& joining, double end_slack_m) {
+  std::optional<FeatureState> state;
+  const TiedMaps& maps = joining.maps();
+  for (const TwinPair& pair : joining.pairs()) {
+    const Feature there = maps.one_from_two * maps.two.features[pair.two].feature;
+    const auto known = known_components(maps.one.features[pair.one].feature),
+               others = known_components(there);
+    const bool is_more = std::ranges::any_of(std::array{2, 3}, [&](int k) {
+      return others[static_cast<std::size_t>(k)] && !known[static_cast<std::size_t>(k)];
+    });
+    if (!is_more) continue;
+    if (!state) state = maps.one;
+    learn_from(*state, pair.one, there, end_slack_m);
   }
-  FeatureState& state = joined.state;
-  if (!correct(state, joined.measurements)) return false;
-  for (const Fusion::Duplicate& pair : fusion.duplicates) {
-    const std::size_t kept = *index_of(state, pair.kept), gone = *index_of(state, pair.gone);
-    state.features[kept].seen += state.features[gone].seen;
-    reach_to(state, kept, state.features[gone].feature);
+  return state;
+}
+
+Fusion fusion_of(const Joining& joining) {
+  const TiedMaps& maps = joining.maps();
+  Fusion fusion;
+  std::vector<bool> gone(maps.two.features.size(), false);
+  for (const TwinPair& pair : joining.pairs()) gone[pair.two] = true;
+  fusion.state = joined_maps(maps, joining.ties(), gone);
+  const Eigen::Vector3d delta = joining.ties().maps_correction();
+  const Pose place = maps.moved(delta);
+  for (const TwinPair& pair : joining.pairs()) {
+    const FeatureInState& twin = maps.two.features[pair.two];
+    fusion.duplicates.push_back({maps.one.features[pair.one].id, twin.id + maps.one.next_id});
+    fusion.state.features[pair.one].seen += twin.seen;
+    reach_to(fusion.state, pair.one, place * twin.feature);
   }
-  fusion.state = std::move(state);
-  return true;
+  fusion.squared_distance = (joining.ties().residual() - joining.ties().by_maps() * delta).squaredNorm();
+  fusion.degrees_of_freedom = static_cast<int>(joining.ties().rows()) - 3;
+  return fusion;
 }
 
 }  // namespace
 
 Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
             const RobotAlignment& alignment, const FusionOptions& options) {
-  Fusion fusion;
-  fusion.state = aligned(one, robot_1, two, robot_2, alignment);
-  const std::size_t met = one.robots.size() + static_cast<std::size_t>(robot_2);
-  const Eigen::Vector2d rendezvous = position(fusion.state.robots[met].map_from_robot);
-  const FeatureState start = fusion.state;
-  for (const std::size_t times : group_factors) {
-    Fusion other;
-    other.state = start;
-    FusionOptions larger = options;
-    larger.at_once *= times;
-    DuplicateSearch(other, one.features.size(), larger).run(rendezvous);
-    if (other.duplicates.size() > fusion.duplicates.size()) fusion = std::move(other);
+  Joining joining(one, two, {robot_1, robot_2, alignment}, options);
+  std::vector<Feature> features;
+  for (const FeatureInState& entry : one.features) features.push_back(entry.feature);
+  const LandmarkTree tree(features);
+  const TwinSearch search(joining.maps(), tree, options);
+  SearchWork work(options.steps_per_feature * two.features.size());
+  std::vector<std::size_t> open = outwards(joining.maps());
+  for (std::size_t before = open.size() + 1; !open.empty() && open.size() < before;) {
+    before = open.size();
+    open = pair_up(joining, search, open, options, work);
   }
-  if (!fusion.duplicates.empty()) fuse_again(fusion, one, robot_1, two, robot_2, alignment, options);
-  for (const Fusion::Duplicate& pair : fusion.duplicates)
-    remove_feature(fusion.state, *index_of(fusion.state, pair.gone));
+  joining.drop_contradicted(Gates(options.probability, 4));
+  const std::optional<FeatureState> more = learned(joining, options.association.end_slack_m);
+  Fusion fusion = fusion_of(more ? joining.with(*more) : joining);
+  fusion.came_to_end = work.left() > 0;
   return fusion;
 }
 

@@ -10,11 +10,14 @@ struct FusionOptions {
   double probability = 0.999;      ///< that a true pair passes: a twin that is missed stays double for good
   std::size_t at_once = 8;  ///< features paired together: what lies as near to the rendezvous as the next
   double identity_sigma_m =
-      1e-3;              ///< m, rad: two maps of one thing agree to a millimetre; keeps matrices definite
-  double ambiguity = 6;  ///< by which the second best must be worse in squared distance: e³ times less likely
-  bool points = true;    ///< whether points may be twins; not those that are known by a name
-  double max_by_chance =
-      0.1;  ///< landmarks expected within a pair's gate, of one pair at least of each group
+      1e-3;                 ///< m, rad: two maps of one thing agree to a millimetre; keeps matrices definite
+  bool points = true;       ///< whether points may be twins; not those that are known by a name
+  double min_log_odds = 3;  ///< by which a pair is the likeliest account of its group: 20 to 1
+  std::size_t steps_per_feature = 2'000;  ///< of the second map, that the searches may take together
+                                          ///< (SearchWork): 20 times what the fullest maps tried needed;
+                                          ///< then no more twins are looked for
+  double linear_rad = 5e-3;  ///< rad that the second map may turn before all is taken about its new place:
+                             ///< 100 m away it is off by a millimetre then
 };
 
 /// What a fusion found.
@@ -25,18 +28,19 @@ struct Fusion {
   };
   FeatureState state;                 ///< duplicates removed
   std::vector<Duplicate> duplicates;  ///< in the order in which they were found
-  double squared_distance = 0;        ///< of all pairings together, over `degrees_of_freedom`
+  double squared_distance = 0;        ///< of sighting and pairings together, over `degrees_of_freedom`
   int degrees_of_freedom = 0;
+  bool came_to_end = true;  ///< whether all was looked at before the searches' steps were used up
 };
 
 /// Two maps become one at a rendezvous: aligned; duplicates found from the rendezvous outwards, for what the
 /// alignment errs grows with the distance from it (Zhou and Roumeliotis 2006, III-E and algorithm 1). A few
-/// at a time: what may be each one's twin comes from a kd-tree, within what both may be off; joint
-/// compatibility decides; each pair is measured to be one (eq. 20), the nearest first, which corrects the
-/// whole second map. Where another twin is nearly as likely it waits for the others, and stays a feature of
-/// its own if that does not settle it. A first pairing that is wrong leads the others astray, and then few
-/// are found: so all is tried with groups of twice and four times the size too, and the search that finds the
-/// most twins holds. Then the same once more, linear about where the maps were found to lie.
+/// at a time: what may be each one's twin comes from a kd-tree, within what both may be off; the likeliest
+/// account of the group decides (server/features/twin_search.hpp), and what it leaves open waits for the
+/// others. Each pair is measured to be one (eq. 20), which tells where the second map lies; where that turns
+/// it, all is taken anew about its new place, so that nothing is compared by an alignment that is degrees
+/// off. Until then both maps stay as they are (server/features/tie_filter.hpp): the joint covariance is made
+/// once, of what is kept. A pair that all others contradict goes.
 ///
 /// Afterwards there is one state for all robots: further meetings are measurements in it
 /// (FeatureFilter::observe_robot), and nothing is counted twice. The inputs are unchanged: a fusion that

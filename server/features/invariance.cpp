@@ -1,6 +1,7 @@
 #include "server/features/invariance.hpp"
 
 #include <cmath>
+#include <vector>
 
 namespace isthmus {
 namespace {
@@ -47,59 +48,94 @@ Feature moved(const Feature& feature, const Exponential& by, const LocalVector& 
   return result;
 }
 
-/// e' = own · e_f + robot · e_r: a feature's errors after a correction by those before it.
-struct Carried {
-  LocalMatrix own;
-  ByPose robot;
-};
-Carried carry(const Whole& before, const Feature& from, const Feature& to) {
-  const LocalMatrix b = project_to_local(to);
-  ByPose shift = ByPose::Zero(before.by_robot.rows(), 3);
-  shift.topRightCorner<2, 1>() = quarter_turn(to.a - from.a);
-  if (point_count(from.kind) == 2) shift.bottomRightCorner<2, 1>() = quarter_turn(to.b - from.b);
-  return {b * before.by_own, b * (before.by_robot + shift)};
-}
+/// e' = O e + D e_r of all errors after a correction by those before it, e_r some of the robots': O is
+/// block-diagonal, and one but for features whose frame turns.
+class Carried {
+ public:
+  explicit Carried(const FeatureState& state)
+      : by_robots_(Eigen::MatrixXd::Zero(state.covariance.rows(),
+                                         3 * static_cast<Eigen::Index>(state.robots.size()))) {
+    for (const RobotInState& robot : state.robots)
+      for (int k = 0; k < 3; ++k) columns_.push_back(robot.offset + k);
+  }
 
-/// X Mᵀ: each feature's columns by its own and its robot's, then each robot's by its heading's.
-void carry_columns(Eigen::MatrixXd& x, const FeatureState& state, const std::vector<Carried>& features,
-                   const std::vector<Eigen::Vector2d>& robot_shifts) {
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    const FeatureInState& entry = state.features[i];
-    const int robot = state.robots[static_cast<std::size_t>(entry.robot)].offset;
-    auto own = x.middleCols(entry.offset, features[i].own.cols());
-    own = (own * features[i].own.transpose() + x.middleCols<3>(robot) * features[i].robot.transpose()).eval();
+  void shift(int offset, std::size_t robot, const Eigen::Vector2d& by) {
+    by_robots_.block<2, 1>(offset, 3 * static_cast<Eigen::Index>(robot) + 2) = quarter_turn(by);
   }
-  for (std::size_t i = 0; i < robot_shifts.size(); ++i) {
-    const int at = state.robots[i].offset;
-    x.middleCols<2>(at) += x.col(at + 2) * quarter_turn(robot_shifts[i]).transpose();
+
+  void turn(const FeatureInState& entry, const Whole& before, const Feature& to) {
+    const LocalMatrix b = project_to_local(to);
+    ByPose by_robot = before.by_robot;
+    by_robot.topRightCorner<2, 1>() += quarter_turn(to.a - entry.feature.a);
+    by_robot.bottomRightCorner<2, 1>() += quarter_turn(to.b - entry.feature.b);
+    own_.push_back({entry.offset, b * before.by_own});
+    by_robots_.block(entry.offset, 3 * static_cast<Eigen::Index>(entry.robot), b.rows(), 3) = b * by_robot;
   }
-}
+
+  /// The covariance of e'.
+  void operator()(Eigen::MatrixXd& p) const {
+    std::vector<int> used, from;
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      if (by_robots_.col(static_cast<Eigen::Index>(k)).isZero(0)) continue;
+      used.push_back(static_cast<int>(k));
+      from.push_back(columns_[k]);
+    }
+    const Eigen::MatrixXd by = by_robots_(Eigen::all, used);
+    const Eigen::MatrixXd columns = p(Eigen::all, from);
+    for (const Own& one : own_) {
+      auto part = p.middleCols(one.offset, one.by.cols());
+      part = (part.lazyProduct(one.by.transpose())).eval();
+    }
+    p.noalias() += columns * by.transpose();
+    const Eigen::MatrixXd rows = p(from, Eigen::all);
+    for (const Own& one : own_) {
+      auto part = p.middleRows(one.offset, one.by.rows());
+      part = (one.by.lazyProduct(part)).eval();
+    }
+    p.noalias() += by * rows;
+    p.triangularView<Eigen::StrictlyUpper>() = p.transpose();
+  }
+
+ private:
+  struct Own {
+    int offset = 0;
+    LocalMatrix by;
+  };
+  std::vector<Own> own_;
+  std::vector<int> columns_;   ///< errors of robots, by columns of D
+  Eigen::MatrixXd by_robots_;  ///< D
+};
 
 void apply_invariant(FeatureState& state, const Eigen::VectorXd& delta) {
-  std::vector<Carried> carried;
-  carried.reserve(state.features.size());
+  Carried carried(state);
   for (FeatureInState& entry : state.features) {
-    const RobotInState& robot = state.robots[static_cast<std::size_t>(entry.robot)];
-    const Eigen::Vector3d of_robot = delta.segment<3>(robot.offset);
-    const Whole whole = whole_error(entry.feature, robot.map_from_robot);
+    const auto robot = static_cast<std::size_t>(entry.robot);
+    const Exponential by(delta(state.robots[robot].offset + 2));
+    const auto own = delta.segment(entry.offset, dimension(entry.feature));
+    if (point_count(entry.feature.kind) == 1) {
+      LocalVector e = LocalVector::Zero(3);
+      e.head(own.size()) = own;
+      const Feature to = moved(entry.feature, by, e);
+      carried.shift(entry.offset, robot, to.a - entry.feature.a);
+      entry.feature = to;
+      continue;
+    }
+    const Whole whole = whole_error(entry.feature, state.robots[robot].map_from_robot);
     // An unknown end does not slide along its wall: where it is drawn is no error, but ρ is that of the
     // middle.
-    const LocalVector e = whole.by_own * delta.segment(entry.offset, dimension(entry.feature));
-    const Feature to = moved(entry.feature, Exponential(of_robot.z()), e);
-    carried.push_back(carry(whole, entry.feature, to));
+    const LocalVector e = whole.by_own * own;
+    const Feature to = moved(entry.feature, by, e);
+    carried.turn(entry, whole, to);
     entry.feature = to;
   }
-  std::vector<Eigen::Vector2d> shifts;
-  for (RobotInState& robot : state.robots) {
+  for (std::size_t i = 0; i < state.robots.size(); ++i) {
+    RobotInState& robot = state.robots[i];
     const Eigen::Vector3d e = delta.segment<3>(robot.offset);
     const Eigen::Vector2d from = position(robot.map_from_robot), to = Exponential(e.z())(from, e.head<2>());
     robot.map_from_robot = {to.x(), to.y(), wrap_angle(robot.map_from_robot.yaw + e.z())};
-    shifts.push_back(to - from);
+    carried.shift(robot.offset, i, to - from);
   }
-  carry_columns(state.covariance, state, carried, shifts);
-  state.covariance.transposeInPlace();
-  carry_columns(state.covariance, state, carried, shifts);
-  state.covariance = (0.5 * (state.covariance + state.covariance.transpose())).eval();
+  carried(state.covariance);
 }
 
 void apply_printed(FeatureState& state, const Eigen::VectorXd& delta) {

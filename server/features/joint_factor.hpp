@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -45,6 +46,15 @@ class JointFactor {
     starts_.push_back(rows_);
     rows_ += size;
     return white.squaredNorm();
+  }
+
+  /// Of the last one given those before it, by its rows from the `skip`-th on, given those it skips: twice
+  /// the negative logarithm of its density, without that of 2π.
+  double minus_two_log_density(Eigen::Index skip) const {
+    const Eigen::Index from = starts_.back() + skip, size = rows_ - from;
+    double sum = whitened_.segment(from, size).squaredNorm();
+    for (Eigen::Index k = from; k < rows_; ++k) sum += 2 * std::log(factor_(k, k));
+    return sum;
   }
 
   /// Takes the last one away.

@@ -118,6 +118,7 @@ RobotAlignment align_robots(const MutualSighting& sighting) {
   const Eigen::Vector3d variances(1 / (weight_1 + weight_2), std::pow(s.bearing_1_sigma_rad, 2),
                                   std::pow(s.bearing_2_sigma_rad, 2));
   alignment.covariance = by * variances.asDiagonal() * by.transpose();
+  alignment.is_polar = true;
   return alignment;
 }
 

@@ -21,6 +21,7 @@ struct MutualSighting {
 struct RobotAlignment {
   Pose one_from_two;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  bool is_polar = false;  ///< what errs are a range and bearings, so that where robot 2 may be is an arc
 };
 
 /// The ranges' weighted mean, θ = π + ¹θ₂ − ²θ₁, and robot 2 at that range and bearing (Zhou and Roumeliotis

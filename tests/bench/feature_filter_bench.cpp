@@ -1,7 +1,10 @@
 #include <benchmark/benchmark.h>
 
+#include <cmath>
+
 #include "server/features/feature_filter.hpp"
 #include "server/features/fusion.hpp"
+#include "server/features/landmark_tree.hpp"
 
 namespace isthmus {
 namespace {
@@ -36,6 +39,43 @@ void fusion_of_95_with_60(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(fuse(one, 0, two, 0, alignment));
 }
 BENCHMARK(fusion_of_95_with_60)->Unit(benchmark::kMillisecond);
+
+/// The part of a fusion that looks for twins, of n landmarks with n: a tree made, and each asked for what
+/// lies within a metre. n log n. The rest of a fusion of n with n and m pairs costs m² n for the pairs, and
+/// n² m once for the joint covariance, which has n² numbers: no map of 10⁴ landmarks has one (3 GB).
+void twins_of_n_landmarks(benchmark::State& state) {
+  const auto count = static_cast<int>(state.range(0));
+  std::vector<Feature> landmarks;
+  for (int i = 0; i < count; ++i)  // spread over the plane, two each square metre, whatever their number
+    landmarks.push_back(
+        point_feature({std::fmod(0.618034 * i, 1.0) * std::sqrt(0.5 * count), std::sqrt(0.5 / count) * i}));
+  for (auto _ : state) {
+    const LandmarkTree tree(landmarks);
+    std::size_t found = 0;
+    for (const Feature& landmark : landmarks) found += tree.within(landmark.a, 1).size();
+    benchmark::DoNotOptimize(found);
+  }
+  state.SetComplexityN(count);
+}
+BENCHMARK(twins_of_n_landmarks)
+    ->RangeMultiplier(4)
+    ->Range(40, 10'240)
+    ->Unit(benchmark::kMicrosecond)
+    ->Complexity(benchmark::oNLogN);
+
+/// All of a fusion of n with n landmarks of which a tenth are shared.
+void fusion_of_n_with_n(benchmark::State& state) {
+  const auto count = static_cast<int>(state.range(0));
+  const FeatureState one = line_of_landmarks(count, -4), two = line_of_landmarks(count, -4);
+  const RobotAlignment alignment{{0.45 * count, 0, 0}, Eigen::Vector3d(4e-4, 4e-4, 4e-4).asDiagonal()};
+  for (auto _ : state) benchmark::DoNotOptimize(fuse(one, 0, two, 0, alignment));
+  state.SetComplexityN(count);
+}
+BENCHMARK(fusion_of_n_with_n)
+    ->RangeMultiplier(2)
+    ->Range(50, 800)
+    ->Unit(benchmark::kMillisecond)
+    ->Complexity();
 
 void alignment_of_95_with_60(benchmark::State& state) {
   const FeatureState one = line_of_landmarks(95, -4), two = line_of_landmarks(60, -4);

@@ -115,6 +115,46 @@ TEST(Fusion, IsConsistentAndTellsTheSecondRobotFarBetterThanTheSightingDid) {
   EXPECT_LT(after, 0.5 * before);
 }
 
+/// Posts a metre apart on a line and on one beside it: maps that fit one another as well a metre on.
+FeatureState colonnade(int posts) {
+  FeatureState state;
+  add_robot(state, {}, Eigen::Matrix3d::Zero());
+  for (int i = 0; i < posts; ++i)
+    add_feature(
+        state, 0,
+        {point_feature({0.5 * (i - i % 2), i % 2 == 0 ? -2.0 : 2.0}), 1e-4 * LocalMatrix::Identity(2, 2)});
+  return state;
+}
+
+TEST(Fusion, LookAlikesAreNoTwinsHoweverManyFit) {
+  const FeatureState one = colonnade(80), two = colonnade(80);
+  const RobotAlignment by_a_metre{{1, 0, 0}, Eigen::Vector3d(4, 0.01, 1e-4).asDiagonal()};
+  const Fusion fusion = fuse(one, 0, two, 0, by_a_metre);
+  EXPECT_TRUE(fusion.duplicates.empty());
+  EXPECT_EQ(fusion.state.features.size(), 160U);
+}
+
+TEST(Fusion, ASearchThatHasUsedUpItsStepsTakesNothingMore) {
+  TwoMaps maps(1);
+  const RobotAlignment alignment = maps.meet();
+  const std::size_t all = fuse(maps.one, 0, maps.two, 0, alignment).duplicates.size();
+  std::size_t before = 0;
+  for (const std::size_t steps : {0U, 1U, 2U, 3U, 2'000U}) {
+    FusionOptions options;
+    options.steps_per_feature = steps;
+    const Fusion fusion = fuse(maps.one, 0, maps.two, 0, alignment, options);
+    EXPECT_GE(fusion.duplicates.size(), before) << steps;
+    EXPECT_EQ(fusion.came_to_end, steps == 2'000U) << steps;
+    for (const Fusion::Duplicate& pair : fusion.duplicates) EXPECT_TRUE(maps.is_true(pair)) << steps;
+    before = fusion.duplicates.size();
+    EXPECT_TRUE(steps > 0 || before == 0);
+  }
+  EXPECT_EQ(before, all);
+  FusionOptions short_of_steps;
+  short_of_steps.association.max_steps = 3;
+  EXPECT_TRUE(fuse(maps.one, 0, maps.two, 0, alignment, short_of_steps).duplicates.empty());
+}
+
 TEST(Fusion, MapsWithNothingInCommonAreOnlyAligned) {
   TwoMaps maps(1);
   for (FeatureInState& entry : maps.two.features) entry.feature.a += Eigen::Vector2d(0, 200);

@@ -15,11 +15,22 @@ TEST(RendezvousExperiment, MapsAreOfThePapersSizeAndTheirDuplicatesAreFound) {
     EXPECT_NEAR(static_cast<double>(score.duplicates), 31, 6) << seed;
     EXPECT_EQ(score.wrong, 0U) << seed;
     EXPECT_GT(score.before_3_sigma_m, 10) << seed;
-    EXPECT_LT(score.after_3_sigma_m, 4) << seed;
+    EXPECT_LT(score.after_3_sigma_m, 0.6) << seed;
   }
   const RendezvousScore mean = mean_of(scores);
-  EXPECT_GE(static_cast<double>(mean.found), 0.9 * static_cast<double>(mean.duplicates));
+  EXPECT_GE(static_cast<double>(mean.found), 0.95 * static_cast<double>(mean.duplicates));
   EXPECT_LT(mean.nees_after, 2);
+}
+
+TEST(RendezvousExperiment, ErrorsAreAsSmallAsTheExperimentPermits) {
+  for (const double corner_sigma_m : {0.0, 0.03}) {
+    const RendezvousConditions conditions{corner_sigma_m, 1, false};
+    const RendezvousScore score = judge_fusion(run_rendezvous_experiment(1, conditions));
+    const double least = least_3_sigma_m(1, conditions);
+    EXPECT_EQ(score.found, score.duplicates);
+    EXPECT_LT(score.after_3_sigma_m, 1.05 * least) << corner_sigma_m;
+    EXPECT_GT(score.after_3_sigma_m, 0.95 * least) << corner_sigma_m;
+  }
 }
 
 TEST(RendezvousExperiment, ASeedGivesTheSameRun) {

@@ -309,7 +309,9 @@ FeatureTrial try_features(const SimulatedRun& run, const FloorPlan& plan, std::u
   if (drives[0].steps.empty() || drives[1].steps.empty()) throw std::runtime_error("a robot took no scan");
   FeatureTrial trial;
   Alone one(drives[0], options), two(drives[1], options);
-  const std::optional<std::int64_t> met = first_meeting(run, run.truth[0], run.truth[1]);
+  std::optional<std::int64_t> met = first_meeting(run, run.truth[0], run.truth[1]);
+  if (options.meet_after_s)
+    met = drives[0].steps.front().utime + static_cast<std::int64_t>(1e6 * *options.meet_after_s);
   if (met) {
     trial.met_s = 1e-6 * static_cast<double>(*met - drives[0].steps.front().utime);
     one.until(*met);

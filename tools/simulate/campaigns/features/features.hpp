@@ -40,7 +40,9 @@ struct FeatureCampaignOptions {
   Pairing pairing = Pairing::joint;
   double surface_sigma_m = 0.004;  ///< m: the walls' roughness, as the robots are told
   double observe_every_m = 0.3;  ///< m driven between scans that are used: consecutive ones tell little more
-  double observe_every_rad = 0.2;  ///< rad turned
+  double observe_every_rad = 0.2;      ///< rad turned
+  std::optional<double> meet_after_s;  ///< of the run: when they are told where the other is, wherever they
+                                       ///< are; none: when one first sees the other
 };
 
 /// One seed: maps the first two robots of a run by segments, alone, and joined at their first rendezvous;
