@@ -36,7 +36,7 @@ std::vector<RobotPose> FeatureMapper::take_answers() {
 }
 
 FeatureMaps FeatureMapper::summary() const {
-  FeatureMaps summary{options_.kind, {}, {}, sightings_, {}, counts_};
+  FeatureMaps summary{options_.kind, {}, {}, {}, {}, counts_};
   for (const auto& [id, fusion] : fusions_) summary.fusions.push_back(fusion);
   for (const Team& team : teams_)
     if (!team.journeys.empty())

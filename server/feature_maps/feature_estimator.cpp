@@ -155,7 +155,7 @@ FeatureMaps FeatureEstimator::maps() const {
 }
 
 MapCopy FeatureEstimator::copy() const {
-  MapCopy copy = record_of(mapper_.summary());
+  MapCopy copy = record_of(mapper_.summary(), mapper_.told());
   for (const std::string& robot : mapper_.robot_names()) copy.health.push_back({robot, {}, {}});
   copy.tags = mapper_.tag_records();
   for (const auto& [reason, count] : dropped_) copy.counters.dropped[reason] += count;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "relations/chi_squared.hpp"
+#include "server/feature_maps/feature_record.hpp"
 #include "server/features/measurement.hpp"
 
 namespace isthmus {
@@ -233,10 +234,19 @@ void FeatureMapper::apply(const MapInput& input) {
       row.used = reason.empty();
       row.reason = reason;
     }
+    tell(sightings_.size() - 1);
     return;
   }
   if (input.kind == MapInputKind::scanned) observe(robot, std::get<ScanEvent>(input.event->body).scan);
   add_row(robot, input.utime);
+}
+
+void FeatureMapper::tell(std::size_t sighting) {
+  const SightingRecord record = record_of(sightings_[sighting]);
+  if (sighting == told_.size())
+    told_.append(record);
+  else
+    told_.set_verdict(sighting, record.verdict, record.reason, record.closure);
 }
 
 void FeatureMapper::continue_from(FeatureMapper& other) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/engine/robot/robot_pose.hpp"
+#include "server/engine/sightings/sighting_log.hpp"
 #include "server/engine/sightings/tag_record.hpp"
 #include "server/feature_maps/fusion_record.hpp"
 #include "server/feature_maps/journey.hpp"
@@ -98,13 +99,15 @@ class FeatureMapper {
   void count_dropped(const std::string& reason) { ++counts_.dropped[reason]; }
 
   FeatureMaps maps() const;
-  /// The same without states and ways: does not grow with the map.
+  /// The same without states, ways and sightings: does not grow with the map, nor with time.
   FeatureMaps summary() const;
+  /// What became of each sighting, as records tell it.
+  const SightingLog& told() const { return told_; }
 
   /// For snapshots (feature_snapshot.cpp): options are those of whoever restores it, and are taken on by
   /// `keep_options`.
   auto members() {
-    return std::tie(options_, robots_, wearers_, tags_, teams_, journeys_, sightings_, last_used_,
+    return std::tie(options_, robots_, wearers_, tags_, teams_, journeys_, sightings_, told_, last_used_,
                     first_seen_, heard_, encounters_, encounter_count_, fusions_, forbidden_, contradicted_,
                     inputs_, moved_, next_number_, counts_);
   }
@@ -150,6 +153,7 @@ class FeatureMapper {
   void join_by_landmarks();
   void join(int one, int two, const JoinedTeams& joined);
   void add_row(const FeatureRobot& robot, std::int64_t utime);
+  void tell(std::size_t sighting);
   Journey& journey(const FeatureRobot& robot) { return journeys_[static_cast<std::size_t>(robot.journey)]; }
   const Journey& journey(const FeatureRobot& robot) const {
     return journeys_[static_cast<std::size_t>(robot.journey)];
@@ -163,6 +167,7 @@ class FeatureMapper {
   std::vector<Team> teams_;  ///< those that were joined to others have no robots
   std::vector<Journey> journeys_;
   std::vector<FeatureSighting> sightings_;
+  SightingLog told_;                                                        ///< the same, shared with copies
   std::map<std::pair<std::string, std::int32_t>, std::int64_t> last_used_;  ///< by observer and barcode
   std::map<std::pair<int, std::int32_t>, std::int32_t> first_seen_;         ///< input, by journey and barcode
   std::vector<Heard> heard_;                             ///< between maps, as long as they are two

@@ -25,7 +25,22 @@ ClosureRecord closure_of(const FusionRecord& fusion) {
   return record;
 }
 
-SightingRecord sighting_of(const FeatureSighting& sighting) {
+Counters counters_of(const FeatureMaps& maps, const SightingLog& sightings) {
+  Counters counters;
+  counters.events = maps.counts.events;
+  counters.scans = maps.counts.scans;
+  counters.scans_matched = maps.counts.scans_used;
+  counters.sightings = static_cast<std::int64_t>(sightings.size());
+  counters.first_receive_utime = maps.counts.first_receive_utime;
+  counters.last_receive_utime = maps.counts.last_receive_utime;
+  for (const auto& [reason, count] : maps.counts.dropped)
+    if (const auto known = value_of<DropReason>(reason)) counters.dropped[*known] = count;
+  return counters;
+}
+
+}  // namespace
+
+SightingRecord record_of(const FeatureSighting& sighting) {
   SightingRecord record{sighting.sighting, Verdict::refused, Reason::unsupported, {sighting.fusion}};
   if (sighting.used) {
     record.verdict = Verdict::accepted;
@@ -39,27 +54,12 @@ SightingRecord sighting_of(const FeatureSighting& sighting) {
   return record;
 }
 
-Counters counters_of(const FeatureMaps& maps) {
-  Counters counters;
-  counters.events = maps.counts.events;
-  counters.scans = maps.counts.scans;
-  counters.scans_matched = maps.counts.scans_used;
-  counters.sightings = static_cast<std::int64_t>(maps.sightings.size());
-  counters.first_receive_utime = maps.counts.first_receive_utime;
-  counters.last_receive_utime = maps.counts.last_receive_utime;
-  for (const auto& [reason, count] : maps.counts.dropped)
-    if (const auto known = value_of<DropReason>(reason)) counters.dropped[*known] = count;
-  return counters;
-}
-
-}  // namespace
-
-MapCopy record_of(const FeatureMaps& maps) {
+MapCopy record_of(const FeatureMaps& summary, const SightingLog& sightings) {
   MapCopy copy;
-  copy.feature_islands = maps.teams.size();
-  for (const FeatureSighting& sighting : maps.sightings) copy.sightings.append(sighting_of(sighting));
-  for (const FusionRecord& fusion : maps.fusions) copy.closures.push_back(closure_of(fusion));
-  copy.counters = counters_of(maps);
+  copy.feature_islands = summary.teams.size();
+  copy.sightings = sightings;
+  for (const FusionRecord& fusion : summary.fusions) copy.closures.push_back(closure_of(fusion));
+  copy.counters = counters_of(summary, sightings);
   return copy;
 }
 

@@ -128,7 +128,8 @@ bool FeatureMapper::is_sound() const {
   const auto is_heard = [&](const Heard& heard) {
     return is_journey(heard.observer) && is_journey(heard.target) && heard.row < sightings_.size();
   };
-  return std::all_of(heard_.begin(), heard_.end(), is_heard) &&
+  return told_.is_sound() && told_.size() == sightings_.size() &&
+         std::all_of(heard_.begin(), heard_.end(), is_heard) &&
          std::all_of(moved_.begin(), moved_.end(), is_known);
 }
 

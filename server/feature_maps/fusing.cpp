@@ -209,6 +209,7 @@ void FeatureMapper::close_account(int one, int two, const std::set<std::size_t>&
     row.used = agreeing.contains(heard.row);
     row.reason = row.used ? "" : "contradicts_fusion";
     row.fusion = fusion;
+    tell(heard.row);
     if (heard.fusion != fusion) forget_waiting(heard.fusion);
     return true;
   });

@@ -278,6 +278,34 @@ TEST(FeatureEstimator, ItsRecordTellsOfRobotsSightingsAndFusions) {
   EXPECT_EQ(copy.counters.scans, 50);
 }
 
+/// A sighting's verdict may change long after it came, where two maps become one.
+TEST(FeatureEstimator, SightingsAreToldAsTheyStandAtAnyTime) {
+  const Hall hall = met_hall();
+  FeatureEstimator live(feature_map_options(FeatureMapKind::segments));
+  std::size_t waited = 0;
+  for (const Event& event : hall.run.events) {
+    live.handle(event);
+    const MapCopy copy = live.copy();
+    const std::vector<FeatureSighting> now = live.maps().sightings;
+    ASSERT_EQ(copy.sightings.size(), now.size());
+    EXPECT_EQ(copy.counters.sightings, static_cast<std::int64_t>(now.size()));
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      const SightingRecord expected = record_of(now[i]), told = copy.sightings[i];
+      EXPECT_EQ(told.verdict, expected.verdict);
+      EXPECT_EQ(told.reason, expected.reason);
+      EXPECT_EQ(told.closure, expected.closure);
+      EXPECT_EQ(told.sighting.utime, now[i].sighting.utime);
+    }
+    waited += static_cast<std::size_t>(copy.sightings.count(Verdict::waiting));
+  }
+  EXPECT_GT(waited, 0U);
+  EXPECT_EQ(live.copy().sightings.count(Verdict::accepted), 4);
+  const std::vector<std::uint8_t> saved = live.save();
+  EXPECT_EQ(
+      FeatureEstimator::restore(FeatureMapKind::segments, saved).copy().sightings.count(Verdict::accepted),
+      4);
+}
+
 TEST(FeatureEstimator, WhatIsRestoredFromItsBytesGoesOnAsItWouldHave) {
   const Hall hall = met_hall();
   for (const std::size_t share : {1U, 3U, 5U, 9U}) {
