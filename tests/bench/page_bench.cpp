@@ -1,7 +1,7 @@
 #include <benchmark/benchmark.h>
 
-#include "server/wire/page/page_texts.hpp"
-#include "server/wire/page/tile_store.hpp"
+#include "server/wire/page/texts/page_texts.hpp"
+#include "server/wire/page/tiles/tile_store.hpp"
 #include "tests/support/relations.hpp"
 #include "tests/support/walls.hpp"
 

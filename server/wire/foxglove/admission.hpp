@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/wire/page/access.hpp"
+#include "server/wire/page/http/access.hpp"
 
 namespace isthmus::foxglove {
 

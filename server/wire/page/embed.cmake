@@ -27,7 +27,7 @@ foreach(entry IN LISTS FILES)
   math(EXPR number "${number} + 1")
 endforeach()
 file(WRITE "${OUTPUT}" "// Made by embed.cmake.
-#include \"server/wire/page/asset.hpp\"
+#include \"server/wire/page/http/asset.hpp\"
 
 #include <array>
 #include <cstddef>

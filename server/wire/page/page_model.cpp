@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "server/wire/message/wall_clock.hpp"
-#include "server/wire/page/exploration_text.hpp"
-#include "server/wire/page/page_texts.hpp"
+#include "server/wire/page/texts/exploration_text.hpp"
+#include "server/wire/page/texts/page_texts.hpp"
 #include "server/wire/questions/low_priority.hpp"
 
 namespace isthmus {

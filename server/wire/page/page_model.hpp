@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "server/wire/goals/team_goals.hpp"
-#include "server/wire/page/asked.hpp"
-#include "server/wire/page/bulletin.hpp"
+#include "server/wire/page/map/shown_map.hpp"
+#include "server/wire/page/map/trails.hpp"
 #include "server/wire/page/past_maps.hpp"
-#include "server/wire/page/shown_map.hpp"
-#include "server/wire/page/tile_store.hpp"
-#include "server/wire/page/trails.hpp"
+#include "server/wire/page/texts/asked.hpp"
+#include "server/wire/page/texts/bulletin.hpp"
+#include "server/wire/page/tiles/tile_store.hpp"
 
 namespace isthmus {
 

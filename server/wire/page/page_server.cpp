@@ -12,11 +12,11 @@
 #include "isthmus/command_t.hpp"
 #include "isthmus/initial_pose_t.hpp"
 #include "isthmus/signed_t.hpp"
-#include "server/wire/page/asset.hpp"
-#include "server/wire/page/connection_pool.hpp"
-#include "server/wire/page/download.hpp"
-#include "server/wire/page/map_resources.hpp"
-#include "server/wire/page/preview.hpp"
+#include "server/wire/page/http/asset.hpp"
+#include "server/wire/page/http/connection_pool.hpp"
+#include "server/wire/page/http/map_resources.hpp"
+#include "server/wire/page/map/download.hpp"
+#include "server/wire/page/map/preview.hpp"
 
 namespace isthmus {
 namespace {

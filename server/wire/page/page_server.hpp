@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "server/wire/page/access.hpp"
+#include "server/wire/page/http/access.hpp"
 #include "server/wire/page/orders.hpp"
 #include "server/wire/page/page_model.hpp"
 

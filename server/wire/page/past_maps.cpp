@@ -7,8 +7,8 @@
 
 #include "server/wire/journal/journal_files.hpp"
 #include "server/wire/journal/journal_view.hpp"
-#include "server/wire/page/page_texts.hpp"
-#include "server/wire/page/trails.hpp"
+#include "server/wire/page/map/trails.hpp"
+#include "server/wire/page/texts/page_texts.hpp"
 
 namespace isthmus {
 namespace {

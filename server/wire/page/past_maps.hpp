@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "server/wire/journal/snapshot.hpp"
-#include "server/wire/page/packed_patches.hpp"
-#include "server/wire/page/tile_store.hpp"
+#include "server/wire/page/map/packed_patches.hpp"
+#include "server/wire/page/tiles/tile_store.hpp"
 
 namespace isthmus {
 

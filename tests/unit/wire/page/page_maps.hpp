@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/engine/record/map_copy.hpp"
-#include "server/wire/page/shown_map.hpp"
+#include "server/wire/page/map/shown_map.hpp"
 #include "tests/support/relations.hpp"
 #include "tests/support/walls.hpp"
 

@@ -1,0 +1,42 @@
+#include "server/wire/page/map/trails.hpp"
+
+#include <cmath>
+#include <cstdlib>
+
+namespace isthmus {
+namespace {
+
+constexpr double step_m = 0.5;
+constexpr std::size_t trail_steps = 200;
+constexpr std::size_t lately_poses = 100;
+constexpr std::int64_t near_us = 500'000;
+
+}  // namespace
+
+void Trails::add(const RobotPose& pose) {
+  Robot& robot = robots_[pose.robot];
+  const RobotPose& before = robot.at_step;
+  const bool is_elsewhere = robot.trail.empty() || before.island != pose.island ||
+                            std::hypot(pose.map_from_robot.x - before.map_from_robot.x,
+                                       pose.map_from_robot.y - before.map_from_robot.y) > step_m;
+  robot.lately.push_back(pose);
+  if (robot.lately.size() > lately_poses) robot.lately.pop_front();
+  robot.newest = pose;
+  if (!is_elsewhere) return;
+  robot.at_step = pose;
+  robot.trail.push_back(pose.pose);
+  if (robot.trail.size() > trail_steps) robot.trail.pop_front();
+}
+
+std::optional<ManifoldPose> Trails::at(const std::string& robot, std::int64_t utime) const {
+  const auto found = robots_.find(robot);
+  if (found == robots_.end()) return std::nullopt;
+  const RobotPose* nearest = nullptr;
+  for (const RobotPose& pose : found->second.lately) {
+    if (!nearest || std::abs(pose.utime - utime) < std::abs(nearest->utime - utime)) nearest = &pose;
+  }
+  if (!nearest || std::abs(nearest->utime - utime) > near_us) return std::nullopt;
+  return nearest->pose;
+}
+
+}  // namespace isthmus

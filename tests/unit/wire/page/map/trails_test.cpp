@@ -1,0 +1,49 @@
+#include "server/wire/page/map/trails.hpp"
+
+#include <gtest/gtest.h>
+
+namespace isthmus {
+namespace {
+
+RobotPose pose_at(double x, std::int64_t utime, IslandId island = PatchId{0}) {
+  RobotPose pose;
+  pose.robot = "R1";
+  pose.utime = utime;
+  pose.island = island;
+  pose.pose = {PatchId{3}, {x, 0, 0}};
+  pose.map_from_robot = {x, 0, 0};
+  return pose;
+}
+
+TEST(Trails, StepsAreHalfAMetreApartHoweverSlowlyARobotDrives) {
+  Trails trails;
+  for (int i = 0; i <= 100; ++i) trails.add(pose_at(0.03 * i, i));
+  const auto& trail = trails.robots().at("R1").trail;
+  ASSERT_EQ(trail.size(), 6U) << "3 m";
+  for (std::size_t i = 1; i < trail.size(); ++i) {
+    const double step_m = trail[i].patch_from_object.x - trail[i - 1].patch_from_object.x;
+    EXPECT_GT(step_m, 0.5);
+    EXPECT_LT(step_m, 0.54);
+  }
+  EXPECT_EQ(trails.robots().at("R1").newest.utime, 100);
+}
+
+TEST(Trails, AreBounded) {
+  Trails trails;
+  for (int i = 0; i < 2000; ++i) trails.add(pose_at(i, i));
+  EXPECT_EQ(trails.robots().at("R1").trail.size(), 200U);
+  EXPECT_EQ(trails.robots().at("R1").lately.size(), 100U);
+  EXPECT_EQ(trails.robots().at("R1").trail.back().patch_from_object.x, 1999);
+}
+
+TEST(Trails, ARobotWasWhereItsPoseNearestInTimeSays) {
+  Trails trails;
+  for (int i = 0; i < 10; ++i) trails.add(pose_at(i, 100'000 * i));
+  EXPECT_EQ(trails.at("R1", 340'000)->patch_from_object.x, 3);
+  EXPECT_EQ(trails.at("R1", 1'300'000)->patch_from_object.x, 9);
+  EXPECT_FALSE(trails.at("R1", 1'500'000)) << "more than half a second later";
+  EXPECT_FALSE(trails.at("R2", 340'000));
+}
+
+}  // namespace
+}  // namespace isthmus
