@@ -41,15 +41,15 @@ inline double bearing_rad(const Scan& scan, std::size_t beam) {
 
 /// The range along a bearing from the origin to the nearest of the half planes' borders: a convex room given
 /// by the outward unit normals and distances of its walls.
-struct Wall {
+struct HalfPlane {
   double normal_yaw_rad;
   double distance_m;
 };
 
-inline void look_at(Scan& scan, const std::vector<Wall>& walls) {
+inline void look_at(Scan& scan, const std::vector<HalfPlane>& walls) {
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     double range_m = std::numeric_limits<double>::infinity();
-    for (const Wall& wall : walls) {
+    for (const HalfPlane& wall : walls) {
       const double towards = std::cos(bearing_rad(scan, i) - wall.normal_yaw_rad);
       if (towards > 1e-9) range_m = std::min(range_m, wall.distance_m / towards);
     }
