@@ -28,8 +28,7 @@ struct WhoMet {
 /// Two maps, the pairs found so far, and what these tell together with the sighting.
 class Joining {
  public:
-  Joining(const FeatureState& one, const FeatureState& two, const WhoMet& met,
-          const FusionOptions& options)
+  Joining(const FeatureState& one, const FeatureState& two, const WhoMet& met, const FusionOptions& options)
       : maps_{one, two, {}, {}, {}},
         met_(met),
         options_(options),
