@@ -64,6 +64,7 @@ void MapPublisher::request_whole() {
 void MapPublisher::loop(const std::stop_token& stop) {
   Clock::time_point next_whole = Clock::now();
   Clock::time_point next_grid = next_whole;
+  Clock::time_point next_drawing = next_whole;
   while (true) {
     std::unique_lock lock(mutex_);
     if (!offered_.wait(lock, stop, [&] { return latest_ != nullptr; })) return;
@@ -76,12 +77,14 @@ void MapPublisher::loop(const std::stop_token& stop) {
     publish_map(*map, utime, whole, stop);
     publish_zones(*map, utime, whole);
     withdraw_grids(*map, utime);
-    if (whole) publish_grids_again(stop);
-    if (Clock::now() < next_grid || stop.stop_requested()) continue;
     const Clock::time_point start = Clock::now();
-    publish_one_grid(*map, utime);
-    const auto spent = Clock::now() - start;
-    next_grid = start + std::max<Clock::duration>(options_.grid_interval, spent * grid_time_share);
+    const bool may_draw = start >= next_drawing;
+    if (!whole && (!may_draw || start < next_grid)) continue;
+    if (whole) publish_all_grids(*map, utime, may_draw, stop);
+    if (!whole) publish_one_grid(*map, utime);
+    if (!may_draw) continue;
+    next_drawing = start + (Clock::now() - start) * grid_time_share;
+    next_grid = std::max<Clock::time_point>(start + options_.grid_interval, next_drawing);
   }
 }
 
@@ -101,8 +104,15 @@ void MapPublisher::publish_zones(const MapCopy& map, std::int64_t utime, bool wh
   if (zones) publish_("ISTHMUS_ZONES", encoded(*zones));
 }
 
-/// As they were drawn last, for those who came late.
-void MapPublisher::publish_grids_again(const std::stop_token& stop) {
+/// For those who came late.
+void MapPublisher::publish_all_grids(const MapCopy& map, std::int64_t utime, bool anew,
+                                     const std::stop_token& stop) {
+  if (anew) {
+    for (auto& [island, poses] : changed_islands(map)) {
+      if (stop.stop_requested()) return;
+      render(map, island, std::move(poses), utime);
+    }
+  }
   for (const auto& [island, grid] : rendered_) {
     if (stop.stop_requested()) return;
     publish_("ISTHMUS_GRID", grid.message);
@@ -122,25 +132,32 @@ void MapPublisher::withdraw_grids(const MapCopy& map, std::int64_t utime) {
   });
 }
 
-/// The next island, in turn, that looks otherwise than when it was last sent.
-void MapPublisher::publish_one_grid(const MapCopy& map, std::int64_t utime) {
-  const std::vector<std::vector<PatchId>> islands = map.graph.islands();
+/// Those that look otherwise than when they were last drawn, with the poses of their patches.
+std::map<IslandId, std::vector<Pose>> MapPublisher::changed_islands(const MapCopy& map) const {
   std::map<IslandId, std::vector<Pose>> changed;
-  for (const std::vector<PatchId>& island : islands) {
+  for (const std::vector<PatchId>& island : map.graph.islands()) {
     std::vector<Pose> poses = poses_of(map, island);
     const auto rendered = rendered_.find(island.front());
     if (rendered != rendered_.end() && look_the_same(rendered->second.poses, poses)) continue;
     changed.emplace(island.front(), std::move(poses));
   }
+  return changed;
+}
+
+/// The next island, in turn, that looks otherwise.
+void MapPublisher::publish_one_grid(const MapCopy& map, std::int64_t utime) {
+  std::map<IslandId, std::vector<Pose>> changed = changed_islands(map);
   if (changed.empty()) return;
   auto next = changed.upper_bound(last_rendered_);
   if (next == changed.end()) next = changed.begin();
   last_rendered_ = next->first;
-  const OccupancyGrid grid =
-      render_island(map, map.graph.patches_of(last_rendered_), pixel_m, options_.grid_pixels);
-  RenderedIsland& rendered = rendered_[last_rendered_];
-  rendered = {std::move(next->second), encoded(grid_message(grid, last_rendered_, utime))};
-  publish_("ISTHMUS_GRID", rendered.message);
+  render(map, last_rendered_, std::move(next->second), utime);
+  publish_("ISTHMUS_GRID", rendered_[last_rendered_].message);
+}
+
+void MapPublisher::render(const MapCopy& map, IslandId island, std::vector<Pose> poses, std::int64_t utime) {
+  const OccupancyGrid grid = render_island(map, map.graph.patches_of(island), pixel_m, options_.grid_pixels);
+  rendered_[island] = {std::move(poses), encoded(grid_message(grid, island, utime))};
 }
 
 }  // namespace isthmus

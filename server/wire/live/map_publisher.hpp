@@ -28,8 +28,9 @@ struct MapPublisherOptions {
 };
 
 /// Publishes ISTHMUS_MAP, ISTHMUS_ZONES and ISTHMUS_GRID from copies of the map, in a thread of its own.
-/// While it is busy only the latest copy waits. With each whole map the newest grid of each island is sent
-/// again; the grid of an island that is no more is withdrawn at once, by one of no cells.
+/// While it is busy only the latest copy waits. With each whole map the grids of all islands are sent, drawn
+/// anew where they look otherwise now, unless drawing has taken its share of the time already: then as they
+/// were drawn last. The grid of an island that is no more is withdrawn at once, by one of no cells.
 class MapPublisher {
  public:
   MapPublisher(Publish publish, MapPublisherOptions options = {});
@@ -48,9 +49,11 @@ class MapPublisher {
   void loop(const std::stop_token& stop);
   void publish_map(const MapCopy& map, std::int64_t utime, bool whole, const std::stop_token& stop);
   void publish_zones(const MapCopy& map, std::int64_t utime, bool whole);
-  void publish_grids_again(const std::stop_token& stop);
+  void publish_all_grids(const MapCopy& map, std::int64_t utime, bool anew, const std::stop_token& stop);
   void withdraw_grids(const MapCopy& map, std::int64_t utime);
   void publish_one_grid(const MapCopy& map, std::int64_t utime);
+  std::map<IslandId, std::vector<Pose>> changed_islands(const MapCopy& map) const;
+  void render(const MapCopy& map, IslandId island, std::vector<Pose> poses, std::int64_t utime);
 
   Publish publish_;
   MapPublisherOptions options_;

@@ -66,6 +66,26 @@ TEST(MapPublisher, SendsGridsAgainWithAWholeMapAndAtNoOtherTime) {
   EXPECT_EQ(grids(published), (std::vector<int>{0, 1, 0, 1}));
 }
 
+TEST(MapPublisher, SendsTheGridOfEachIslandAsItIsWithAWholeMap) {
+  Published published;
+  MapPublisherOptions seldom = at_once();
+  seldom.grid_interval = std::chrono::hours(1);
+  MapPublisher publisher(published.sink(), seldom);
+  publisher.offer(two_patches(false), 1);
+  ASSERT_TRUE(happens([&] { return grids(published).size() >= 2; }));
+  EXPECT_EQ(grids(published), (std::vector<int>{0, 1})) << "both with the first map";
+  const int width = published.of<grid_t>("ISTHMUS_GRID")[0].width;
+  for (int i = 0; i < 20; ++i) publisher.offer(two_patches(true), 2);
+  ASSERT_TRUE(happens([&] { return grids(published).size() >= 3; }));
+  EXPECT_EQ(grids(published), (std::vector<int>{0, 1, -2})) << "withdrawn at once; the next is not due";
+  ASSERT_TRUE(happens([&] {
+    publisher.request_whole();
+    publisher.offer(two_patches(true), 3);
+    return published.of<grid_t>("ISTHMUS_GRID").back().width > width;
+  })) << "with what has come on the island since";
+  EXPECT_EQ(published.of<grid_t>("ISTHMUS_GRID").back().utime, 3);
+}
+
 TEST(MapPublisher, SendsZonesWhenTheyChangeAndWithAWholeMap) {
   Published published;
   MapPublisher publisher(published.sink(), at_once());
