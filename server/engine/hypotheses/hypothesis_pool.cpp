@@ -170,6 +170,8 @@ bool HypothesisPool::propose(World world, Closures& closures, const std::vector<
   ScanProposal proposal = proposal_of(world.map, first, finds, world.options);
   proposal.id = id;
   id = closures.propose_from_scans(world, proposal);
+  for (Waiting& waiting : pool_)  // an earlier trial of it may have been of others
+    if (waiting.hypothesis == id) waiting.hypothesis = {};
   for (const std::size_t i : set) pool_[i].hypothesis = id;
   Hypothesis& hypothesis = hypotheses_[id];
   hypothesis.says = {id, proposal.first, proposal.second, proposal.first_from_second, hypothesis.says.value};
@@ -253,8 +255,8 @@ void HypothesisPool::conclude(const Map& map, const ClosureOutcome& outcome, con
   }
   remove(gone);
   hypotheses_.erase(found);
-  if (refused_merges_.size() > options.hypotheses.max_finds)
-    refused_merges_.erase(refused_merges_.begin(), refused_merges_.end() - options.hypotheses.max_finds);
+  const std::size_t kept = std::min(refused_merges_.size(), options.hypotheses.max_finds);
+  refused_merges_.erase(refused_merges_.begin(), refused_merges_.end() - static_cast<std::ptrdiff_t>(kept));
 }
 
 // What agrees with the map that an accepted closure has made belongs to it, and goes with it: whatever says
