@@ -6,8 +6,11 @@
 #include "server/wire/page/texts/drawn_points.hpp"
 
 namespace isthmus {
+namespace {
 
 using Json = nlohmann::json;
+
+}  // namespace
 
 void Asked::add(const reply_t& reply) {
   if (!reply.done || (reply.poses.empty() && reply.frontiers.empty())) return;
