@@ -87,7 +87,7 @@ def open_browser():
 
 class Page(unittest.TestCase):
     def setUp(self):
-        scratch = tempfile.TemporaryDirectory()
+        scratch = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)  # isthmus-snapshot may outlive its server
         self.addCleanup(scratch.cleanup)
         self.work = scratch.name
         self.server = PageServer(self.work)
