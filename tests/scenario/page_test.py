@@ -10,6 +10,7 @@ missing (tools/install-dependencies.sh --browser).
 import argparse
 import math
 import os
+import re
 import secrets
 import shutil
 import subprocess
@@ -143,11 +144,14 @@ class Page(unittest.TestCase):
         self.wait_for("what would change is shown", lambda: self.text("dialog-text"))
 
     def check_console(self, away=()):
-        """Nothing but orders that were refused, and that the server was away when it was (milliseconds)."""
+        """Nothing but orders that were refused, that the server was away when it was (milliseconds), and that a tile was
+        gone when it was asked for, as its island had merged."""
         for entry in self.browser.get_log("browser"):
             was_away = any(begin <= entry["timestamp"] <= end for begin, end in away)
             was_refused = "/command" in entry["message"] and "409" in entry["message"]
-            if not (entry["source"] == "network" and (was_away or was_refused)):
+            tile = re.search(r"/tile/(\d+)/.* 404 ", entry["message"])
+            was_gone = tile and not self.js(f"isthmus.scene.offsets.has({tile[1]})")
+            if not (entry["source"] == "network" and (was_away or was_refused or was_gone)):
                 self.fail(f"in the console: {entry}")
 
     def test_islands_merge_and_part_on_the_screen_and_the_page_outlives_a_restart(self):
