@@ -34,7 +34,8 @@ TEST(SimulatedConfidence, CovariancesSayMoreThanErrorsShow) {
   for (const char* scenario : {"campaign_flat", "campaign_depot", "campaign_gallery"}) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const SimulatedMap simulated = map_scenario(scenario, {}, seed);
-      const MapConfidence one = judge_confidence(simulated.map, simulated.run.truth, EngineOptions{});
+      const MapConfidence one =
+          judge_confidence(simulated.map, simulated.run.truth, EngineOptions{}, MountSurvey{0, 0});
       all.local.add(one.local);
       all.island.add(one.island);
       all.undetermined += one.undetermined;

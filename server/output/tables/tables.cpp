@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "relations/confidence.hpp"
+#include "relations/mount_survey.hpp"
 #include "server/engine/map/dependencies.hpp"
 #include "server/output/format/csv.hpp"
 
@@ -12,17 +13,16 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Of `members`, patches or tags by island: by patch id, relative to the first patch of each island.
+/// Of `members`, patches or tags by island: by patch id, relative to the first patch of each island, mounts
+/// of the lasers included.
 std::vector<Eigen::Matrix3d> covariances(const MapCopy& map, const RankedIslands& islands,
                                          const std::vector<std::vector<PatchId>>& members) {
   std::vector<Eigen::Matrix3d> all(map.patches.size(), Eigen::Matrix3d::Constant(nan));
   for (std::size_t k = 0; k < members.size(); ++k) {
     if (members[k].empty()) continue;
-    const auto relative =
-        exact_relative_covariances(map.graph, map.poses, islands.patches[k].front(), members[k]);
-    for (std::size_t i = 0; i < relative.size(); ++i) {
-      all[static_cast<std::size_t>(members[k][i].value)] = relative[i];
-    }
+    const PatchId first = islands.patches[k].front();
+    const auto relative = exact_relative_covariances(map.graph, map.poses, first, members[k]);
+    for (std::size_t i = 0; i < relative.size(); ++i) all[index(members[k][i])] = relative[i];
   }
   return all;
 }
@@ -50,7 +50,9 @@ void write_patches(const MapCopy& map, const RankedIslands& islands, const std::
     const Patch& patch = *map.patches[i];
     if (patch.tag >= 0 || islands.rank(patch.id) < 0) continue;
     const Pose& pose = map.poses[i];
-    const Eigen::Matrix3d& c = covariance[i];
+    const PatchId first = islands.patches[static_cast<std::size_t>(islands.rank(patch.id))].front();
+    const Eigen::Matrix3d c = covariance[i] + mount_covariance(ominus(pose, map.poses[index(first)]),
+                                                               map.patches[index(first)]->robot, patch.robot);
     csv.row(patch.id, patch.robot, patch.utime, islands.rank(patch.id), pose.x, pose.y, pose.yaw, c(0, 0),
             c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2), to_wkt(transformed(pose, patch.free_space)));
   }

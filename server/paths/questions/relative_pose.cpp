@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "relations/confidence.hpp"
+#include "relations/mount_survey.hpp"
 
 namespace isthmus {
 namespace {
@@ -97,7 +98,8 @@ RelativePoseAnswer relative_pose(const MapCopy& map, const PlacedObject& a, cons
   };
   answer.a_from_b = ominus(patch_from_b, a.pose.patch_from_object);
   answer.covariance = carried(seen.by_pi, a.covariance) + carried(seen.by_q * composed.by_left, *between) +
-                      carried(seen.by_q * composed.by_right, b.covariance);
+                      carried(seen.by_q * composed.by_right, b.covariance) +
+                      mount_covariance(answer.a_from_b, a.robot, b.robot);
   answer.chain = strongest_chain(map, patch_a, patch_b);
   return answer;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "server/engine/record/map_copy.hpp"
@@ -12,6 +13,7 @@ struct PlacedObject {
   ManifoldPose pose;
   /// Of (x, y, yaw) of patch_from_object, relative to the patch.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  std::string robot = {};  ///< whose laser says that it is there, and not another's; empty: no one's
 };
 
 /// Where one thing is as seen from another.
@@ -25,7 +27,8 @@ struct RelativePoseAnswer {
 };
 
 /// The covariance is that of all the island's relations between the two patches (Howard et al. 2006, III-C),
-/// with those of both objects. Refused: unknown_patch, other_island, bad_value, undetermined.
+/// with those of both objects, and what the mounts of the lasers may be off by (relations/mount_survey.hpp).
+/// Refused: unknown_patch, other_island, bad_value, undetermined.
 RelativePoseAnswer relative_pose(const MapCopy& map, const PlacedObject& a, const PlacedObject& b);
 
 /// Why a pose is none on a map, or none: unknown_patch, bad_value.

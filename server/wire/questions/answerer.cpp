@@ -52,6 +52,13 @@ Place at(const MapCopy& map, PatchId patch, const Pose& patch_from_object) {
   return {{pose, Eigen::Matrix3d::Zero()}, 0, check(map, pose)};
 }
 
+/// A robot's pose when it took a patch.
+Place patch(const MapCopy& map, PatchId id) {
+  Place place = at(map, id, {});
+  if (place.refusal == Refusal::none) place.object.robot = map.patches[index(id)]->robot;
+  return place;
+}
+
 /// The robot's first patch on an island.
 std::optional<PatchId> first_patch(const MapCopy& map, const std::string& robot, IslandId island) {
   for (const Session& session : map.sessions)
@@ -73,7 +80,7 @@ struct Answerer::Asked {
     for (const RobotPoses* poses : {&robots, &robots_before}) {
       const auto found = poses->find(name);
       if (found == poses->end() || !is_on_map(map, found->second.pose.patch)) continue;
-      return {{found->second.pose, found->second.covariance}, found->second.utime, Refusal::none};
+      return {{found->second.pose, found->second.covariance, name}, found->second.utime, Refusal::none};
     }
     return nowhere(Refusal::unknown_robot);
   }
@@ -89,7 +96,7 @@ struct Answerer::Asked {
       case Target::pose:
         return at(map, PatchId{request.target_patch}, pose_of(request.patch_from_target));
       case Target::patch:
-        return at(map, PatchId{request.target_patch}, {});
+        return patch(map, PatchId{request.target_patch});
       case Target::tag:
         return tag(request.target_barcode);
       case Target::place:
@@ -100,7 +107,7 @@ struct Answerer::Asked {
         break;
     }
     const auto home = first_patch(map, request.robot, map.graph.island(start.object.pose.patch));
-    return home ? at(map, *home, {}) : nowhere(Refusal::unknown_robot);
+    return home ? patch(map, *home) : nowhere(Refusal::unknown_robot);
   }
 
   Place place(const std::string& name) const {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "relations/confidence.hpp"
+#include "relations/mount_survey.hpp"
 #include "server/output/format/csv.hpp"
 #include "tests/unit/output/room.hpp"
 
@@ -130,13 +131,17 @@ TEST(Tables, PatchesHavePoseCovarianceAndFreeSpaceInTheIslandsFrame) {
   }
 }
 
-TEST(Tables, ThePatchesCovarianceIsTheExactOneRelativeToTheFirst) {
+TEST(Tables, ThePatchesCovarianceIsTheExactOneRelativeToTheFirstWithTheLasersMounts) {
   const MapCopy map = split_map();
   const TemporaryDirectory directory;
   write_patches(map, rank_islands(map), directory.file("patches.csv"));
   const std::vector<PatchId> others = {PatchId{3}};
-  const Eigen::Matrix3d c = exact_relative_covariances(map.graph, map.poses, PatchId{1}, others).front();
-  EXPECT_GT(c(0, 0), 0);
+  const Eigen::Matrix3d by_relations =
+      exact_relative_covariances(map.graph, map.poses, PatchId{1}, others).front();
+  EXPECT_GT(by_relations(0, 0), 0);
+  const Eigen::Matrix3d mounts = mount_covariance(ominus(map.poses[3], map.poses[1]), "R1", "R1");
+  EXPECT_GT(mounts.norm(), 1e-6);
+  const Eigen::Matrix3d c = by_relations + mounts;
   const std::string wanted = number(c(0, 0)) + "," + number(c(0, 1)) + "," + number(c(0, 2)) + "," +
                              number(c(1, 1)) + "," + number(c(1, 2)) + "," + number(c(2, 2)) + ",\"";
   const std::string row = lines(directory.file("patches.csv"))[4];

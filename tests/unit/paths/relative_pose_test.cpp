@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "relations/mount_survey.hpp"
 #include "tests/support/ground_scenes.hpp"
 
 namespace isthmus {
@@ -53,6 +54,19 @@ TEST(RelativePose, WhatTheObjectsAreUncertainOfIsAddedInTheFirstOnesFrame) {
   const auto unsure =
       relative_pose(testing::copy_of(chain(1)), object(0, {}, {0, 0, 0.1}), object(0, {3, 0, 0}));
   EXPECT_NEAR(unsure.covariance(1, 1), 9 * 0.01, 1e-9);  // 3 m away, across the line of sight
+}
+
+TEST(RelativePose, OfRobotsSaysWhatTheirLasersMountsMayBeOffBy) {
+  const MapCopy map = testing::copy_of(chain(2));
+  const auto between = [&](const char* a, const char* b) {
+    PlacedObject one = object(0), other = object(1);
+    one.robot = a;
+    other.robot = b;
+    return relative_pose(map, one, other).covariance;
+  };
+  const Eigen::Matrix3d by_relations = between("", "");
+  EXPECT_TRUE((between("R1", "R2") - by_relations).isApprox(mount_covariance({1, 0, 0}, "R1", "R2"), 1e-6));
+  EXPECT_TRUE((between("R1", "R1") - by_relations).isApprox(mount_covariance({1, 0, 0}, "R1", "R1"), 1e-6));
 }
 
 TEST(RelativePose, TheChainGoesByTheStrongerRelations) {

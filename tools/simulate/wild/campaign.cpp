@@ -16,7 +16,6 @@
 #include "server/output/format/csv.hpp"
 #include "server/output/output.hpp"
 #include "server/wire/journal/event_log.hpp"
-#include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/wild/site.hpp"
 
 namespace isthmus {
@@ -92,6 +91,9 @@ WildTrial try_wild(std::uint64_t seed, const std::string& directory) {
   const MapCopy map = map_events(run.events);
   trial.cpu_s = process_cpu_s() - begin_s - trial.simulation_cpu_s;
   trial.score = judge_wild(scenario, run, map);
+  const MapConfidence confidence = judge_confidence(map, run.truth, EngineOptions{}, MountSurvey{});
+  trial.local_map = confidence.local.result();
+  trial.island = confidence.island.result();
   trial.finished = true;
   if (trial.failed() && !directory.empty()) keep(scenario, run, directory + "/seed-" + std::to_string(seed));
   return trial;
@@ -145,7 +147,8 @@ void write_wild_trials(const std::vector<WildTrial>& trials, const std::string& 
   CsvFile csv(
       file,
       "seed,finished,islands,relations,missing,mean_m,max_m,wrong_merges,missed_merges,true_sightings,"
-      "true_accepted,false_sightings,false_accepted,scans,simulation_cpu_s,cpu_s,drawn,traits");
+      "true_accepted,false_sightings,false_accepted,local_map_nees,local_map_median_nees,island_nees,"
+      "island_median_nees,scans,simulation_cpu_s,cpu_s,drawn,traits");
   for (const WildTrial& t : trials) {
     const WildDraw draw = draw_wild(t.seed);
     std::string traits;
@@ -153,7 +156,8 @@ void write_wild_trials(const std::vector<WildTrial>& trials, const std::string& 
       if (trait.holds) traits += (traits.empty() ? "" : ";") + trait.name;
     const WildScore& s = t.score;
     csv.row(t.seed, t.finished ? 1 : 0, s.islands, s.relations, s.missing, s.mean_m, s.max_m, s.wrong_merges,
-            s.missed_merges, s.true_sightings, s.true_accepted, s.false_sightings, s.false_accepted, t.scans,
+            s.missed_merges, s.true_sightings, s.true_accepted, s.false_sightings, s.false_accepted,
+            t.local_map.mean_nees, t.local_map.median_nees, t.island.mean_nees, t.island.median_nees, t.scans,
             t.simulation_cpu_s, t.cpu_s, describe(draw), traits);
   }
   csv.commit();

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/wild/draw.hpp"
 #include "tools/simulate/wild/judge.hpp"
 
@@ -14,6 +15,8 @@ struct WildTrial {
   std::uint64_t seed = 0;
   bool finished = false;  ///< else the process ended before it had a map; what it said is on stderr
   WildScore score;
+  Confidence local_map;  ///< of poses relative to patches that are near and well determined
+  Confidence island;     ///< of poses relative to any patch of the island
   std::size_t scans = 0;
   double simulation_cpu_s = 0;
   double cpu_s = 0;  ///< of mapping

@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -23,14 +24,35 @@ struct WildArguments {
 
 void print(const WildTrial& t) {
   const WildScore& s = t.score;
-  std::printf("%-6llu %7zu %9.4f %8.3f %4s %6zu %7zu %7.1f  %s\n", static_cast<unsigned long long>(t.seed),
-              s.islands, s.mean_m, s.max_m,
+  std::printf("%-6llu %7zu %9.4f %8.3f %4s %6zu %7zu %7.2f %7.2f %7.1f  %s\n",
+              static_cast<unsigned long long>(t.seed), s.islands, s.mean_m, s.max_m,
               !t.finished  ? "none"
               : s.is_off() ? "OFF"
                            : "",
-              s.wrong_merges, s.missed_merges, t.cpu_s + t.simulation_cpu_s,
-              describe(draw_wild(t.seed)).c_str());
+              s.wrong_merges, s.missed_merges, t.local_map.mean_nees, t.island.mean_nees,
+              t.cpu_s + t.simulation_cpu_s, describe(draw_wild(t.seed)).c_str());
   std::fflush(stdout);
+}
+
+// Of all pairs, which a torn run can spoil alone, and of the run in the middle.
+void print_confidence(const char* what, const std::vector<WildTrial>& trials, Confidence WildTrial::*which) {
+  std::vector<double> nees;
+  std::array<double, 3> within{};
+  double pairs = 0, sum = 0;
+  for (const WildTrial& trial : trials) {
+    const Confidence& confidence = trial.*which;
+    if (confidence.pairs == 0) continue;
+    nees.push_back(confidence.mean_nees);
+    const auto weight = static_cast<double>(confidence.pairs);
+    for (std::size_t i = 0; i < 3; ++i) within[i] += weight * confidence.within_95[i];
+    sum += weight * confidence.mean_nees;
+    pairs += weight;
+  }
+  if (nees.empty()) return;
+  std::ranges::sort(nees);
+  std::printf("%-10s NEES/dof %.2f, of the middle run %.2f; within 95 %%: x %.1f, y %.1f, yaw %.1f %%\n",
+              what, sum / pairs, nees[nees.size() / 2], 100 * within[0] / pairs, 100 * within[1] / pairs,
+              100 * within[2] / pairs);
 }
 
 void summarise(const std::vector<WildTrial>& trials) {
@@ -48,6 +70,8 @@ void summarise(const std::vector<WildTrial>& trials) {
       "%zu runs: %zu (%.1f %%) with a relation over 1 m off, %zu with wrong merges, %zu with missed ones, "
       "%zu without a map; %.1f CPU s a run\n",
       trials.size(), off, 100 * static_cast<double>(off) / runs, wrong, missed, none, cpu_s / runs);
+  print_confidence("local map", trials, &WildTrial::local_map);
+  print_confidence("island", trials, &WildTrial::island);
   std::printf("%-18s %8s %8s\n", "drawn", "failed %", "others %");
   for (const WildTraitShare& trait : compare_traits(trials))
     std::printf("%-18s %8.0f %8.0f\n", trait.name.c_str(), 100 * trait.of_failed, 100 * trait.of_others);
@@ -55,8 +79,8 @@ void summarise(const std::vector<WildTrial>& trials) {
 
 void wild_campaign(const WildArguments& arguments) {
   if (!arguments.output.empty()) std::filesystem::create_directories(arguments.output);
-  std::printf("%-6s %7s %9s %8s %4s %6s %7s %7s  %s\n", "seed", "islands", "mean m", "max m", "", "wrong",
-              "missed", "CPU s", "drawn");
+  std::printf("%-6s %7s %9s %8s %4s %6s %7s %7s %7s %7s  %s\n", "seed", "islands", "mean m", "max m", "",
+              "wrong", "missed", "NEES", "island", "CPU s", "drawn");
   std::vector<WildTrial> trials;
   const std::string kept = arguments.keep_failed ? arguments.output : std::string();
   try_seeds(

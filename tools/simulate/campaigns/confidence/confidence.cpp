@@ -42,7 +42,8 @@ Confidence ConfidenceTally::result() const {
 }
 
 MapConfidence judge_confidence(const MapCopy& map, const std::vector<RobotTruth>& truth,
-                               const EngineOptions& options, std::size_t observers) {
+                               const EngineOptions& options, const MountSurvey& survey,
+                               std::size_t observers) {
   MapConfidence confidence;
   const auto true_patch = true_patches(map, truth);
   const std::size_t stride = std::max<std::size_t>(1, map.patches.size() / observers);
@@ -61,10 +62,11 @@ MapConfidence judge_confidence(const MapCopy& map, const std::vector<RobotTruth>
       const Pose estimate = ominus(map.poses[b], map.poses[i]);
       const Pose actual = ominus(true_patch[b]->world_from_patch, true_patch[i]->world_from_patch);
       const Eigen::Vector3d error = wrapped_difference(estimate, actual);
-      confidence.island.add(error, covariances[k]);
+      const Eigen::Matrix3d covariance =
+          covariances[k] + mount_covariance(estimate, map.patches[i]->robot, map.patches[b]->robot, survey);
+      confidence.island.add(error, covariance);
       const bool near = std::hypot(estimate.x, estimate.y) <= options.surroundings.reach_m;
-      if (near && well_determined(covariances[k], options.local_map))
-        confidence.local.add(error, covariances[k]);
+      if (near && well_determined(covariances[k], options.local_map)) confidence.local.add(error, covariance);
     }
   }
   return confidence;

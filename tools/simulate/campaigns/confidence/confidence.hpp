@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "relations/mount_survey.hpp"
 #include "server/engine/input/configuration.hpp"
 #include "server/engine/record/map_copy.hpp"
 #include "tools/simulate/run/simulation.hpp"
@@ -43,9 +44,11 @@ struct MapConfidence {
   std::size_t undetermined = 0;  ///< patches a for which no covariances could be had
 };
 
-/// Judges a map built from a run, from about `observers` of its patches.
+/// Judges a map built from a run, from about `observers` of its patches. `survey`: how well the run's robots
+/// know where their lasers are.
 MapConfidence judge_confidence(const MapCopy& map, const std::vector<RobotTruth>& truth,
-                               const EngineOptions& options, std::size_t observers = 30);
+                               const EngineOptions& options, const MountSurvey& survey,
+                               std::size_t observers = 30);
 
 /// The map that an engine makes of events, as a server hears them: to the bit that of their log, replayed.
 /// Angles come as f32 in messages, and on the edge of a decision the ninth digit of one makes another map.
