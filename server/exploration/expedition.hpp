@@ -1,12 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "server/engine/input/words.hpp"
 #include "server/engine/rendezvous/meeting_record.hpp"
 #include "server/exploration/coordinator.hpp"
 #include "server/exploration/explore.hpp"
@@ -28,6 +31,9 @@ struct ExpeditionOptions {
 
 /// Why a robot is told to drive.
 enum class OrderReason : std::uint8_t { frontier, wait, give_way, finished, meet };
+template <>
+inline constexpr auto words_of<OrderReason> = std::to_array<std::string_view>({"frontier", "wait", "give_way",
+                                                                               "finished", "meet"});
 
 /// What a robot shall do now.
 struct ExplorationOrder {

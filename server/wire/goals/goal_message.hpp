@@ -1,18 +1,12 @@
 #pragma once
 
-#include <array>
 #include <string>
 
 #include "isthmus/goal_t.hpp"
-#include "server/engine/input/words.hpp"
 #include "server/engine/record/map_copy.hpp"
 #include "server/exploration/expedition.hpp"
 
 namespace isthmus {
-
-template <>
-inline constexpr auto words_of<OrderReason> = std::to_array<std::string_view>({"frontier", "wait", "give_way",
-                                                                               "finished", "meet"});
 
 /// What a robot is told on <ROBOT>_GOAL, without times. `at`: where it is; all poses on the map.
 goal_t goal_message(const MapCopy& map, const std::string& robot, const ManifoldPose& at,

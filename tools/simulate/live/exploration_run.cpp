@@ -23,9 +23,10 @@ constexpr double explored_after_s = 20;  // without a goal for anybody: nothing 
 class ExplorationRun {
  public:
   ExplorationRun(const Scenario& scenario, std::uint64_t seed, const ExplorationRunOptions& options,
-                 const WatchExploration& watch)
+                 const WatchExploration& watch, const WatchOrders& watch_orders)
       : options_(options),
         watch_(watch),
+        watch_orders_(watch_orders),
         served_(scenario, seed,
                 options.apart ? own_starts(scenario, options.robots)
                               : starts_side_by_side(scenario, options.robots, options.clearance_m),
@@ -76,8 +77,15 @@ class ExplorationRun {
       const ExplorationOrder& order = orders_[i] = found->second;
       if (order.reason != OrderReason::finished) busy_s_ = robots().time_s();
       served_.obey(i, order);
+      if (watch_orders_) show_order(i);
     }
     score_.plan_cpu_ms = std::max(score_.plan_cpu_ms, cpu_now_ms() - begin_ms);
+  }
+
+  void show_order(std::size_t i) const {
+    const LiveTeam::Member& member = robots()[i];
+    watch_orders_({robots().time_s(), served_.planner(), member.name(), member.robot.world_from_robot(),
+                   served_.answer(i)->pose, orders_[i], member.pilot.stuck_s()});
   }
 
   const LiveTeam& robots() const { return served_.robots(); }
@@ -136,6 +144,7 @@ class ExplorationRun {
 
   const ExplorationRunOptions& options_;
   const WatchExploration& watch_;
+  const WatchOrders& watch_orders_;
   ServedTeam served_;
   std::vector<ExplorationOrder> orders_;  // by robot
   Expedition expedition_;
@@ -147,8 +156,8 @@ class ExplorationRun {
 }  // namespace
 
 ExplorationScore explore(const Scenario& scenario, std::uint64_t seed, const ExplorationRunOptions& options,
-                         const WatchExploration& watch) {
-  return ExplorationRun(scenario, seed, options, watch).run();
+                         const WatchExploration& watch, const WatchOrders& watch_orders) {
+  return ExplorationRun(scenario, seed, options, watch, watch_orders).run();
 }
 
 }  // namespace isthmus

@@ -49,11 +49,24 @@ struct ExplorationView {
 };
 using WatchExploration = std::function<void(const ExplorationView&)>;
 
+/// A robot and what it was told to drive, for those who write it down.
+struct OrderView {
+  double time_s = 0;
+  const Planner& planner;
+  const std::string& robot;
+  Pose world_from_robot;  ///< true
+  ManifoldPose pose;      ///< as the map has it
+  const ExplorationOrder& order;
+  double stuck_s = 0;  ///< for how long it has tried to get on and did not
+};
+using WatchOrders = std::function<void(const OrderView&)>;
+
 /// Robots in the scenario's building, in a closed loop with the engine, the planner and `Expedition`, in
 /// one process: they drive along the paths that they are given by what their own lasers see, and what they
 /// send is what the map is made of. The same for the same arguments. `watch` is called after each
-/// measurement; it may be empty. Throws std::runtime_error where there is no room for the robots to start.
+/// measurement, `watch_orders` for each order; both may be empty. Throws std::runtime_error where there is no
+/// room for the robots to start.
 ExplorationScore explore(const Scenario& scenario, std::uint64_t seed, const ExplorationRunOptions& options,
-                         const WatchExploration& watch = {});
+                         const WatchExploration& watch = {}, const WatchOrders& watch_orders = {});
 
 }  // namespace isthmus

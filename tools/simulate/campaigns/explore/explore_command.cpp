@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "server/output/tables/islands.hpp"
 #include "server/program/finite_number.hpp"
 #include "tools/simulate/campaigns/command.hpp"
+#include "tools/simulate/campaigns/explore/order_table.hpp"
 #include "tools/simulate/live/exploration_run.hpp"
 
 namespace isthmus {
@@ -23,8 +25,11 @@ struct ExploreArguments : CampaignRuns {
   bool both = false;
   std::string pictures;
   double picture_s = 60;
+  std::string orders;
   ExplorationRunOptions run;
 };
+
+const char* word_of(Sharing sharing) { return sharing == Sharing::routes ? "routes" : "nearest"; }
 
 void print_header() {
   std::printf("%-20s %2s %-7s %6s %6s %7s %7s %7s %7s %3s %7s %5s %6s %5s %5s %6s %7s\n", "", "n", "sharing",
@@ -35,9 +40,9 @@ void print_header() {
 void print(const std::string& what, std::size_t robots, Sharing sharing, const ExplorationScore& s) {
   std::printf(
       "%-20s %2zu %-7s %6.0f %6.4f %7.0f %7.0f %7.0f %7.0f %3zu %7.0f %5zu %6zu %5zu %5zu %6zu %7.0f%s\n",
-      what.c_str(), robots, sharing == Sharing::routes ? "routes" : "nearest", s.reachable_m2, s.share,
-      s.found_s, s.found_way_m, s.end_s, s.way_m, s.islands, s.merged_s, s.touched_walls, s.touched_robots,
-      s.gave_way, s.goals, s.goals_given_up, s.plan_cpu_ms, s.given_up ? "  out of time" : "");
+      what.c_str(), robots, word_of(sharing), s.reachable_m2, s.share, s.found_s, s.found_way_m, s.end_s,
+      s.way_m, s.islands, s.merged_s, s.touched_walls, s.touched_robots, s.gave_way, s.goals,
+      s.goals_given_up, s.plan_cpu_ms, s.given_up ? "  out of time" : "");
   std::fflush(stdout);
 }
 
@@ -75,22 +80,29 @@ void explore_once(const ExploreArguments& arguments, const std::string& name, st
   ExplorationRunOptions options = arguments.run;
   options.robots = robots;
   options.expedition.exploration.sharing = sharing;
-  const std::string what = name + "-" + std::to_string(seed);
+  const std::string what = std::filesystem::path(name).stem().string() + "-" + std::to_string(seed);
+  OrderTable orders;
+  const auto watch_orders = [&](const OrderView& view) { orders.add(view); };
   double next_s = 0;
   const auto watch = [&](const ExplorationView& view) {
     if (view.time_s < next_s) return;
     next_s = view.time_s + arguments.picture_s;
     char file[96];
-    std::snprintf(file, sizeof file, "/%s-%zu-%s-%05.0f.png", what.c_str(), robots,
-                  sharing == Sharing::routes ? "routes" : "nearest", view.time_s);
+    std::snprintf(file, sizeof file, "/%s-%zu-%s-%05.0f.png", what.c_str(), robots, word_of(sharing),
+                  view.time_s);
     draw(view, arguments.pictures + file);
   };
   print(what, robots, sharing,
-        explore(scenario, seed, options, arguments.pictures.empty() ? WatchExploration{} : watch));
+        explore(scenario, seed, options, arguments.pictures.empty() ? WatchExploration{} : watch,
+                arguments.orders.empty() ? WatchOrders{} : watch_orders));
+  if (!arguments.orders.empty())
+    orders.write(arguments.orders + "/" + what + "-" + std::to_string(robots) + "-" + word_of(sharing) +
+                 ".csv");
 }
 
 void explore_campaign(const ExploreArguments& arguments) {
-  if (!arguments.pictures.empty()) make_directory(arguments.pictures);
+  for (const std::string& directory : {arguments.pictures, arguments.orders})
+    if (!directory.empty()) make_directory(directory);
   print_header();
   for (const std::string& name : arguments.scenarios)
     for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed)
@@ -127,6 +139,8 @@ void add_explore_command(CLI::App& app) {
   explore->add_option("--picture-time", arguments->picture_s, "between pictures, s")
       ->check(finite_number & CLI::PositiveNumber)
       ->capture_default_str();
+  explore->add_option("--orders", arguments->orders,
+                      "directory for a table of each run: who was told what when");
   explore->callback([arguments] { explore_campaign(*arguments); });
 }
 
