@@ -12,7 +12,7 @@ constexpr int side_cells = ground_tile_cells;
 /// the grids that are written.
 constexpr int contradiction = 4;
 
-enum Kind : std::uint32_t { covers, hits, stands };
+enum Kind : std::uint32_t { covers, hits, presumes };
 
 /// What patches see of the cells of a tile: by cell, the place of a patch among the tile's, and how.
 class Views {
@@ -44,7 +44,7 @@ class Views {
             visit(GroundTile::index(x, y), view + covers);
         }
         visit_columns(y, patches[i].raster->hits(low_.y + y), view + hits, visit);
-        visit_columns(y, patches[i].raster->stood(low_.y + y), view + stands, visit);
+        visit_columns(y, patches[i].raster->presumed(low_.y + y), view + presumes, visit);
       }
     }
   }

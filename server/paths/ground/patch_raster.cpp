@@ -1,10 +1,12 @@
 #include "server/paths/ground/patch_raster.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "server/output/grid/coverage.hpp"
 #include "server/output/grid/hits.hpp"
+#include "server/paths/ground/beam_gaps.hpp"
 
 namespace isthmus {
 namespace {
@@ -23,6 +25,39 @@ void add_runs(std::span<const std::int32_t> steps, std::int32_t column0,
     if (before > 0 && covering <= 0) runs.push_back({begin, column});
   }
   if (covering > 0) runs.push_back({begin, column0 + static_cast<std::int32_t>(steps.size())});
+}
+
+template <class Has>
+void add_within(const MapBox& box, const Has& has, std::vector<Cell>& cells) {
+  const Cell first = cell_of(box.low), last = cell_of(box.high);
+  for (std::int32_t y = first.y; y <= last.y; ++y)
+    for (std::int32_t x = first.x; x <= last.x; ++x)
+      if (has(centre_of({x, y}))) cells.push_back({x, y});
+}
+
+void add_around(const Eigen::Vector2d& point, double radius_m, std::vector<Cell>& cells) {
+  MapBox box;
+  box.include(point.array() - radius_m);
+  box.include(point.array() + radius_m);
+  add_within(
+      box, [&](const Eigen::Vector2d& centre) { return (centre - point).norm() <= radius_m; }, cells);
+}
+
+void add_beam_gaps(const PlacedPatch& placed, std::vector<Cell>& cells) {
+  const Pose map_from_laser = placed.map_from_patch * placed.patch.laser.robot_from_laser;
+  const Pose patch_from_map = inverse(placed.map_from_patch);
+  for (const BeamGap& gap : find_beam_gaps(placed.patch)) {
+    // No wider than `max_gap_m`: what bulges out beyond the chord is less than a cell.
+    MapBox box;
+    box.include(position(map_from_laser));
+    for (const double bearing : {gap.from_rad, gap.to_rad})
+      box.include(map_from_laser *
+                  Eigen::Vector2d(gap.range_m * std::cos(bearing), gap.range_m * std::sin(bearing)));
+    const auto has = [&](const Eigen::Vector2d& centre) {
+      return lies_in(gap, placed.patch.laser, patch_from_map * centre);
+    };
+    add_within(box, has, cells);
+  }
 }
 
 }  // namespace
@@ -52,24 +87,23 @@ PatchRaster::PatchRaster(const PlacedPatch& placed, std::span<const Eigen::Vecto
       if (hits.count(column, row) > 0) hits_.columns.push_back(low_.x + column);
     hits_.end_row();
   }
-  find_stood(map_points);
+  std::vector<Cell> cells;
+  for (const Eigen::Vector2d& point : map_points) add_around(point, stood_m, cells);
+  add_beam_gaps(placed, cells);
+  presume(std::move(cells));
 }
 
-void PatchRaster::find_stood(std::span<const Eigen::Vector2d> map_points) {
-  std::vector<Cell> cells;
-  for (const Eigen::Vector2d& point : map_points) {
-    const Cell first = cell_of(point.array() - stood_m), last = cell_of(point.array() + stood_m);
-    for (std::int32_t y = first.y; y <= last.y; ++y)
-      for (std::int32_t x = first.x; x <= last.x; ++x)
-        if ((centre_of({x, y}) - point).norm() <= stood_m) cells.push_back({x, y});
-  }
+void PatchRaster::presume(std::vector<Cell> cells) {
   const auto by_row = [](const Cell& a, const Cell& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); };
+  std::erase_if(cells, [&](const Cell& cell) {
+    return cell.x < low_.x || cell.x >= high_.x || cell.y < low_.y || cell.y >= high_.y;
+  });
   std::sort(cells.begin(), cells.end(), by_row);
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   auto cell = cells.begin();
   for (std::int32_t y = low_.y; y < high_.y; ++y) {
-    for (; cell != cells.end() && cell->y == y; ++cell) stood_.columns.push_back(cell->x);
-    stood_.end_row();
+    for (; cell != cells.end() && cell->y == y; ++cell) presumed_.columns.push_back(cell->x);
+    presumed_.end_row();
   }
 }
 

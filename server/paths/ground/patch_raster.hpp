@@ -12,8 +12,8 @@ namespace isthmus {
 /// of less than a full turn do not see it, and beams without return tell nothing.
 inline constexpr double stood_m = 0.3;
 
-/// What one patch shows as cells of its island, at its pose: free space in runs, hits and where robots stood
-/// by columns.
+/// What one patch shows as cells of its island, at its pose: free space in runs; hits, where robots stood,
+/// and gaps between its beams, by columns.
 class PatchRaster {
  public:
   /// Free cells of a row from `begin` to before `end`.
@@ -34,7 +34,8 @@ class PatchRaster {
   /// Of a row, by columns; none outside.
   std::span<const Run> runs(std::int32_t row) const;
   std::span<const std::int32_t> hits(std::int32_t row) const { return hits_.row(row - low_.y); }
-  std::span<const std::int32_t> stood(std::int32_t row) const { return stood_.row(row - low_.y); }
+  /// Where robots stood, and gaps between beams (`find_beam_gaps`): free unless something was hit there.
+  std::span<const std::int32_t> presumed(std::int32_t row) const { return presumed_.row(row - low_.y); }
 
  private:
   /// Columns by row, from `low`.
@@ -46,14 +47,14 @@ class PatchRaster {
     std::span<const std::int32_t> row(std::int32_t number) const;
   };
 
-  void find_stood(std::span<const Eigen::Vector2d> map_points);
+  void presume(std::vector<Cell> cells);
 
   Pose map_from_patch_;
   Cell low_, high_;
   std::vector<std::uint32_t> first_run_{0};  // by row, one more than there are rows
   std::vector<Run> runs_;
   Rows hits_;
-  Rows stood_;
+  Rows presumed_;
 };
 
 }  // namespace isthmus

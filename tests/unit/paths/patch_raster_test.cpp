@@ -48,7 +48,7 @@ TEST(PatchRaster, RowsOutsideAreEmpty) {
   EXPECT_TRUE(raster.runs(raster.high().y).empty());
   EXPECT_TRUE(raster.runs(raster.low().y - 1).empty());
   EXPECT_TRUE(raster.hits(raster.high().y).empty());
-  EXPECT_TRUE(raster.stood(raster.low().y - 1).empty());
+  EXPECT_TRUE(raster.presumed(raster.low().y - 1).empty());
 }
 
 TEST(PatchRaster, RobotsStoodAtTheOriginAndWhereTheyDrove) {
@@ -56,9 +56,9 @@ TEST(PatchRaster, RobotsStoodAtTheOriginAndWhereTheyDrove) {
   const std::vector<Eigen::Vector2d> driven{{5, 0}};  // farther than it sees
   const PatchRaster raster({*patch, Pose{}}, driven);
   const Cell origin = cell_of({0, 0.2}), there = cell_of({5.2, 0}), beside = cell_of({5.4, 0});
-  EXPECT_TRUE(has(raster.stood(origin.y), origin));
-  EXPECT_TRUE(has(raster.stood(there.y), there));
-  EXPECT_FALSE(has(raster.stood(beside.y), beside));
+  EXPECT_TRUE(has(raster.presumed(origin.y), origin));
+  EXPECT_TRUE(has(raster.presumed(there.y), there));
+  EXPECT_FALSE(has(raster.presumed(beside.y), beside));
 }
 
 }  // namespace

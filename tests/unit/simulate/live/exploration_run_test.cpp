@@ -54,6 +54,34 @@ TEST(ExplorationRun, ARobotExploresBothRoomsByItselfAndTouchesNothing) {
   EXPECT_LT(score.way_m, 40);
 }
 
+/// A corridor of 20 m and three dead ends of it, all 1.2 m wide; robots start 6 m from one another.
+Scenario comb(std::size_t robots) {
+  Building building;
+  std::vector<Eigen::Vector2d> corners{{0, 0}, {20, 0}, {20, 1.2}};
+  for (const double x : {15.0, 10.0, 5.0})
+    corners.insert(corners.end(), {{x + 1.2, 1.2}, {x + 1.2, 5}, {x, 5}, {x, 1.2}});
+  corners.emplace_back(0, 1.2);
+  building.walls.push_back({corners, true, {}});
+  Scenario scenario = two_rooms(robots);
+  scenario.plan = build_floor_plan(building);
+  for (std::size_t i = 0; i < robots; ++i)
+    scenario.robots[i].start = {2 + 6 * static_cast<double>(i), 0.6, 0};
+  return scenario;
+}
+
+TEST(ExplorationRun, NarrowCorridorsThatRobotsSeeNoEndOfAreExplored) {
+  ExplorationRunOptions options;
+  options.max_s = 300;
+  options.apart = true;
+  for (const std::size_t robots : {1, 2}) {
+    options.robots = robots;
+    const ExplorationScore score = explore(comb(robots), 1, options);
+    EXPECT_GE(score.share, 0.99) << robots;
+    EXPECT_EQ(score.touched_walls, 0U);
+    EXPECT_EQ(score.touched_robots, 0U);
+  }
+}
+
 TEST(ExplorationRun, TheSameRunIsTheSameToTheLastBit) {
   ExplorationRunOptions options;
   options.robots = 2;
