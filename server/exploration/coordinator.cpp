@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "server/exploration/clear_way.hpp"
@@ -14,9 +15,8 @@ namespace isthmus {
 namespace {
 
 constexpr double step_s = 0.2;
-constexpr double same_way = 0.5;  // the cosine of two headings that are one
+constexpr double same_way = 0.5;  // the cosine of two headings that are one, and of what lies ahead
 constexpr double nearer_m = 0.02;
-constexpr double leaving_s = 3;  // two that are near one another are given so long to part
 
 /// A robot of an island, while rights are given.
 struct Member {
@@ -24,7 +24,8 @@ struct Member {
   const Traveller* traveller = nullptr;
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
   TimedWay wanted;
-  std::optional<TimedWay> held;  // once it is decided
+  std::optional<TimedWay> held;         // once it is decided
+  std::set<std::string> makes_way_for;  // though it has more right
 };
 
 class IslandTraffic {
@@ -35,27 +36,34 @@ class IslandTraffic {
   void add(const std::string& name, const Traveller& traveller) {
     const Eigen::Vector2d at = position(planner_.project(traveller.pose));
     members_.push_back(
-        {name, &traveller, at, TimedWay(points_of(at, traveller.path), options_.speed_mps), {}});
+        {name, &traveller, at, TimedWay(points_of(at, traveller.path), options_.speed_mps), {}, {}});
   }
 
   /// By the order in which they were added; that order may change.
   std::map<std::string, Clearance> decide() {
     std::map<std::string, Clearance> clearances;
-    const std::size_t max_changes = members_.size() * members_.size();
-    for (std::size_t changes = 0;; ++changes) {
+    const std::size_t max_orders = members_.size() * members_.size();
+    first_rights_ = names();
+    tried_ = {first_rights_};
+    do {
       clearances.clear();
+      somebody_is_stuck_ = false;
       for (Member& member : members_) member.held.reset();
-      if (!decide_in_turn(clearances, changes < max_changes)) return clearances;
-    }
+    } while (!decide_in_turn(clearances, tried_.size() < max_orders));
+    return clearances;
   }
 
-  std::vector<std::string> rights() const {
+  /// From now on. Where no order lets all of them get on, that which there was: else two would take turns in
+  /// having the right, and neither would get on.
+  std::vector<std::string> rights() const { return somebody_is_stuck_ ? first_rights_ : names(); }
+
+ private:
+  std::vector<std::string> names() const {
     std::vector<std::string> names;
     for (const Member& member : members_) names.push_back(member.name);
     return names;
   }
 
- private:
   std::vector<Eigen::Vector2d> points_of(const Eigen::Vector2d& at,
                                          const std::vector<ManifoldPose>& path) const {
     std::vector<Eigen::Vector2d> points{at};
@@ -63,64 +71,76 @@ class IslandTraffic {
     return points;
   }
 
-  /// True: rights have changed, and all is to be decided again.
+  /// False: rights have changed, and all is to be decided again.
   bool decide_in_turn(std::map<std::string, Clearance>& clearances, bool may_change) {
     for (std::size_t turn = 0; turn < members_.size(); ++turn) {
       Member& member = members_[turn];
-      std::size_t barred = turn;  // whose way it is in
-      std::optional<Clearance> clearance = clear(member, barred);
-      if (!clearance && may_change && barred < turn) {
-        std::rotate(members_.begin() + static_cast<std::ptrdiff_t>(barred),
-                    members_.begin() + static_cast<std::ptrdiff_t>(turn),
-                    members_.begin() + static_cast<std::ptrdiff_t>(turn) + 1);
-        return true;
+      std::optional<Clearance> clearance = clear(member);
+      if (!clearance && may_change && get_right(turn)) return false;
+      if (!clearance) {
+        somebody_is_stuck_ = true;
+        clearance = Clearance{Leave::wait, {}};
       }
-      if (!clearance) clearance = Clearance{Leave::wait, {}};
       member.held.emplace(points_of(member.at, clearance->path), options_.speed_mps);
       clearances[member.name] = *std::move(clearance);
+    }
+    return true;
+  }
+
+  /// One that cannot make way gets the right of the last of those whose way it is in, behind that one, so
+  /// that the others make way for both (priority inheritance, Okumura et al. 2022); where that was tried,
+  /// before it, to get out of its way. False: there is no order that was not tried.
+  bool get_right(std::size_t turn) {
+    std::size_t place = turn;
+    while (place > 0 && !is_in_way(members_[turn], members_[turn].at, members_[place - 1], 0)) --place;
+    const auto at = [&](std::size_t i) { return members_.begin() + static_cast<std::ptrdiff_t>(i); };
+    const std::vector<Member> before = members_;
+    for (std::size_t to = std::min(place, turn - 1) + 1; to-- > 0;) {
+      for (std::size_t i = to; i < place; ++i) members_[turn].makes_way_for.insert(members_[i].name);
+      std::rotate(at(to), at(turn), at(turn) + 1);
+      if (tried_.insert(names()).second) return true;
+      members_ = before;
     }
     return false;
   }
 
-  std::optional<Clearance> clear(const Member& member, std::size_t& barred) {
+  /// None: it stands in another's way, and cannot get out of it.
+  std::optional<Clearance> clear(const Member& member) {
+    const bool has_to_leave = member.traveller->path.empty() && !is_in_nobodys_way(member, member.at, 0);
     const std::optional<double> met_s = first_meeting_s(member);
-    if (!met_s) return Clearance{Leave::go, member.traveller->path};
+    if (!met_s && !has_to_leave) return Clearance{Leave::go, member.traveller->path};
     if (!member.traveller->path.empty()) {
       if (auto detour = way_round(member)) return Clearance{Leave::go, *std::move(detour)};
     }
-    if (const auto wait_m = last_clear_m(member, *met_s)) return Clearance{Leave::wait, cut(member, *wait_m)};
-    if (auto aside = way_aside(member)) return Clearance{Leave::give_way, *std::move(aside)};
-    for (std::size_t i = 0; i < members_.size() && members_[i].held; ++i)
-      if (may_pass(member, members_[i]) && is_in_way(member, member.at, members_[i], 0))
-        barred = std::min(barred, i);
+    if (const auto wait_m = last_clear_m(member, met_s.value_or(0)))
+      return Clearance{Leave::wait, cut(member, *wait_m)};
+    // Nobody comes past one that stands in its way: as long as that is not gone, it stands as well.
+    for (const bool others_stand : {has_to_leave, !has_to_leave})
+      if (auto aside = way_aside(member, others_stand)) return Clearance{Leave::give_way, *std::move(aside)};
     return std::nullopt;
-  }
-
-  /// Nobody gets more right than one that has a goal by having none.
-  static bool may_pass(const Member& member, const Member& other) {
-    return !member.traveller->path.empty() || other.traveller->path.empty();
   }
 
   double apart_m(const Member& a, const Member& b) const {
     return a.traveller->footprint.radius_m + b.traveller->footprint.radius_m + options_.margin_m;
   }
-  /// The same, but that two that are nearer now need at first only not come nearer still.
-  double room_m(const Member& a, const Member& b, double time_s) const {
-    const double apart = apart_m(a, b);
-    return time_s > leaving_s ? apart : std::min(apart, (a.at - b.at).norm() - nearer_m);
+  /// The same, but that two that are nearer now need only not come nearer still: who comes from behind stops
+  /// by itself.
+  double room_m(const Member& a, const Member& b) const {
+    return std::min(apart_m(a, b), (a.at - b.at).norm() - nearer_m);
   }
 
   /// Whether a robot that is at a point at a time meets one that holds its way.
   bool meets(const Member& member, const Eigen::Vector2d& point, double time_s, const Member& other,
              double early_s) const {
-    return other.held->nearest_m(point, time_s - early_s, time_s + early_s) < room_m(member, other, time_s);
+    return other.held->nearest_m(point, time_s - early_s, time_s + early_s) < room_m(member, other);
   }
 
   /// Whether it drives ahead of the other one, as that does: who comes from behind stops by itself.
   bool leads(const Member& member, double time_s, const Member& other) const {
     const Eigen::Vector2d heading = other.held->heading_at_s(time_s);
+    const Eigen::Vector2d ahead = member.wanted.at_s(time_s) - other.held->at_s(time_s);
     return member.wanted.heading_at_s(time_s).dot(heading) > same_way &&
-           (member.wanted.at_s(time_s) - other.held->at_s(time_s)).dot(heading) > 0;
+           ahead.dot(heading) > same_way * ahead.norm();
   }
 
   std::optional<double> first_meeting_s(const Member& member) const {
@@ -139,14 +159,23 @@ class IslandTraffic {
   bool is_in_way(const Member& member, const Eigen::Vector2d& point, const Member& other,
                  double more_m) const {
     const double room =
-        (point - member.at).norm() > nearer_m ? apart_m(member, other) : room_m(member, other, 0);
-    return other.held->nearest_m(point, 0, options_.horizon_s) < room + more_m;
+        (point - member.at).norm() > nearer_m ? apart_m(member, other) : room_m(member, other);
+    const TimedWay& way = other.held ? *other.held : other.wanted;
+    return way.nearest_m(point, 0, options_.horizon_s) < room + more_m;
   }
 
   bool is_in_nobodys_way(const Member& member, const Eigen::Vector2d& point, double more_m) const {
-    for (const Member& other : members_)
-      if (other.held && is_in_way(member, point, other, more_m)) return false;
-    return true;
+    return std::ranges::none_of(members_, [&](const Member& other) {
+      return counts(member, other) && is_in_way(member, point, other, more_m);
+    });
+  }
+
+  /// Whether a robot keeps out of another's way.
+  static bool counts(const Member& member, const Member& other) {
+    return other.held || member.makes_way_for.contains(other.name);
+  }
+  bool gives_way_to(const Member& member, const Member& other) const {
+    return counts(member, other) && is_in_way(member, member.at, other, 0);
   }
 
   /// How far along its way it may come and wait there before it meets somebody.
@@ -180,12 +209,17 @@ class IslandTraffic {
                 : -1;
     if (goal < 0) return std::nullopt;
     const SquareId wanted = roadmap->square(goal);
-    return search(
-        *roadmap, member, [&](SquareId square, const Eigen::Vector2d&) { return square == wanted; },
-        member.wanted.length_m() + options_.detour_m);
+    const auto is_barred = [&](const Eigen::Vector2d& point, double along_m) {
+      return std::ranges::any_of(
+          members_, [&](const Member& other) { return comes_by(member, point, along_m, other); });
+    };
+    const auto is_wanted = [&](SquareId square, const Eigen::Vector2d&) { return square == wanted; };
+    return search(*roadmap, member, {is_barred, is_wanted, member.wanted.length_m() + options_.detour_m});
   }
 
-  std::optional<std::vector<ManifoldPose>> way_aside(const Member& member) {
+  /// `others_stand`: those whose way it is in stay where they are; else one that is decided drives on, and
+  /// one that is not makes way.
+  std::optional<std::vector<ManifoldPose>> way_aside(const Member& member, bool others_stand) {
     const auto roadmap = planner_.roadmap(island_, member.traveller->footprint);
     if (!roadmap) return std::nullopt;
     const auto is_aside = [&](SquareId, const Eigen::Vector2d& point) {
@@ -194,20 +228,26 @@ class IslandTraffic {
         return &other == &member || (other.at - point).norm() >= apart_m(member, other);
       });
     };
-    return search(*roadmap, member, is_aside, options_.max_aside_m);
-  }
-
-  std::optional<std::vector<ManifoldPose>> search(
-      const Roadmap& roadmap, const Member& member,
-      const std::function<bool(SquareId, const Eigen::Vector2d&)>& is_wanted, double max_m) const {
-    const NodeId from = planner_.room_near(roadmap, member.traveller->pose, PathQuestion{}.start_tolerance_m);
-    if (from < 0) return std::nullopt;
     const auto is_barred = [&](const Eigen::Vector2d& point, double along_m) {
       return std::ranges::any_of(members_, [&](const Member& other) {
-        return other.held && meets(member, point, along_m / options_.speed_mps, other, 0);
+        if (!others_stand || !gives_way_to(member, other)) return comes_by(member, point, along_m, other);
+        return (other.at - point).norm() < room_m(member, other);
       });
     };
-    const std::vector<NodeId> way = find_clear_way(roadmap, from, {is_barred, is_wanted, max_m});
+    return search(*roadmap, member, {is_barred, is_aside, options_.max_aside_m});
+  }
+
+  /// Whether one that is decided is at a point when a robot comes there.
+  bool comes_by(const Member& member, const Eigen::Vector2d& point, double along_m,
+                const Member& other) const {
+    return other.held && meets(member, point, along_m / options_.speed_mps, other, 0);
+  }
+
+  std::optional<std::vector<ManifoldPose>> search(const Roadmap& roadmap, const Member& member,
+                                                  const WayWanted& wanted) const {
+    const NodeId from = planner_.room_near(roadmap, member.traveller->pose, PathQuestion{}.start_tolerance_m);
+    if (from < 0) return std::nullopt;
+    const std::vector<NodeId> way = find_clear_way(roadmap, from, wanted);
     if (way.empty()) return std::nullopt;
     return poses_of(roadmap, member, way);
   }
@@ -231,6 +271,9 @@ class IslandTraffic {
   IslandId island_;
   const CoordinationOptions& options_;
   std::vector<Member> members_;  // by right
+  std::vector<std::string> first_rights_;
+  std::set<std::vector<std::string>> tried_;  // orders
+  bool somebody_is_stuck_ = false;
 };
 
 }  // namespace

@@ -2,52 +2,22 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "tests/support/narrow_corridor.hpp"
+#include "tests/support/narrow_corridors.hpp"
 
 namespace isthmus {
 namespace {
 
 using testing::NarrowCorridor;
 
-/// Lets robots drive as they are cleared, half a metre at a time. How near two of them came.
+/// To goals in the middle of the corridor. How near two robots came.
 double drive(NarrowCorridor& corridor, Coordinator& coordinator, const std::map<std::string, double>& to_x,
              int steps) {
-  double least_m = 1e9;
-  for (int step = 0; step < steps; ++step) {
-    for (auto& [name, traveller] : corridor.team) {
-      const auto to = to_x.find(name);
-      traveller.path.clear();
-      if (to != to_x.end())
-        traveller.path =
-            corridor.planner.path({traveller.pose, corridor.at(to->second), NarrowCorridor::slim}).poses;
-    }
-    for (const auto& [name, clearance] : coordinator.coordinate(corridor.planner, corridor.team)) {
-      ManifoldPose& pose = corridor.team[name].pose;
-      double left_m = 0.5;
-      for (const ManifoldPose& next : clearance.path) {
-        const Eigen::Vector2d here = position(corridor.planner.project(pose));
-        const Eigen::Vector2d by = position(corridor.planner.project(next)) - here;
-        const Eigen::Vector2d there = here + by * std::min(1.0, left_m / std::max(1e-9, by.norm()));
-        left_m -= (there - here).norm();
-        pose = corridor.at(there.x(), there.y());
-        if (left_m <= 0) break;
-      }
-    }
-    for (const auto& [a, one] : corridor.team)
-      for (const auto& [b, other] : corridor.team)
-        if (a < b)
-          least_m = std::min(least_m, (position(corridor.planner.project(one.pose)) -
-                                       position(corridor.planner.project(other.pose)))
-                                          .norm());
-  }
-  return least_m;
+  std::map<std::string, Eigen::Vector2d> goals;
+  for (const auto& [name, x] : to_x) goals[name] = {x, 0};
+  return corridor.drive(coordinator, goals, steps);
 }
 
-double x_of(const NarrowCorridor& corridor, const std::string& name) {
-  return corridor.planner.project(corridor.team.at(name).pose).x;
-}
+double x_of(const NarrowCorridor& corridor, const std::string& name) { return corridor.place(name).x(); }
 
 TEST(Coordinator, RobotsThatDoNotMeetGoTheirWays) {
   NarrowCorridor corridor;
@@ -131,6 +101,16 @@ TEST(Coordinator, WhoDrivesBehindAnotherFollowsIt) {
   const auto clearances = coordinator.coordinate(corridor.planner, corridor.team);
   EXPECT_EQ(clearances.at("R1").leave, Leave::go);
   EXPECT_EQ(clearances.at("R2").leave, Leave::go);
+}
+
+TEST(Coordinator, WhoIsAbreastOfAnotherIsNotAheadOfIt) {
+  NarrowCorridor corridor;
+  corridor.add("R1", -0.3, 8);
+  corridor.add("R2", 0, 8, 1.0);  // out of the niche, just before R1
+  Coordinator coordinator;
+  const auto clearances = coordinator.coordinate(corridor.planner, corridor.team);
+  EXPECT_EQ(clearances.at("R1").leave, Leave::go);
+  EXPECT_EQ(clearances.at("R2").leave, Leave::wait);
 }
 
 TEST(Coordinator, ARobotThatIsNowhereOnTheMapHasNoClearance) {

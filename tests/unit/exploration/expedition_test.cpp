@@ -88,17 +88,20 @@ TEST(Expedition, WhoDoesNotGetOnGivesItsGoalUp) {
 TEST(Expedition, WhoHasToWaitForAnotherTooLongIsGivenAnotherGoalForAWhile) {
   ExpeditionOptions options;
   options.first_turns = 0;
-  options.coordination.margin_m = 30;  // nobody may drive while another does
+  options.coordination.margin_m = 30;  // nobody may come nearer to another
   Team team(options);
   team.put("R1", {-1, 0, 3.1});
   team.put("R2", {1, 0, 0});
-  const bool first_waits = team.order_at(0, "R1").reason == OrderReason::wait;
+  ASSERT_EQ(team.order_at(0, "R1").reason, OrderReason::frontier);
+  ASSERT_EQ(team.order_at(0, "R2").reason, OrderReason::frontier) << "they drive apart";
+  team.put("R1", {2, 0, 3.1});  // and now each is in the other's way
+  team.put("R2", {-2, 0, 0});
+  const bool first_waits = team.order_at(1, "R1").reason == OrderReason::wait;
   const std::string waits = first_waits ? "R1" : "R2", drives = first_waits ? "R2" : "R1";
-  ASSERT_EQ(team.order_at(0, waits).reason, OrderReason::wait);
   const double side = first_waits ? 1 : -1;
-  for (int i = 1; i <= 8; ++i) {
-    team.put(drives, {side * (1 + 0.35 * i), 0, first_waits ? 0 : 3.1});
-    team.order_at(2 * i, waits);
+  for (int i = 1; i <= 7; ++i) {
+    ASSERT_EQ(team.order_at(2 * i, waits).reason, OrderReason::wait) << i;
+    team.put(drives, {side * (-2 + 0.35 * i), 0, first_waits ? 0 : 3.1});
   }
   EXPECT_FALSE(team.order_at(17, waits).goal.has_value());  // the other end is the other robot's
   EXPECT_EQ(team.expedition.counts().given_up, 0U);

@@ -1,0 +1,56 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "server/exploration/coordinator.hpp"
+#include "tests/support/narrow_corridors.hpp"
+
+namespace isthmus {
+namespace {
+
+using testing::NarrowComb;
+
+Eigen::Vector2d any_place(std::mt19937& random) {
+  std::uniform_int_distribution<int> tooth(0, 4), where(0, 2);
+  std::uniform_real_distribution<double> along(-9, 9), deep(1.2, NarrowComb::deep_m);
+  if (where(random) == 0) return {along(random), 0};
+  return {-8.0 + 4 * tooth(random), deep(random)};
+}
+
+/// Robots at random places of the comb drive to others there; who has come has no goal any more. How many
+/// came.
+std::size_t drive_at_random(unsigned seed, std::size_t robots, int steps) {
+  static const NarrowComb empty;
+  NarrowComb comb = empty;
+  std::mt19937 random(seed);
+  std::map<std::string, Eigen::Vector2d> goals;
+  for (std::size_t i = 0; i < robots; ++i) {
+    const std::string name = "R" + std::to_string(i + 1);
+    do {
+      const Eigen::Vector2d place = any_place(random);
+      comb.add_idle(name, place.x(), place.y());
+    } while (comb.nearest_m() < 0.8);
+    goals[name] = any_place(random);
+  }
+  Coordinator coordinator;
+  std::size_t came = 0;
+  for (int step = 0; step < steps && !goals.empty(); ++step) {
+    comb.drive(coordinator, goals, 1);
+    came += std::erase_if(goals, [&](const auto& goal) {
+      return (comb.place(goal.first) - goal.second).norm() < NarrowComb::arrived_m;
+    });
+  }
+  return came;
+}
+
+TEST(CoordinatorProperty, WhereNoTwoCanPassRobotsMakeWayUntilAllHaveComeToTheirGoals) {
+  constexpr unsigned runs = 20;
+  for (const std::size_t robots : {2, 3, 4, 6, 8}) {
+    std::size_t came = 0;
+    for (unsigned seed = 1; seed <= runs; ++seed) came += drive_at_random(seed, robots, 300);
+    EXPECT_GE(static_cast<double>(came), 0.98 * static_cast<double>(robots * runs)) << robots << " robots";
+  }
+}
+
+}  // namespace
+}  // namespace isthmus
