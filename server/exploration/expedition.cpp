@@ -12,9 +12,11 @@
 namespace isthmus {
 namespace {
 
-/// In the planner's map; infinity where one of them is on no patch of it.
+/// In the planner's map; infinity where one of them is on no patch of it, or on another island.
 double apart_m(const Planner& planner, const ManifoldPose& a, const ManifoldPose& b) {
-  if (check(planner.map(), a) != Refusal::none || check(planner.map(), b) != Refusal::none)
+  const MapCopy& map = planner.map();
+  if (check(map, a) != Refusal::none || check(map, b) != Refusal::none ||
+      map.graph.island(a.patch) != map.graph.island(b.patch))
     return std::numeric_limits<double>::infinity();
   return (position(planner.project(a)) - position(planner.project(b))).norm();
 }
@@ -128,16 +130,16 @@ void Expedition::end_meeting() {
   meeting_.reset();
 }
 
-/// What a robot saw nothing new at twice is no goal again.
+/// What the team saw nothing new at twice is no goal again: what a robot sees there, others see as well.
 void Expedition::visit(const Planner& planner, State& state) {
   const ManifoldPose goal = state.goal->viewpoint;
   if (std::exchange(state.turning, false)) return state.goal.reset();
-  if (std::ranges::any_of(state.visited, [&](const ManifoldPose& one) {
+  if (std::ranges::any_of(visited_, [&](const ManifoldPose& one) {
         return apart_m(planner, one, goal) <= options_.exploration.given_up_m;
       }))
-    state.given_up.push_back(goal);
-  state.visited.push_back(goal);
-  state.just_visited = true;
+    looked_at_.push_back(goal);
+  visited_.push_back(goal);
+  state.just_visited = goal;
   state.goal.reset();
 }
 
@@ -160,7 +162,8 @@ void Expedition::share(Planner& planner, const std::map<std::string, ExpeditionM
     Explorer& explorer = explorers[name];
     explorer = {member.pose, member.footprint, std::nullopt, state.given_up};
     if (state.goal) explorer.goal = state.goal->viewpoint;
-    if (state.just_visited) explorer.given_up.push_back(state.visited.back());
+    explorer.given_up.insert(explorer.given_up.end(), looked_at_.begin(), looked_at_.end());
+    if (state.just_visited) explorer.given_up.push_back(*state.just_visited);
     for (const auto& [until_s, goal] : state.deferred) explorer.given_up.push_back(goal);
   }
   frontiers_.clear();
@@ -196,7 +199,7 @@ void Expedition::set_goal(const Planner& planner, State& state, const std::optio
                           double time_s) {
   if (!goal) {
     state.goal.reset();
-    state.just_visited = false;
+    state.just_visited.reset();
     return;
   }
   const bool is_same =

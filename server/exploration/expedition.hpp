@@ -80,8 +80,7 @@ class Expedition {
     std::optional<ExplorationGoal> goal;
     std::int64_t number = 0;  ///< of the goal
     std::vector<ManifoldPose> given_up;
-    std::vector<ManifoldPose> visited;                      ///< goals that it came to
-    bool just_visited = false;                              ///< the last of them is no goal now
+    std::optional<ManifoldPose> just_visited;               ///< where it came to is no goal now
     std::vector<std::pair<double, ManifoldPose>> deferred;  ///< no goals until then
     std::optional<ManifoldPose> first;                      ///< where it was first
     int turns = 0;                                          ///< that it made there to look around
@@ -118,6 +117,8 @@ class Expedition {
   std::map<std::string, State> states_;
   std::optional<double> shared_s_;
   std::vector<ExplorationGoal> frontiers_;
+  std::vector<ManifoldPose> visited_;     ///< goals that somebody came to
+  std::vector<ManifoldPose> looked_at_;   ///< those of them that are no goals again, for anybody
   std::optional<MeetingRecord> meeting_;  ///< that two robots are on their way to
   std::set<ClosureId> missed_;            ///< hypotheses that a meeting did not settle
   ExpeditionCounts counts_;

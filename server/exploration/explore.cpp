@@ -178,9 +178,11 @@ class IslandShare {
     return nearest;
   }
 
-  /// Of a frontier's viewpoint from a pose, in the island's plane; no_way where that is not on the map.
+  /// Of a frontier's viewpoint from a pose, in the island's plane; no_way where that is not on the island.
   double distance_m(std::size_t place, const ManifoldPose& pose) const {
-    if (check(planner_.map(), pose) != Refusal::none) return no_way;
+    const bool is_here =
+        check(planner_.map(), pose) == Refusal::none && planner_.map().graph.island(pose.patch) == island_;
+    if (!is_here) return no_way;
     const Eigen::Vector2d at = roadmap_->ground().centre(frontiers_[place].viewpoint);
     return (position(planner_.project(pose)) - at).norm();
   }

@@ -74,6 +74,23 @@ TEST(Expedition, WhatARobotSawNothingNewAtTwiceIsNoGoalAgain) {
   EXPECT_LE(goals, 6);
 }
 
+TEST(Expedition, WhatOneRobotSawNothingNewAtIsNoGoalForTheOthers) {
+  Team team;
+  team.put("R1", {-1, 0, 3.1});
+  team.put("R2", {1, 0, 0});
+  int came = 0;
+  for (double time_s = 0; time_s < 200; time_s += 10) {
+    const auto orders = team.expedition.plan(team.planner, team.members, time_s);
+    for (const auto& [name, order] : orders) {
+      if (order.reason == OrderReason::finished || !order.is_last) continue;
+      team.put(name, team.planner.project(order.goal->viewpoint));
+      ++came;
+    }
+  }
+  EXPECT_GE(came, 4);
+  EXPECT_LE(came, 6) << "as many as one robot alone goes to";
+}
+
 TEST(Expedition, WhoDoesNotGetOnGivesItsGoalUp) {
   Team team;
   team.put("R1", {0.4, 0, 0});

@@ -64,6 +64,20 @@ TEST(Explore, WhatARobotGaveUpIsNoGoalOfItsAgain) {
   EXPECT_TRUE(share_frontiers(corridor.planner, corridor.team).empty());
 }
 
+TEST(Explore, WhatWasGivenUpOnAnotherIslandIsNotWhatLiesThereOnThisOne) {
+  Corridor corridor;
+  Map map;
+  for (const int id : {0, 1}) map.add(testing::round_patch(testing::corridor(), PatchId{id}, {}, 6), {});
+  corridor.planner.update(testing::shared_copy(map));
+  corridor.add("R1", 0.4);
+  const auto first = share_frontiers(corridor.planner, corridor.team);
+  ManifoldPose there = first.at("R1").viewpoint;
+  there.patch = PatchId{1};  // an island of its own; both lie at the same place of their planes
+  corridor.team["R1"].given_up.push_back(there);
+  const auto second = share_frontiers(corridor.planner, corridor.team);
+  EXPECT_GT(corridor.goal_x(first, "R1") * corridor.goal_x(second, "R1"), 0);
+}
+
 TEST(Explore, ARobotDoesNotKeepAGoalThatItGaveUp) {
   Corridor corridor;
   corridor.add("R1", 0.4);
