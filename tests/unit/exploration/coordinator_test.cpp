@@ -104,11 +104,13 @@ TEST(Coordinator, WhoDrivesBehindAnotherFollowsIt) {
 }
 
 TEST(Coordinator, WhoIsAbreastOfAnotherIsNotAheadOfIt) {
-  NarrowCorridor corridor;
-  corridor.add("R1", -0.3, 8);
-  corridor.add("R2", 0, 8, 1.0);  // out of the niche, just before R1
+  testing::Walls walls;
+  testing::add_box(walls, -10, -2, 10, 2);
+  testing::NarrowCorridors hall(walls, {{-5, 0, 0}, {0, 0, 0}, {5, 0, 0}});
+  hall.add("R1", -6, 8, 0.6);
+  hall.add("R2", -5.95, 8.3, -0.6);  // their ways come together, and it is five centimetres ahead
   Coordinator coordinator;
-  const auto clearances = coordinator.coordinate(corridor.planner, corridor.team);
+  const auto clearances = coordinator.coordinate(hall.planner, hall.team);
   EXPECT_EQ(clearances.at("R1").leave, Leave::go);
   EXPECT_EQ(clearances.at("R2").leave, Leave::wait);
 }
