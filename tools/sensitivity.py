@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Multiplies each tuning value of the engine by given factors, one at a time, and tells what that changes.
 
-    tools/sensitivity.py [--factors 0.67 1.33] [--only localise trial.min_own_m ...] [--logs intel fr079 office run.lcm]
+    tools/sensitivity.py [--factors 0.67 1.33] [--only localise trial.min_way_m ...] [--logs intel fr079 office run.lcm]
                          [--jobs N] [--build DIR] [--data DIR] [--cache DIR]
 
 The values are those of `isthmus-replay --list-tuning` and of [engine] in isthmus.example.toml. A log is a recorded log

@@ -307,34 +307,48 @@ double Trial::shared_log_odds() const {
 // Without sightings, guard against perceptual aliasing: many buildings repeat themselves.
 void Trial::judge_scans() {
   const TrialOptions& its = options_.trial;
-  const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
-  const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
-  const SharedPart shared = isthmus::shared_part(map_, island, is_younger, propagation_.matched(), options_);
-  account_.own_m = std::min(shared.own_first_m, shared.own_second_m);
-  account_.border_contradiction = shared.border_contradiction;
-  account_.shared_log_odds = shared_log_odds();
-  const double by_finds = its.log_odds_per_find_cost * std::max(0.0, account_.cost - its.even_find_cost);
-  const double by_walls = log_odds_by_walls();
-  account_.fit_log_odds = -by_finds - by_walls;
-  if (account_.log_odds() < -its.min_loop_log_odds) {
-    refusal_ = by_finds > by_walls ? Reason::finds_disagree : Reason::walls_in_free_space;
-  } else if (proposal_.merge && walls_in_free_space_of_two_maps()) {
+  if (account_.cost > its.max_find_cost) {
+    refusal_ = Reason::finds_disagree;
+  } else if (proposal_.merge && puts_walls_in_free_space(account_.contradiction)) {
     refusal_ = Reason::walls_in_free_space;
-  } else if (account_.matched < its.few_matched_scans ||
-             (proposal_.merge && account_.way_m < its.min_way_m)) {
+  } else if (scans_disagree()) {
+    refusal_ = Reason::scans_disagree;
+  } else if (account_.matched < its.few_matched_scans) {
     leave_undecided(Reason::too_little_support);
-  } else if (account_.log_odds() < its.min_loop_log_odds) {
-    leave_undecided(account_.width_m < its.min_width_m && !proposal_.merge ? Reason::one_corridor
-                                                                           : Reason::too_little_support);
-  } else if (proposal_.merge && account_.own_m < its.min_own_m &&
-             account_.log_odds() < its.min_whole_log_odds) {
-    leave_undecided(Reason::nothing_beyond_the_seam);
+  } else {
+    const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
+    const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
+    const SharedPart shared =
+        isthmus::shared_part(map_, island, is_younger, propagation_.matched(), options_);
+    account_.own_m = std::min(shared.own_first_m, shared.own_second_m);
+    account_.border_contradiction = shared.border_contradiction;
+    account_.shared_log_odds = shared_log_odds();
+    proposal_.merge ? judge_merge(shared) : judge_loop();
   }
 }
 
-// Nothing holds two maps together before they are one, that a false merge would have to bend: walls are left.
-bool Trial::walls_in_free_space_of_two_maps() const {
-  return puts_walls_in_free_space(std::max(account_.contradiction, account_.border_contradiction));
+void Trial::judge_loop() {
+  const TrialOptions& its = options_.trial;
+  const double by_finds = its.log_odds_per_find_cost * std::max(0.0, account_.cost - its.even_find_cost);
+  const double by_scans = log_odds_by_walls();
+  account_.fit_log_odds = -by_finds - by_scans;
+  if (account_.log_odds() < -its.min_loop_log_odds) {
+    refusal_ = by_finds > by_scans ? Reason::finds_disagree : Reason::walls_in_free_space;
+  } else if (account_.log_odds() < its.min_loop_log_odds) {
+    leave_undecided(account_.width_m < its.min_width_m ? Reason::one_corridor : Reason::too_little_support);
+  }
+}
+
+void Trial::judge_merge(const SharedPart& shared) {
+  const TrialOptions& its = options_.trial;
+  if (puts_walls_in_free_space(shared.border_contradiction)) {
+    refusal_ = Reason::walls_in_free_space;
+  } else if (account_.way_m < its.min_way_m) {
+    leave_undecided(Reason::too_little_support);
+  } else if (std::min(shared.own_first_m, shared.own_second_m) < its.min_own_m &&
+             account_.shared_log_odds < its.min_whole_log_odds) {
+    leave_undecided(Reason::nothing_beyond_the_seam);
+  }
 }
 
 void Trial::leave_undecided(Reason why) {

@@ -112,6 +112,8 @@ class Trial {
   void judge();
   void judge_sightings();
   void judge_scans();
+  void judge_loop();
+  void judge_merge(const SharedPart& shared);
   void leave_undecided(Reason why);
   bool scans_disagree() const;
   double blamed_log_odds() const;
@@ -129,7 +131,6 @@ class Trial {
   double own_contradiction() const;
   /// Whether the two sides contradict one another more than each does itself.
   bool puts_walls_in_free_space(double contradiction) const;
-  bool walls_in_free_space_of_two_maps() const;
 
   EngineOptions options_;
   Proposal proposal_;

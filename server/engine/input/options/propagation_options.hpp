@@ -57,6 +57,7 @@ struct TrialOptions {
   double max_contradiction = 0.08;
   double even_sighting_cost = 0.75;
   double log_odds_per_sighting_cost = 3;
+  double max_find_cost = 3;
   double max_relation_cost = 50;
   double min_matched_share = 0.4;
   int few_compared = 3;
@@ -100,6 +101,7 @@ struct TrialOptions {
     option(log_odds_per_sighting_cost, "log_odds_per_sighting_cost", "log-odds",
            "against a closure whose sightings cost one more: those of true ones whose clock or mounting is "
            "off come to 4, those of false ones nearly always to 25");
+    option(max_find_cost, "max_find_cost", "χ² of 3", "mean over the finds' relations after the fit");
     option(max_relation_cost, "max_relation_cost", "χ²", "of one relation that counts for these means");
     visit_scan_options(option);
   }
@@ -116,7 +118,7 @@ struct TrialOptions {
            "of sightings of one direction, where scans cannot tell");
     option(few_matched_scans, "few_matched_scans", "count",
            "of patches that must match where scans are all there is");
-    option(min_way_m, "min_way_m", "m", "of way that a merge must share, whatever its odds");
+    option(min_way_m, "min_way_m", "m", "of way that a merge must share");
     option(log_odds_per_way_m, "log_odds_per_way_m", "log-odds/m",
            "that a loop or merge is true, of way that matches: ground looks alike for a few metres,");
     option(repeats_probability, "repeats_probability", "probability",
@@ -127,9 +129,9 @@ struct TrialOptions {
            "of each sighting beyond two that agrees: of false ones that agree by chance, or as one misread "
            "barcode leads to another, one more does so in one of five sets or fewer");
     option(even_find_cost, "even_find_cost", "χ² of 3",
-           "mean over the finds' relations that speaks against nothing: the median of true ones");
+           "mean over the finds' relations that does not speak against a loop: the median of true ones");
     option(log_odds_per_find_cost, "log_odds_per_find_cost", "log-odds",
-           "against what finds say that pull at one another by one more than that");
+           "against a loop whose finds pull at one another by one more than that");
     option(log_odds_per_contradiction, "log_odds_per_contradiction", "log-odds",
            "against a loop that puts all hits deep in free space, beyond what either side does itself: true "
            "ones put three in a hundred there, or fewer");

@@ -24,7 +24,6 @@ struct Pooling {
   void believe_little() {
     TrialOptions& its = scene.options.trial;
     its.min_way_m = 1;
-    its.min_loop_log_odds = 0.4;  // a metre of way
     its.min_width_m = its.min_own_m = 0;
   }
   /// That R2's patch lies so beside R1's.

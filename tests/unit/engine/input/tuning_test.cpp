@@ -88,11 +88,11 @@ TEST(Tuning, WhatIsListedReadsAsTheDefaults) {
 TEST(Tuning, AValueReachesItsMemberAndNoOther) {
   const std::string defaults = tuning_text({});
   const std::string text =
-      tuning_text(options_of("[tuning]\ntrial.min_own_m = 7.5\n[tuning.match]\nmin_pairs = 9\n"));
-  EXPECT_TRUE(contains(text, "trial.min_own_m = 7.5\n"));
+      tuning_text(options_of("[tuning]\ntrial.min_way_m = 17.5\n[tuning.match]\nmin_pairs = 9\n"));
+  EXPECT_TRUE(contains(text, "trial.min_way_m = 17.5\n"));
   EXPECT_TRUE(contains(text, "match.min_pairs = 9\n"));
   std::string put_back = text;
-  put_back.replace(put_back.find("min_own_m = 7.5"), 15, "min_own_m = 5.0");
+  put_back.replace(put_back.find("min_way_m = 17.5"), 16, "min_way_m = 15.0");
   put_back.replace(put_back.find("min_pairs = 9"), 13, "min_pairs = 12");
   EXPECT_EQ(put_back, defaults);
 }

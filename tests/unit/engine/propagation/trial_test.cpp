@@ -306,12 +306,12 @@ TEST(TrialByScans, WithFewMatchedPatchesWaits) {
   EXPECT_EQ(trial.refusal(), Reason::too_little_support);
 }
 
-TEST(TrialByScans, WhoseScansDoNotMatchWaits) {
+TEST(TrialByScans, WhoseScansDoNotMatchIsRefused) {
   Walls plain;
   add_box(plain, -4, -3, 4, 3);
   Case its = by_scans(loop_of(plain, outward, toothed_room(), homeward));
   its.say(PatchId{1}, PatchId{4});
-  EXPECT_TRUE(its.tried().undecided());
+  EXPECT_EQ(its.tried().refusal(), Reason::scans_disagree);
 }
 
 const std::vector<Pose> early_way = {{-1.5, -0.4, 0.2}, {-1.6, -0.3, 0.1}, {-1.7, -0.5, 0}};
@@ -367,6 +367,7 @@ TEST(TrialByScans, WhoseFindsPullAtOneAnotherNeedsMoreThatSpeaksForIt) {
     its.say(PatchId{5}, PatchId{17}, {-off_m, 0, 0});
     const Trial trial = its.tried();
     EXPECT_EQ(trial.accepted(), off_m == 0) << trial.account().log_odds() << ' ' << trial.account().cost;
+    EXPECT_LT(trial.account().cost, TrialOptions{}.max_find_cost);
   }
 }
 
