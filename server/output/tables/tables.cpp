@@ -13,8 +13,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Of `members`, patches or tags by island: by patch id, relative to the first patch of each island, mounts
-/// of the lasers included.
+/// Of `members`, patches or tags by island: by patch id, relative to the first patch of each island.
 std::vector<Eigen::Matrix3d> covariances(const MapCopy& map, const RankedIslands& islands,
                                          const std::vector<std::vector<PatchId>>& members) {
   std::vector<Eigen::Matrix3d> all(map.patches.size(), Eigen::Matrix3d::Constant(nan));
