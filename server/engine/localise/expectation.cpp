@@ -34,6 +34,17 @@ double apart(const Pose& one, const Pose& other, double seconds, const LocaliseO
                     off.z() / (options.max_turn_rad_per_s * seconds));
 }
 
+/// That a robot goes on where its odometry stands still from one scan to the next.
+constexpr double freezes_probability = 0.25;
+
+// Odometry that stands still where the robot drove before may have frozen. As far as the robot would have
+// gone on, it is not known where it is, and scans may tell: held to rest, they would follow a freeze along a
+// corridor.
+Eigen::Matrix3d covariance_of_freeze(const Pose& last_step) {
+  const Eigen::Vector3d lost = to_vector(last_step);
+  return freezes_probability * lost * lost.transpose();
+}
+
 // Odometry that stood still while the robot moved may have lost that motion, or tell it late and at once. A
 // robot's motion goes on much as it was: of the two, that is taken which is more like the last one.
 bool is_catching_up(const Localisation& place, const Pose& told, const Pose& caught_up, double seconds,
@@ -75,6 +86,9 @@ Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t
                             its.implausible_variance_rad2)
                 .asDiagonal();
   }
+  if (expectation.plausible && is_rest(expectation.claimed_step, options.odometry_learning))
+    noise += covariance_of_freeze(place.last_step);
+  expectation.step_covariance = noise;
   const Pose& r = place.pose.patch_from_object;
   const ComposeJacobians jacobians = compose_jacobians(r, expectation.step);
   expectation.local_from_robot = r * expectation.step;

@@ -11,6 +11,8 @@ struct Expectation {
   Pose local_from_robot;       ///< in the frame of the robot's patch
   Eigen::Matrix3d covariance;  ///< grown from the calibrated covariance
   Eigen::Matrix3d tracking_covariance;
+  /// Of the step, in the frame of where it began.
+  Eigen::Matrix3d step_covariance = Eigen::Matrix3d::Zero();
   Pose step;              ///< odometry since the last scan, without its bias; none where that is implausible
   Pose claimed_step;      ///< what odometry said
   bool plausible = true;  ///< false: no robot moves like that

@@ -99,7 +99,7 @@ void follow(const Map& map, Robot& robot, const Expectation& expectation, const 
     place.untold = place.untold * matched_step;
   }
   place.since_last_patch.append(expectation.plausible ? expectation.step : matched_step,
-                                robot.noise.covariance(expectation.step, options.odometry_noise));
+                                expectation.step_covariance);
   place.odom_from_robot = odom_from_robot;
   place.utime = utime;
   place.suspect = placement.matched ? false : place.suspect || !expectation.plausible;

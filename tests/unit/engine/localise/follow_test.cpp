@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "server/engine/robot/robot_pose.hpp"
 #include "tests/support/poses.hpp"
 #include "tests/support/ways.hpp"
@@ -30,6 +32,7 @@ struct OnPatches {
     expectation.step = plausible ? odometry_step : Pose{};
     expectation.claimed_step = odometry_step;
     expectation.plausible = plausible;
+    expectation.step_covariance = robot.noise.covariance(expectation.step, {});
     Placement placement;
     placement.matched = matched;
     placement.local_from_robot = local_from_robot;
@@ -203,6 +206,21 @@ TEST(Answer, ProjectsTheRobotOnThePlaneOfItsIsland) {
   expect_near(pose.map_from_odom * Pose{7, 8, 0}, {1, 3.5, quarter_turn});
   EXPECT_TRUE(pose.matched);
   EXPECT_FALSE(answer(on.map, on.robot, false).matched);
+}
+
+TEST(Expect, OfARobotWhoseOdometryStandsStillAfterItDroveIsAsWideAsItMayHaveGoneOn) {
+  Robot robot;
+  robot.place = Localisation{};
+  robot.place->covariance = robot.place->tracking_covariance = Eigen::Matrix3d::Zero();
+  robot.place->last_step = {0.2, 0, 0};
+  const Expectation frozen = expect(robot, {}, 200'000, {});
+  EXPECT_NEAR(std::sqrt(frozen.covariance(0, 0)), 0.1, 0.01) << "of a quarter that it goes on";
+  EXPECT_LT(frozen.covariance(1, 1), 1e-4) << "along its way alone";
+  EXPECT_EQ(frozen.covariance, frozen.step_covariance);
+  const Expectation drives = expect(robot, {0.2, 0, 0}, 200'000, {});
+  EXPECT_LT(drives.covariance(0, 0), 1e-3);
+  robot.place->last_step = {};
+  EXPECT_LT(expect(robot, {}, 200'000, {}).covariance(0, 0), 1e-4);
 }
 
 }  // namespace
