@@ -34,15 +34,12 @@ double apart(const Pose& one, const Pose& other, double seconds, const LocaliseO
                     off.z() / (options.max_turn_rad_per_s * seconds));
 }
 
-/// That a robot goes on where its odometry stands still from one scan to the next.
-constexpr double freezes_probability = 0.25;
-
 // Odometry that stands still where the robot drove before may have frozen. As far as the robot would have
 // gone on, it is not known where it is, and scans may tell: held to rest, they would follow a freeze along a
 // corridor.
-Eigen::Matrix3d covariance_of_freeze(const Pose& last_step) {
+Eigen::Matrix3d covariance_of_freeze(const Pose& last_step, double probability) {
   const Eigen::Vector3d lost = to_vector(last_step);
-  return freezes_probability * lost * lost.transpose();
+  return probability * lost * lost.transpose();
 }
 
 // Odometry that stood still while the robot moved may have lost that motion, or tell it late and at once. A
@@ -87,7 +84,7 @@ Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t
                 .asDiagonal();
   }
   if (expectation.plausible && is_rest(expectation.claimed_step, options.odometry_learning))
-    noise += covariance_of_freeze(place.last_step);
+    noise += covariance_of_freeze(place.last_step, its.freeze_probability);
   expectation.step_covariance = noise;
   const Pose& r = place.pose.patch_from_object;
   const ComposeJacobians jacobians = compose_jacobians(r, expectation.step);

@@ -261,19 +261,19 @@ void Trial::judge_sightings() {
   const double by_sightings =
       its.log_odds_per_sighting_cost * std::max(0.0, account_.cost - its.even_sighting_cost);
   account_.fit_log_odds = -by_sightings - log_odds_by_walls();
-  const bool outweighs = account_.log_odds() >= its.min_loop_log_odds;
+  refusal_ = refusal_of_sightings(by_sightings > 0);
   const int enough = proposal_.two_way ? its.min_support_two_way : its.min_support_one_way;
-  if (by_sightings > 0 && !outweighs) {
-    refusal_ = Reason::sightings_disagree;
-  } else if (puts_walls_in_free_space(account_.contradiction) && !outweighs) {
-    refusal_ = Reason::walls_in_free_space;
-  } else if (scans_disagree()) {
-    refusal_ = Reason::scans_disagree;
-  } else if (!blamed_.empty() && !outweighs) {
-    refusal_ = Reason::sightings_disagree;
-  } else if (account_.matched < its.few_compared && proposal_.supporters < enough) {
-    undecided_ = true;
-  }
+  if (refusal_ == Reason::none)
+    undecided_ = account_.matched < its.few_compared && proposal_.supporters < enough;
+}
+
+Reason Trial::refusal_of_sightings(bool disagree) const {
+  const bool outweighs = account_.log_odds() >= options_.trial.min_loop_log_odds;
+  if (disagree && !outweighs) return Reason::sightings_disagree;
+  if (puts_walls_in_free_space(account_.contradiction) && !outweighs) return Reason::walls_in_free_space;
+  if (scans_disagree()) return Reason::scans_disagree;
+  if (!blamed_.empty() && !outweighs) return Reason::sightings_disagree;
+  return Reason::none;
 }
 
 double Trial::log_odds_by_walls() const {

@@ -111,6 +111,8 @@ class Trial {
   bool refits() const;
   void judge();
   void judge_sightings();
+  /// Why sightings are refused that `disagree` by more than their noise or do not; `none` if they are not.
+  Reason refusal_of_sightings(bool disagree) const;
   void judge_scans();
   void judge_loop();
   void judge_merge(const SharedPart& shared);

@@ -45,7 +45,7 @@ std::size_t drive_at_random(unsigned seed, std::size_t robots, int steps) {
 
 TEST(CoordinatorProperty, WhereNoTwoCanPassRobotsMakeWayUntilAllHaveComeToTheirGoals) {
   constexpr unsigned runs = 20;
-  for (const std::size_t robots : {2, 3, 4, 6, 8}) {
+  for (const std::size_t robots : {2U, 3U, 4U, 6U, 8U}) {
     std::size_t came = 0;
     for (unsigned seed = 1; seed <= runs; ++seed) came += drive_at_random(seed, robots, 300);
     EXPECT_GE(static_cast<double>(came), 0.98 * static_cast<double>(robots * runs)) << robots << " robots";

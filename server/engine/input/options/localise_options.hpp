@@ -24,6 +24,7 @@ struct LocaliseOptions {
   double origin_rad = 0.05;
   double implausible_variance_m2 = 0.25;
   double implausible_variance_rad2 = 0.1;
+  double freeze_probability = 0.25;
   double match_variance_m2 = 4e-4;
   double match_variance_rad2 = 1e-4;
   ChiSquaredBound doubted_surprise{0.999, 3};
@@ -66,6 +67,8 @@ struct LocaliseOptions {
     option(implausible_variance_m2, "implausible_variance_m2", "m²",
            "of each axis after implausible odometry, when only matching can tell where the robot is");
     option(implausible_variance_rad2, "implausible_variance_rad2", "rad²", "the same of the yaw");
+    option(freeze_probability, "freeze_probability", share_unit,
+           "that a robot goes on as it did where its odometry stands still from one scan to the next");
     visit_surprise_options(option);
   }
 

@@ -73,7 +73,7 @@ TEST(ExplorationRun, NarrowCorridorsThatRobotsSeeNoEndOfAreExplored) {
   ExplorationRunOptions options;
   options.max_s = 300;
   options.apart = true;
-  for (const std::size_t robots : {1, 2}) {
+  for (const std::size_t robots : {1U, 2U}) {
     options.robots = robots;
     const ExplorationScore score = explore(comb(robots), 1, options);
     EXPECT_GE(score.share, 0.99) << robots;
