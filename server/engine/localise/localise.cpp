@@ -66,6 +66,22 @@ Placement placement_of(Match match, const Expectation& expectation, double share
   return placement;
 }
 
+// A match that was fitted with little of odometry, and odometry: held by it where that outweighs the match,
+// and of both where they agree; nothing where odometry is wrong. What agrees says no less for having been
+// looked for anew: along a corridor only odometry tells, and forgotten scan by scan it would leave the robot
+// anywhere.
+std::optional<Match> matched_with_odometry(const LocalMap& near, std::span<const ScanPoint> points,
+                                           const Expectation& expectation, const Match& match,
+                                           const MatchOptions& match_options, const EngineOptions& options) {
+  if (std::optional<Match> held = held_by_odometry(near, points, expectation, match, match_options, options))
+    return held;
+  if (surprise(match.local_from_robot, expectation, options.localise) >=
+      options.localise.doubted_surprise.value())
+    return std::nullopt;
+  return match_scan(near, points, {expectation.local_from_robot, expectation.tracking_covariance.inverse()},
+                    match_options);
+}
+
 /// The best of the matches of a scan from one beginning after another.
 class BestFit {
  public:
@@ -193,12 +209,16 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
   if (ambiguous && (match.quality.score < its.min_score_implausible ||
                     rivals(match, match_from(found.second_local_from_robot), options)))
     return std::nullopt;
-  if (expectation.plausible && !robot.place->suspect)
-    if (std::optional<Match> held =
-            held_by_odometry(near, points, expectation, match, match_options, options))
-      match = *std::move(held);
+  double share = its.loose_share;
+  if (expectation.plausible && !robot.place->suspect) {
+    if (std::optional<Match> both =
+            matched_with_odometry(near, points, expectation, match, match_options, options)) {
+      match = *std::move(both);
+      share = 1;
+    }
+  }
   if (!match.ok || match.quality.score < its.doubtful_score) return std::nullopt;
-  return placement_of(std::move(match), expectation, its.loose_share, options);
+  return placement_of(std::move(match), expectation, share, options);
 }
 
 }  // namespace isthmus

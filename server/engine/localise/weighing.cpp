@@ -23,6 +23,15 @@ Match held_at(const Pose& expected, const Eigen::Vector2d& away, const Expectati
   return held;
 }
 
+// Log-odds against an error of odometry of this surprise (χ²) and for none: its errors are normal but for the
+// few that slipping wheels make. Those have the tails of Cauchy's distribution in three dimensions (as
+// Student's t of one degree of freedom in Lange, Little and Taylor, 1989, "Robust statistical modeling using
+// the t distribution"), and begin where the normal distribution makes them as unlikely as slips are.
+double log_odds_against(double surprise, const LocaliseOptions& options) {
+  const double slips = 2 * options.slip_log_odds;
+  return surprise < slips ? 0.5 * surprise : options.slip_log_odds + 2 * std::log(surprise / slips);
+}
+
 /// Neighbouring points of a scan on one surface.
 struct Thing {
   std::span<const ScanPoint> points;
@@ -174,9 +183,10 @@ std::optional<Match> held_where_expected(const LocalMap& local_map, std::span<co
   // Small surprises are weighed by the match itself, unless nothing but what may move speaks for it.
   if (surprising < its.doubted_surprise.value() && by_all - by_what_stands < its.slip_log_odds)
     return std::nullopt;
-  const double gained = 0.5 * (surprising - surprise(held.local_from_robot, expectation, its));
+  const double gained = log_odds_against(surprising, its) -
+                        log_odds_against(surprise(held.local_from_robot, expectation, its), its);
   const double by_things = by_what_stands + held_fits_worse.log_odds_of_what_may_move(things, points);
-  if (by_things > std::min(gained, its.slip_log_odds)) return std::nullopt;
+  if (by_things > gained) return std::nullopt;
   // What moved along is no part of what is matched, however many beams it takes.
   held.quality.score = std::max(held.quality.score, held_fits_worse.score_there(standing));
   return held;

@@ -118,14 +118,14 @@ TEST(Follow, RemembersTheScan) {
   OnPatches on({{0, 0, 0}});
   on.robot.place->suspect = true;
   on.robot.place->lost_scans = 3;
+  const Eigen::Matrix3d expected = on.robot.noise.covariance({0.45, 0, 0.1}, {});
   on.follow_to({0.5, 0, 0.1}, true, true, {0.45, 0, 0.1});
   const Localisation& place = *on.robot.place;
   EXPECT_EQ(place.utime, 5'000'000);
   expect_near(place.odom_from_robot, {7, 8, 0.5});
   expect_near(place.last_step, {0.5, 0, 0.1});
   expect_near(place.since_last_patch.start_from_end, {0.45, 0, 0.1});
-  EXPECT_TRUE(
-      place.since_last_patch.covariance.isApprox(on.robot.noise.covariance({0.45, 0, 0.1}, {}), 0.01));
+  EXPECT_TRUE(place.since_last_patch.covariance.isApprox(expected, 1e-6));
   EXPECT_FALSE(place.suspect);
   EXPECT_EQ(place.lost_scans, 0);
 }

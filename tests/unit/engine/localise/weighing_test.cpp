@@ -103,6 +103,16 @@ TEST(HeldByOdometry, WhereOnlyWhatMayMoveSpeaksForTheMatch) {
   EXPECT_TRUE(step.held());
 }
 
+// Two dozen beams on a piece of wall fit many a place: for a turn that no wheels slip by they say too little.
+TEST(HeldByOdometry, WhereAFewBeamsSpeakForWhatNoWheelsSlipBy) {
+  Step slips = step_of(furnished_room(), furnished_room(), {}, {0.2, 0.2, 0});
+  slips.now.resize(24);
+  Step turned_about = slips;
+  turned_about.expectation.local_from_robot.yaw = 2.8;
+  EXPECT_TRUE(turned_about.held());
+  EXPECT_FALSE(slips.held());
+}
+
 // Somebody who walks an arm's length ahead takes most of the beams.
 TEST(HeldByOdometry, WhereSomebodyRightAheadTakesMostOfTheBeams) {
   const Step step =
