@@ -26,6 +26,7 @@ struct Member {
   TimedWay wanted;
   std::optional<TimedWay> held;         // once it is decided
   std::set<std::string> makes_way_for;  // though it has more right
+  std::set<std::string> holds_up;       // those whose way it stands in
 };
 
 class IslandTraffic {
@@ -36,7 +37,7 @@ class IslandTraffic {
   void add(const std::string& name, const Traveller& traveller) {
     const Eigen::Vector2d at = position(planner_.project(traveller.pose));
     members_.push_back(
-        {name, &traveller, at, TimedWay(points_of(at, traveller.path), options_.speed_mps), {}, {}});
+        {name, &traveller, at, TimedWay(points_of(at, traveller.path), options_.speed_mps), {}, {}, {}});
   }
 
   /// By the order in which they were added; that order may change.
@@ -105,7 +106,8 @@ class IslandTraffic {
   }
 
   /// None: it stands in another's way, and cannot get out of it.
-  std::optional<Clearance> clear(const Member& member) {
+  std::optional<Clearance> clear(Member& member) {
+    member.holds_up = held_up_by(member);
     const bool has_to_leave = member.traveller->path.empty() && !is_in_nobodys_way(member, member.at, 0);
     const std::optional<double> met_s = first_meeting_s(member);
     if (!met_s && !has_to_leave) return Clearance{Leave::go, member.traveller->path};
@@ -123,16 +125,26 @@ class IslandTraffic {
   double apart_m(const Member& a, const Member& b) const {
     return a.traveller->footprint.radius_m + b.traveller->footprint.radius_m + options_.margin_m;
   }
-  /// The same, but that two that are nearer now need only not come nearer still: who comes from behind stops
-  /// by itself.
-  double room_m(const Member& a, const Member& b) const {
-    return std::min(apart_m(a, b), (a.at - b.at).norm() - nearer_m);
+  /// The same once two have driven for so long. Those that are nearer now than they may be part: they come no
+  /// nearer, and are as far apart as all others in the time in which one robot drives so far.
+  double room_m(const Member& a, const Member& b, double driven_s) const {
+    const double apart = apart_m(a, b), now = std::min(apart, (a.at - b.at).norm() - nearer_m);
+    return now + (apart - now) * std::clamp(driven_s * options_.speed_mps / apart, 0.0, 1.0);
   }
 
-  /// Whether a robot that is at a point at a time meets one that holds its way.
-  bool meets(const Member& member, const Eigen::Vector2d& point, double time_s, const Member& other,
-             double early_s) const {
-    return other.held->nearest_m(point, time_s - early_s, time_s + early_s) < room_m(member, other);
+  /// Whether a robot that is at a point at a time, when it has driven for so long, meets one that holds its
+  /// way.
+  bool meets(const Member& member, const Eigen::Vector2d& point, double time_s, double driven_s,
+             const Member& other, double early_s) const {
+    return other.held->nearest_m(point, time_s - early_s, time_s + early_s) <
+           room_m(member, other, std::max(0.0, driven_s - early_s));
+  }
+
+  /// Nobody comes past one that stands in its way: until that is gone, it stands as well.
+  bool meets_held_up(const Member& member, const Eigen::Vector2d& point, double driven_s,
+                     const Member& other) const {
+    return member.holds_up.contains(other.name) &&
+           (other.at - point).norm() < room_m(member, other, driven_s);
   }
 
   /// Whether it drives ahead of the other one, as that does: who comes from behind stops by itself.
@@ -148,8 +160,11 @@ class IslandTraffic {
       const Eigen::Vector2d point = member.wanted.at_s(time_s);
       for (const Member& other : members_) {
         if (!other.held) break;
-        if (meets(member, point, time_s, other, options_.early_s) && !leads(member, time_s, other))
-          return time_s;
+        const double driven_s = std::min(time_s, std::max(member.wanted.end_s(), other.held->end_s()));
+        if (!meets(member, point, time_s, driven_s, other, options_.early_s) &&
+            !meets_held_up(member, point, driven_s, other))
+          continue;
+        if (!leads(member, time_s, other)) return time_s;
       }
     }
     return std::nullopt;
@@ -158,10 +173,17 @@ class IslandTraffic {
   /// Whether a robot that stands at a point is in the way of one that holds its own.
   bool is_in_way(const Member& member, const Eigen::Vector2d& point, const Member& other,
                  double more_m) const {
-    const double room =
-        (point - member.at).norm() > nearer_m ? apart_m(member, other) : room_m(member, other);
     const TimedWay& way = other.held ? *other.held : other.wanted;
-    return way.nearest_m(point, 0, options_.horizon_s) < room + more_m;
+    const double apart = apart_m(member, other);
+    double parted_s = 0;
+    if ((point - member.at).norm() <= nearer_m && (other.at - member.at).norm() < apart + nearer_m) {
+      for (const double end_s = std::min(way.end_s(), apart / options_.speed_mps); parted_s < end_s;
+           parted_s += step_s)
+        if ((way.at_s(parted_s) - point).norm() < room_m(member, other, parted_s) + more_m) return true;
+      if (way.end_s() <= parted_s)
+        return (way.at_s(parted_s) - point).norm() < room_m(member, other, way.end_s()) + more_m;
+    }
+    return way.nearest_m(point, parted_s, options_.horizon_s) < apart + more_m;
   }
 
   bool is_in_nobodys_way(const Member& member, const Eigen::Vector2d& point, double more_m) const {
@@ -174,8 +196,12 @@ class IslandTraffic {
   static bool counts(const Member& member, const Member& other) {
     return other.held || member.makes_way_for.contains(other.name);
   }
-  bool gives_way_to(const Member& member, const Member& other) const {
-    return counts(member, other) && is_in_way(member, member.at, other, 0);
+  std::set<std::string> held_up_by(const Member& member) const {
+    std::set<std::string> names;
+    for (const Member& other : members_)
+      if (&other != &member && counts(member, other) && is_in_way(member, member.at, other, 0))
+        names.insert(other.name);
+    return names;
   }
 
   /// How far along its way it may come and wait there before it meets somebody.
@@ -210,8 +236,10 @@ class IslandTraffic {
     if (goal < 0) return std::nullopt;
     const SquareId wanted = roadmap->square(goal);
     const auto is_barred = [&](const Eigen::Vector2d& point, double along_m) {
-      return std::ranges::any_of(
-          members_, [&](const Member& other) { return comes_by(member, point, along_m, other); });
+      return std::ranges::any_of(members_, [&](const Member& other) {
+        return comes_by(member, point, along_m, other) ||
+               meets_held_up(member, point, along_m / options_.speed_mps, other);
+      });
     };
     const auto is_wanted = [&](SquareId square, const Eigen::Vector2d&) { return square == wanted; };
     return search(*roadmap, member, {is_barred, is_wanted, member.wanted.length_m() + options_.detour_m});
@@ -230,8 +258,9 @@ class IslandTraffic {
     };
     const auto is_barred = [&](const Eigen::Vector2d& point, double along_m) {
       return std::ranges::any_of(members_, [&](const Member& other) {
-        if (!others_stand || !gives_way_to(member, other)) return comes_by(member, point, along_m, other);
-        return (other.at - point).norm() < room_m(member, other);
+        if (!others_stand || !member.holds_up.contains(other.name))
+          return comes_by(member, point, along_m, other);
+        return meets_held_up(member, point, along_m / options_.speed_mps, other);
       });
     };
     return search(*roadmap, member, {is_barred, is_aside, options_.max_aside_m});
@@ -240,7 +269,8 @@ class IslandTraffic {
   /// Whether one that is decided is at a point when a robot comes there.
   bool comes_by(const Member& member, const Eigen::Vector2d& point, double along_m,
                 const Member& other) const {
-    return other.held && meets(member, point, along_m / options_.speed_mps, other, 0);
+    const double time_s = along_m / options_.speed_mps;
+    return other.held && meets(member, point, time_s, time_s, other, 0);
   }
 
   std::optional<std::vector<ManifoldPose>> search(const Roadmap& roadmap, const Member& member,

@@ -12,8 +12,10 @@ namespace isthmus::testing {
 /// is one island.
 struct NarrowCorridors {
   static constexpr Footprint slim{0.2, 0.05};
-  static constexpr double stops_m = 0.45;    ///< so near to another a robot drives no further
-  static constexpr double at_point_m = 0.1;  ///< so near to a point of its path it steers to the next
+  static constexpr double stops_m = 0.45;     ///< so near to another a robot drives no further,
+  static constexpr double hesitant_m = 0.42;  ///< or so near where it did not get on
+  static constexpr int hesitates = 3;         ///< for so many steps, as pilots of the simulation do
+  static constexpr double at_point_m = 0.1;   ///< so near to a point of its path it steers to the next
   static constexpr double arrived_m = 0.5;
 
   Planner planner;
@@ -70,7 +72,16 @@ struct NarrowCorridors {
   }
 
  private:
+  std::map<std::string, int> stuck_;  // for how many steps
+
   void drive_on(const std::string& name, const Clearance& clearance) {
+    const Eigen::Vector2d from = place(name);
+    follow(name, clearance);
+    int& stuck = stuck_[name];
+    stuck = clearance.path.empty() || (place(name) - from).norm() > at_point_m ? 0 : stuck + 1;
+  }
+
+  void follow(const std::string& name, const Clearance& clearance) {
     double left_m = 0.5;
     for (const ManifoldPose& next : clearance.path) {
       const Eigen::Vector2d there = position(planner.project(next));
@@ -88,10 +99,12 @@ struct NarrowCorridors {
 
   /// Where a robot would come too near to another: it stops by itself.
   bool is_taken(const std::string& name, const Eigen::Vector2d& to) const {
+    const auto stuck = stuck_.find(name);
+    const double least_m = stuck != stuck_.end() && stuck->second >= hesitates ? hesitant_m : stops_m;
     return std::ranges::any_of(team, [&](const auto& other) {
       if (other.first == name) return false;
       const double apart_m = (place(other.first) - to).norm();
-      return apart_m < stops_m && apart_m < (place(other.first) - place(name)).norm();
+      return apart_m < least_m && apart_m < (place(other.first) - place(name)).norm();
     });
   }
 };

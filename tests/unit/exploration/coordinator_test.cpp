@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/exploration/timed_way.hpp"
 #include "tests/support/narrow_corridors.hpp"
 
 namespace isthmus {
@@ -10,14 +11,16 @@ namespace {
 using testing::NarrowCorridor;
 
 /// To goals in the middle of the corridor. How near two robots came.
-double drive(NarrowCorridor& corridor, Coordinator& coordinator, const std::map<std::string, double>& to_x,
-             int steps) {
+double drive(testing::NarrowCorridors& corridor, Coordinator& coordinator,
+             const std::map<std::string, double>& to_x, int steps) {
   std::map<std::string, Eigen::Vector2d> goals;
   for (const auto& [name, x] : to_x) goals[name] = {x, 0};
   return corridor.drive(coordinator, goals, steps);
 }
 
-double x_of(const NarrowCorridor& corridor, const std::string& name) { return corridor.place(name).x(); }
+double x_of(const testing::NarrowCorridors& corridor, const std::string& name) {
+  return corridor.place(name).x();
+}
 
 TEST(Coordinator, RobotsThatDoNotMeetGoTheirWays) {
   NarrowCorridor corridor;
@@ -113,6 +116,46 @@ TEST(Coordinator, WhoIsAbreastOfAnotherIsNotAheadOfIt) {
   const auto clearances = coordinator.coordinate(hall.planner, hall.team);
   EXPECT_EQ(clearances.at("R1").leave, Leave::go);
   EXPECT_EQ(clearances.at("R2").leave, Leave::wait);
+}
+
+/// The way of a robot that goes straight to each of the points that it is cleared for.
+TimedWay cleared_way(const testing::NarrowCorridors& scene, const std::string& name,
+                     const Clearance& clearance) {
+  std::vector<Eigen::Vector2d> points{scene.place(name)};
+  for (const ManifoldPose& pose : clearance.path) points.push_back(position(scene.planner.project(pose)));
+  return {points, 1};
+}
+
+/// A hall of 10 m by 6 m.
+testing::NarrowCorridors hall() {
+  testing::Walls walls;
+  testing::add_box(walls, -5, -3, 5, 3);
+  return {walls, {{-3, 0, 0}, {0, 0, 0}, {3, 0, 0}}};
+}
+
+TEST(Coordinator, TwoThatAreNearerThanTheyMayBePart) {
+  testing::NarrowCorridors scene = hall();
+  scene.add("R1", 0, -3.5);
+  scene.add_idle("R2", -0.11, -0.44);
+  scene.send("R2", {3.9, -0.44});  // beside R1, as far from it as now
+  const auto clearances = Coordinator().coordinate(scene.planner, scene.team);
+  EXPECT_EQ(clearances.at("R1").leave, Leave::go);
+  const TimedWay way = cleared_way(scene, "R2", clearances.at("R2"));
+  EXPECT_GT((way.at_m(0.3) - scene.place("R1")).norm(), 0.485) << "on a straight way .479";
+}
+
+TEST(Coordinator, WhoStandsInAnothersWayDoesNotCountOnThatToDriveOn) {
+  testing::NarrowCorridors scene = hall();
+  scene.add("R1", 0, -3.5);
+  scene.add("R2", -0.45, 3.9, 0.15);  // nose to nose: R1 cannot drive before it is gone
+  Coordinator coordinator;
+  const auto clearances = coordinator.coordinate(scene.planner, scene.team);
+  EXPECT_EQ(clearances.at("R1").leave, Leave::go);
+  EXPECT_FALSE(clearances.at("R2").path.empty());
+  EXPECT_GT(cleared_way(scene, "R2", clearances.at("R2")).nearest_m(scene.place("R1"), 0, 1e3), 0.44);
+  EXPECT_GT(drive(scene, coordinator, {{"R1", -3.5}, {"R2", 3.9}}, 20), 0.4);
+  EXPECT_NEAR(x_of(scene, "R1"), -3.5, 0.5);
+  EXPECT_NEAR(x_of(scene, "R2"), 3.9, 0.5);
 }
 
 TEST(Coordinator, ARobotThatIsNowhereOnTheMapHasNoClearance) {
