@@ -16,7 +16,8 @@ struct Reached {
 };
 
 /// The squares from the first to one that is wanted; empty: none is reached.
-std::vector<SquareId> search(const Roadmap& roadmap, NodeId from, const WayWanted& wanted) {
+std::vector<SquareId> search(const Roadmap& roadmap, NodeId from, const WayWanted& wanted,
+                             std::size_t& opened) {
   using Entry = std::pair<double, SquareId>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> waiting;
   std::map<SquareId, Reached> reached;
@@ -28,6 +29,7 @@ std::vector<SquareId> search(const Roadmap& roadmap, NodeId from, const WayWante
     const auto [along_m, square] = waiting.top();
     waiting.pop();
     if (along_m > reached.at(square).along_m) continue;
+    ++opened;
     if (wanted.is_wanted(square, graph.point_m(square))) {
       std::vector<SquareId> way;
       for (SquareId at = square; at >= 0; at = reached.at(at).before) way.push_back(at);
@@ -61,9 +63,10 @@ bool is_free(const Roadmap& roadmap, NodeId from, NodeId to, double along_m, con
 
 }  // namespace
 
-std::vector<NodeId> find_clear_way(const Roadmap& roadmap, NodeId from, const WayWanted& wanted) {
+std::vector<NodeId> find_clear_way(const Roadmap& roadmap, NodeId from, const WayWanted& wanted,
+                                   std::size_t& opened) {
   std::vector<NodeId> steps;
-  for (const SquareId square : search(roadmap, from, wanted)) steps.push_back(roadmap.middle(square));
+  for (const SquareId square : search(roadmap, from, wanted, opened)) steps.push_back(roadmap.middle(square));
   if (steps.empty()) return {};
   std::vector<NodeId> way{from};
   double along_m = 0;

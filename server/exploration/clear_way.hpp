@@ -17,7 +17,8 @@ struct WayWanted {
 
 /// The shortest way over a roadmap's squares from a cell that fits to a square that is wanted (Dijkstra
 /// 1959), without what need not be turned at; each cell is seen from the one before. Where it is barred at
-/// its start it may leave. Empty: none.
-std::vector<NodeId> find_clear_way(const Roadmap& roadmap, NodeId from, const WayWanted& wanted);
+/// its start it may leave. Empty: none. `opened`: grows by the squares that were looked at.
+std::vector<NodeId> find_clear_way(const Roadmap& roadmap, NodeId from, const WayWanted& wanted,
+                                   std::size_t& opened);
 
 }  // namespace isthmus

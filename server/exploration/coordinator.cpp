@@ -50,7 +50,7 @@ class IslandTraffic {
       clearances.clear();
       somebody_is_stuck_ = false;
       for (Member& member : members_) member.held.reset();
-    } while (!decide_in_turn(clearances, tried_.size() < max_orders));
+    } while (!decide_in_turn(clearances, max_orders));
     return clearances;
   }
 
@@ -73,10 +73,11 @@ class IslandTraffic {
   }
 
   /// False: rights have changed, and all is to be decided again.
-  bool decide_in_turn(std::map<std::string, Clearance>& clearances, bool may_change) {
+  bool decide_in_turn(std::map<std::string, Clearance>& clearances, std::size_t max_orders) {
     for (std::size_t turn = 0; turn < members_.size(); ++turn) {
       Member& member = members_[turn];
       std::optional<Clearance> clearance = clear(member);
+      const bool may_change = tried_.size() < max_orders && opened_ < options_.max_squares;
       if (!clearance && may_change && get_right(turn)) return false;
       if (!clearance) {
         somebody_is_stuck_ = true;
@@ -274,10 +275,10 @@ class IslandTraffic {
   }
 
   std::optional<std::vector<ManifoldPose>> search(const Roadmap& roadmap, const Member& member,
-                                                  const WayWanted& wanted) const {
+                                                  const WayWanted& wanted) {
     const NodeId from = planner_.room_near(roadmap, member.traveller->pose, PathQuestion{}.start_tolerance_m);
     if (from < 0) return std::nullopt;
-    const std::vector<NodeId> way = find_clear_way(roadmap, from, wanted);
+    const std::vector<NodeId> way = find_clear_way(roadmap, from, wanted, opened_);
     if (way.empty()) return std::nullopt;
     return poses_of(roadmap, member, way);
   }
@@ -304,6 +305,7 @@ class IslandTraffic {
   std::vector<std::string> first_rights_;
   std::set<std::vector<std::string>> tried_;  // orders
   bool somebody_is_stuck_ = false;
+  std::size_t opened_ = 0;  // squares that searches for ways looked at
 };
 
 }  // namespace

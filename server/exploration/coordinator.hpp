@@ -17,6 +17,9 @@ struct CoordinationOptions {
   double early_s = 0.7;     ///< a robot may come so much earlier or later than it is taken to
   double detour_m = 4;      ///< a way longer by this is driven rather than waited for another
   double max_aside_m = 30;  ///< to where a robot stands aside
+  /// Of a roadmap, by all searches for ways: when they have looked at so many, no other order of rights is
+  /// tried, and who is stuck waits. A square takes about a microsecond.
+  std::size_t max_squares = 100'000;
 };
 
 /// A robot among others: where it is and wants to go.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <queue>
 
 #include "server/paths/ground/no_way.hpp"
@@ -9,16 +10,22 @@
 namespace isthmus {
 
 PointGraph::PointGraph(std::vector<Eigen::Vector2d> points_m,
-                       std::vector<std::pair<std::int32_t, std::int32_t>> pairs)
+                       const std::vector<std::pair<std::int32_t, std::int32_t>>& pairs)
     : points_m_(std::move(points_m)) {
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  beside_.reserve(pairs.size());
-  for (const auto& [from, to] : pairs) {
-    first_.resize(at(from) + 1, static_cast<std::uint32_t>(beside_.size()));
-    beside_.push_back(to);
+  // By where they begin first: few are left to sort at once then.
+  std::vector<std::uint32_t> begins(points_m_.size() + 1);
+  for (const auto& [from, to] : pairs) ++begins[at(from) + 1];
+  std::partial_sum(begins.begin(), begins.end(), begins.begin());
+  std::vector<std::int32_t> ends(pairs.size());
+  std::vector<std::uint32_t> next(begins.begin(), begins.end() - 1);
+  for (const auto& [from, to] : pairs) ends[next[at(from)]++] = to;
+  first_.reserve(begins.size());
+  for (std::size_t from = 0; from < points_m_.size(); ++from) {
+    const auto low = ends.begin() + begins[from], high = ends.begin() + begins[from + 1];
+    std::sort(low, high);
+    beside_.insert(beside_.end(), low, std::unique(low, high));
+    first_.push_back(static_cast<std::uint32_t>(beside_.size()));
   }
-  first_.resize(points_m_.size() + 1, static_cast<std::uint32_t>(beside_.size()));
 }
 
 std::vector<float> PointGraph::lengths_from(std::int32_t start, const SearchReach& reach) const {

@@ -22,7 +22,8 @@ class PointGraph {
  public:
   PointGraph() = default;
   /// `pairs`: each way round, in any order; the same one may be there again.
-  PointGraph(std::vector<Eigen::Vector2d> points_m, std::vector<std::pair<std::int32_t, std::int32_t>> pairs);
+  PointGraph(std::vector<Eigen::Vector2d> points_m,
+             const std::vector<std::pair<std::int32_t, std::int32_t>>& pairs);
 
   std::size_t size() const { return points_m_.size(); }
   const Eigen::Vector2d& point_m(std::int32_t number) const { return points_m_[at(number)]; }

@@ -46,7 +46,7 @@ Regions::Regions(const std::vector<Cell>& middles, const PointGraph& squares) : 
   for (std::size_t square = 0; square < region_.size(); ++square)
     for (const std::int32_t next : squares.beside(static_cast<std::int32_t>(square)))
       if (of(next) != region_[square]) pairs.emplace_back(region_[square], of(next));
-  graph_ = PointGraph(std::move(points_m), std::move(pairs));
+  graph_ = PointGraph(std::move(points_m), pairs);
 }
 
 std::vector<float> Regions::left_m(std::int32_t from_square, std::int32_t to_square) const {

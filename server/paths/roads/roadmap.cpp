@@ -82,7 +82,7 @@ void Roadmap::find_beside() {
     middles.push_back(ground_->cell(middle));
     points_m.push_back(ground_->centre(middle));
   }
-  graph_ = PointGraph(std::move(points_m), std::move(pairs));
+  graph_ = PointGraph(std::move(points_m), pairs);
   regions_ = Regions(middles, graph_);
 }
 

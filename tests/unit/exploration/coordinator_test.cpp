@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "server/exploration/timed_way.hpp"
 #include "tests/support/narrow_corridors.hpp"
 
@@ -72,6 +74,22 @@ TEST(Coordinator, WhoCannotGiveWayTakesTheRightAndTheOtherGoesAside) {
   EXPECT_GT(drive(corridor, coordinator, {{"R1", 9.5}, {"R2", -8}}, 120), 0.4);
   EXPECT_NEAR(x_of(corridor, "R1"), 9.5, 0.5);
   EXPECT_NEAR(x_of(corridor, "R2"), -8, 0.5);
+}
+
+TEST(Coordinator, WhenSearchesHaveLookedAtEnoughRightsStayAndWhoIsStuckWaits) {
+  NarrowCorridor corridor;
+  corridor.add("R1", 7, 9.5);
+  corridor.add("R2", 9, -8);  // behind it is the end of the corridor: R1 has to go back
+  const auto stuck_with = [&](std::size_t max_squares) {
+    CoordinationOptions options;
+    options.max_squares = max_squares;
+    const auto clearances = Coordinator(options).coordinate(corridor.planner, corridor.team);
+    return std::ranges::count_if(clearances, [](const auto& one) {
+      return one.second.leave == Leave::wait && one.second.path.empty();
+    });
+  };
+  EXPECT_EQ(stuck_with(CoordinationOptions{}.max_squares), 0);
+  EXPECT_GE(stuck_with(1), 1);
 }
 
 TEST(Coordinator, WhoHasNoGoalMakesRoomForOneThatHas) {
