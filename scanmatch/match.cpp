@@ -240,7 +240,7 @@ Match match_scan(const LocalMap& local_map, std::span<const ScanPoint> points, c
   Match match;
   match.local_from_robot = prediction.local_from_robot;
   Matcher matcher(local_map, points, options);
-  Pose pose = prediction.local_from_robot;
+  Pose pose = prediction.start.value_or(prediction.local_from_robot);
   double kernel = std::max(options.start_kernel_m, options.kernel_m);
   const double information_of_unit = 1 / (options.sigma_m * options.sigma_m);
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {

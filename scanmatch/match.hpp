@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -61,6 +62,7 @@ struct MatchOptions {
 struct Prediction {
   Pose local_from_robot;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw); zero: any pose is as good
+  std::optional<Pose> start = std::nullopt;               ///< where the fit begins, if not there
 };
 
 /// How far a match can be believed.

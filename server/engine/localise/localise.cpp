@@ -78,8 +78,11 @@ std::optional<Match> matched_with_odometry(const LocalMap& near, std::span<const
   if (surprise(match.local_from_robot, expectation, options.localise) >=
       options.localise.doubted_surprise.value())
     return std::nullopt;
-  return match_scan(near, points, {expectation.local_from_robot, expectation.tracking_covariance.inverse()},
-                    match_options);
+  // From where the scan fits: where odometry has the robot, turned by degrees, other walls may seem to fit.
+  return match_scan(
+      near, points,
+      {expectation.local_from_robot, expectation.tracking_covariance.inverse(), match.local_from_robot},
+      match_options);
 }
 
 /// The best of the matches of a scan from one beginning after another.
