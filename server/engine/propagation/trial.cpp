@@ -145,11 +145,18 @@ bool Trial::step(std::int64_t now_utime) {
 // way.
 bool Trial::refits() const { return !proposal_.from_scans || proposal_.merge || proposal_.cautious; }
 
+// A few dozen places that match tell as much as a thousand: the rest is matched where robots come
+// (proximity_matching.hpp). But where either of two maps may lie in the other as a whole, only how much of
+// the building matches tells whether they are of one.
+bool Trial::tells_enough() const {
+  const std::vector<PatchId>& matched = propagation_.matched();
+  if (!proposal_.from_scans || matched.size() < options_.trial.max_matched_scans) return false;
+  return !proposal_.merge || shared_log_odds(way_m(map_, matched, options_.shared_part),
+                                             width_m(map_, matched)) >= options_.trial.min_whole_log_odds;
+}
+
 void Trial::propagate(std::int64_t now_utime) {
-  // A few dozen places that match tell as much as a thousand: the rest is matched where robots come
-  // (proximity_matching.hpp).
-  const bool enough =
-      proposal_.from_scans && propagation_.matched().size() >= options_.trial.max_matched_scans;
+  const bool enough = tells_enough();
   if (!propagation_.done() && !enough) {
     propagation_.step(map_, options_);
     const std::size_t next_fit = std::max(options_.trial.min_growth, options_.trial.growth * matched_at_fit_);
@@ -257,7 +264,7 @@ void Trial::judge() {
 void Trial::judge_sightings() {
   const TrialOptions& its = options_.trial;
   account_.sighting_log_odds = its.log_odds_per_sighting * std::max(0, proposal_.supporters - 2);
-  account_.shared_log_odds = shared_log_odds();
+  account_.shared_log_odds = shared_log_odds(account_.way_m, account_.width_m);
   const double by_sightings =
       its.log_odds_per_sighting_cost * std::max(0.0, account_.cost - its.even_sighting_cost);
   account_.fit_log_odds = -by_sightings - log_odds_by_walls();
@@ -294,11 +301,11 @@ bool Trial::scans_disagree() const {
 // By how much of the building matches: what only looks alike does so over so much more seldom, but for
 // corridors that repeat themselves from end to end. Where it is known to look alike along the way, the way
 // tells the places apart that the map has, and nothing of one that it does not have yet.
-double Trial::shared_log_odds() const {
+double Trial::shared_log_odds(double way_m, double width_m) const {
   const TrialOptions& its = options_.trial;
-  const double by_width = its.log_odds_per_width_m * account_.width_m;
+  const double by_width = its.log_odds_per_width_m * width_m;
   if (proposal_.look_alikes > 1) return by_width;
-  const double by_way = its.log_odds_per_way_m * account_.way_m;
+  const double by_way = its.log_odds_per_way_m * way_m;
   if (proposal_.merge) return by_way + by_width;
   const double alike = its.repeats_probability + (1 - its.repeats_probability) * std::exp(-by_way);
   return by_width - std::log(alike);
@@ -322,7 +329,7 @@ void Trial::judge_scans() {
         isthmus::shared_part(map_, island, is_younger, propagation_.matched(), options_);
     account_.own_m = std::min(shared.own_first_m, shared.own_second_m);
     account_.border_contradiction = shared.border_contradiction;
-    account_.shared_log_odds = shared_log_odds();
+    account_.shared_log_odds = shared_log_odds(account_.way_m, account_.width_m);
     proposal_.merge ? judge_merge(shared) : judge_loop();
   }
 }

@@ -107,6 +107,8 @@ class Trial {
   void end_fit();
   void take_out(const FitJob::Result& wrong);
   void propagate(std::int64_t now_utime);
+  /// Whether what matches is enough to judge by.
+  bool tells_enough() const;
   /// Whether the map is fitted anew while more and more of it matches.
   bool refits() const;
   void judge();
@@ -119,7 +121,7 @@ class Trial {
   void leave_undecided(Reason why);
   bool scans_disagree() const;
   double blamed_log_odds() const;
-  double shared_log_odds() const;
+  double shared_log_odds(double way_m, double width_m) const;
   /// Against the closure, by walls of one side in the other's free space beyond what each does itself.
   double log_odds_by_walls() const;
   /// Mean share of hits of one side deep in the other's free space.
