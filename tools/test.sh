@@ -9,7 +9,7 @@ if [[ ${1:-} == -h || ${1:-} == --help ]]; then
 fi
 
 tools/install-dependencies.sh
-# Debug information, a third of the compiler's time, is left out: a test that fails names its line.
+# Debug information, a quarter of the compiler's time, is left out: a test that fails names its line.
 cmake --preset dev -DISTHMUS_TESTS=ON -DCMAKE_UNITY_BUILD=ON -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O2 > /dev/null
 cmake --build --preset dev
 ctest --preset dev --parallel "$(nproc)" "$@"
