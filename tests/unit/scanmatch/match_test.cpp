@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
@@ -48,6 +50,25 @@ TEST(MatchScan, ACorridorLeavesTheDirectionAlongItToThePrediction) {
   EXPECT_NEAR(match.local_from_robot.yaw, truth.yaw, 0.003);
   EXPECT_TRUE(match.quality.degenerate);
   EXPECT_LT(match.beam_information(0, 0), 1e-3 * match.beam_information(1, 1));
+}
+
+TEST(MatchScan, BeginsWhereItIsToldAndIsHeldByThePredictionAllTheSame) {
+  const LocalMap room = local_map_of(furnished_room(), {{-1, 0, 0.2}, {0.5, -1, 0.4}});
+  const Pose truth{0.2, -0.4, 0.3};
+  const auto in_room = to_points(scan_from(furnished_room(), truth), laser_of(), {});
+  Prediction prediction = vague({0.2, -0.4, 1.2});
+  const Match from_expected = match_scan(room, in_room, prediction, {});
+  EXPECT_FALSE(from_expected.ok && std::abs(from_expected.local_from_robot.yaw - truth.yaw) < 0.1);
+  prediction.start = Pose{0.25, -0.45, 0.35};
+  const Match match = match_scan(room, in_room, prediction, {});
+  ASSERT_TRUE(match.ok);
+  EXPECT_NEAR(match.local_from_robot.yaw, truth.yaw, 0.003);
+
+  const LocalMap hall = local_map_of(corridor(), {{0, 0, 0}, {1, 0.1, 0.05}});
+  const auto in_corridor = to_points(scan_from(corridor(), {0.5, 0.2, 0.1}), laser_of(), {});
+  prediction = vague({0.8, 0.1, 0.12});
+  prediction.start = Pose{0.2, 0.1, 0.12};
+  EXPECT_NEAR(match_scan(hall, in_corridor, prediction, {}).local_from_robot.x, 0.8, 0.02);
 }
 
 TEST(MatchScan, PeopleInFrontOfTheLaserDoNotPullThePoseAway) {
