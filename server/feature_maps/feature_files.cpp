@@ -135,6 +135,7 @@ Json closures_of(const FeatureMaps& maps) {
   for (const FusionRecord& fusion : maps.fusions)
     list.push_back({{"id", fusion.id},
                     {"kind", "merge"},
+                    {"by", fusion.placing ? "walls" : "sightings"},
                     {"state", word(fusion.state)},
                     {"utime", fusion.utime},
                     {"robots", fusion.robots},

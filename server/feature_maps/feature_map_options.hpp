@@ -3,6 +3,7 @@
 #include "scanmatch/features/scan_features.hpp"
 #include "server/engine/input/options/robot_options.hpp"
 #include "server/feature_maps/clue.hpp"
+#include "server/feature_maps/merging/merging_options.hpp"
 #include "server/feature_maps/twins.hpp"
 #include "server/features/fusion.hpp"
 #include "server/features/options.hpp"
@@ -39,6 +40,7 @@ struct FeatureMapOptions {
   double clues_suffice_log_odds = 20;  ///< from which nobody counts twins at other places: that takes long
   std::size_t max_clues = 40;          ///< between two maps; further ones take the place of the oldest
   TwinOptions twins;
+  MergingOptions merging;               ///< of maps of segments, without a sighting
   double sighting_probability = 0.999;  ///< that a true sighting passes its gate
   std::size_t min_landmarks = 3;        ///< known to both maps, by which two maps of points come together
   double repeat_s = 0.5;                ///< s within which sightings of one barcode err alike: one counts

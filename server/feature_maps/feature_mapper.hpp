@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "server/feature_maps/fusion_record.hpp"
 #include "server/feature_maps/journey.hpp"
 #include "server/feature_maps/map_input.hpp"
+#include "server/feature_maps/merging/map_sketch.hpp"
 #include "server/feature_maps/placement.hpp"
 #include "server/feature_maps/team.hpp"
 
@@ -109,7 +111,7 @@ class FeatureMapper {
   auto members() {
     return std::tie(options_, robots_, wearers_, tags_, teams_, journeys_, sightings_, told_, last_used_,
                     first_seen_, heard_, encounters_, encounter_count_, fusions_, forbidden_, contradicted_,
-                    inputs_, moved_, next_number_, counts_);
+                    inputs_, moved_, next_number_, next_scan_, asked_, counts_);
   }
   void keep_options();
   /// Whether what names something names what there is.
@@ -131,7 +133,8 @@ class FeatureMapper {
   void declare(const RobotEvent& event);
   void move_to(FeatureRobot& robot, const Pose& odom_from_robot);
   void begin_journey(FeatureRobot& robot, const Pose& odom_from_robot);
-  void observe(FeatureRobot& robot, const Scan& scan);
+  bool observe(FeatureRobot& robot, const Scan& scan);
+  bool keep_view(const FeatureRobot& robot, const Scan& scan);
   FeatureScanOutcome observe_or_slip(FeatureFilter& filter, int member,
                                      std::span<const ObservedFeature> seen);
   std::string use(FeatureRobot& robot, const MapInput& input);
@@ -142,6 +145,17 @@ class FeatureMapper {
   int encounter_of(int one, int two, std::int64_t utime);
   void consider(int one, int two);
   void forget_waiting(std::int32_t fusion);
+  void lay_over_others(int grown, const MapInput& input);
+  bool has_grown(int one, int two);
+  bool merge_by_walls(int one, int two, const MapInput& input);
+  FusionRecord& record_of_placing(int one, int two, const Pose& one_from_two, const Eigen::Vector2d& middle,
+                                  const MapInput& input);
+  void forget_waiting_by_walls(int one, int two, std::int32_t but);
+  double clues_log_odds(std::span<const Heard> heard, const Pose& one_from_two,
+                        std::set<std::size_t>& agreeing) const;
+  MapSketch sketch(const Team& team) const;
+  std::size_t views_of(int team) const;
+  int first_with_views(const Team& team) const;
   std::vector<Heard> heard_between(int one, int two) const;
   std::vector<Heard> tags_between(int one, int two) const;
   bool fuse_at(int one, int two, const std::vector<Heard>& heard, const MapPlacement& placement,
@@ -179,6 +193,9 @@ class FeatureMapper {
   std::vector<MapInput> inputs_;
   std::set<std::string> moved_;  ///< robots with rows since answers were taken
   std::int32_t next_number_ = 0;
+  std::int32_t next_scan_ = 0;
+  std::map<std::pair<int, int>, std::size_t> asked_;  ///< views of two maps when they were last laid over one
+                                                      ///< another, by teams
   FeatureCounts counts_;
 };
 

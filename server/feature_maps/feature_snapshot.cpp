@@ -128,6 +128,12 @@ bool FeatureMapper::is_sound() const {
   const auto is_heard = [&](const Heard& heard) {
     return is_journey(heard.observer) && is_journey(heard.target) && heard.row < sightings_.size();
   };
+  const auto has_begun = [&](int number) {
+    return is_journey(number) && !journeys_[static_cast<std::size_t>(number)].rows.empty();
+  };
+  for (const auto& [id, fusion] : fusions_)
+    if (fusion.placing && (!has_begun(fusion.placing->journey_1) || !has_begun(fusion.placing->journey_2)))
+      return false;
   return told_.is_sound() && told_.size() == sightings_.size() &&
          std::all_of(heard_.begin(), heard_.end(), is_heard) &&
          std::all_of(moved_.begin(), moved_.end(), is_known);

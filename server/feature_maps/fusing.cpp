@@ -11,16 +11,8 @@
 namespace isthmus {
 namespace {
 
-double seconds_apart(std::int64_t one_utime, std::int64_t other_utime) {
-  return 1e-6 * std::abs(static_cast<double>(one_utime) - static_cast<double>(other_utime));
-}
-
 const RobotInState& robot_of(const Team& team, const Journey& journey) {
   return team.filter.state().robots[static_cast<std::size_t>(journey.member)];
-}
-
-bool lies_on(const std::vector<int>& side, int journey) {
-  return std::find(side.begin(), side.end(), journey) != side.end();
 }
 
 std::vector<Clue> clues_of(std::span<const Heard> heard) {
@@ -34,7 +26,7 @@ std::vector<Clue> clues_of(std::span<const Heard> heard) {
 /// Robots that see one another for a while meet once.
 int FeatureMapper::encounter_of(int one, int two, std::int64_t utime) {
   Encounter& last = encounters_[std::minmax(one, two)];
-  if (last.begun_utime == 0 || seconds_apart(last.begun_utime, utime) > options_.encounter_s)
+  if (last.begun_utime == 0 || std::abs(seconds_between(last.begun_utime, utime)) > options_.encounter_s)
     last = {++encounter_count_, utime};
   return last.number;
 }
@@ -85,7 +77,7 @@ std::vector<Heard> FeatureMapper::heard_between(int one, int two) const {
     between.erase(between.begin(), between.end() - static_cast<std::ptrdiff_t>(options_.max_clues));
   // How the maps erred since then is not known; what is of now is as exact as it says.
   for (Heard& heard : between) {
-    if (seconds_apart(heard.utime, between.back().utime) > options_.encounter_s) continue;
+    if (std::abs(seconds_between(heard.utime, between.back().utime)) > options_.encounter_s) continue;
     heard.clue.observer_covariance.setZero();
     heard.clue.target_covariance.setZero();
   }
@@ -198,9 +190,10 @@ bool FeatureMapper::fuse_at(int one, int two, const std::vector<Heard>& heard, c
   return true;
 }
 
-/// What was heard between two maps that are one now.
+/// What was heard between two maps that are one now, and which placings of them waited.
 void FeatureMapper::close_account(int one, int two, const std::set<std::size_t>& agreeing,
                                   std::int32_t fusion) {
+  forget_waiting_by_walls(one, two, fusion);
   std::erase_if(heard_, [&](const Heard& heard) {
     const int of_observer = journeys_[static_cast<std::size_t>(heard.observer)].team;
     const int of_target = journeys_[static_cast<std::size_t>(heard.target)].team;
@@ -219,10 +212,7 @@ void FeatureMapper::close_account(int one, int two, const std::set<std::size_t>&
 void FeatureMapper::judge_fusion(int observer, int target, const LinearMeasurement& measured,
                                  const SightingEvent& sighting) {
   for (auto& [id, fusion] : fusions_) {
-    if (fusion.state != FusionState::accepted) continue;
-    const bool is_between = (lies_on(fusion.side_1, observer) && lies_on(fusion.side_2, target)) ||
-                            (lies_on(fusion.side_2, observer) && lies_on(fusion.side_1, target));
-    if (!is_between) continue;
+    if (!fusion.brought_together(observer, target)) continue;
     sightings_.back().fusion = id;
     const int before = encounter_count_;
     if (encounter_of(observer, target, sighting.utime) <= before) return;  // the same encounter says it once

@@ -9,6 +9,7 @@
 #include "server/engine/input/event.hpp"
 #include "server/engine/robot/odometry_noise.hpp"
 #include "server/engine/robot/odometry_track.hpp"
+#include "server/feature_maps/merging/free_view.hpp"
 
 namespace isthmus {
 
@@ -26,8 +27,9 @@ struct Journey {
   int team = -1;   ///< index of its map
   int member = 0;  ///< which of the map's robots it is
   std::vector<JourneyRow> rows;
+  std::vector<FreeView> views;  ///< one a place: what it saw free, for maps that may be one
 
-  auto members() { return std::tie(robot, team, member, rows); }
+  auto members() { return std::tie(robot, team, member, rows, views); }
 };
 
 /// What is known of one robot beside the maps.

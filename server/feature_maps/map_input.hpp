@@ -25,7 +25,8 @@ enum class MapInputKind : std::uint8_t {
 /// time.
 struct MapInput {
   MapInputKind kind = MapInputKind::moved;
-  std::int32_t number = -1;  ///< of what is seen, rising: names a fusion that it is the first to speak for
+  std::int32_t number = -1;  ///< of sightings, and of scans, rising: names a fusion that it is the first to
+                             ///< speak for
   std::string robot;
   Pose odom_from_robot;
   std::int64_t utime = 0;                ///< the sender's stamp
@@ -40,5 +41,10 @@ struct MapInput {
     return std::tie(kind, number, robot, odom_from_robot, utime, event, odom_from_target, target_late_s);
   }
 };
+
+/// s from one stamp to another.
+inline double seconds_between(std::int64_t from_utime, std::int64_t to_utime) {
+  return 1e-6 * (static_cast<double>(to_utime) - static_cast<double>(from_utime));
+}
 
 }  // namespace isthmus

@@ -64,6 +64,13 @@ JoinedTeams joined_at_meeting(const Team& one, int member_1, const Team& two, in
   return joined;
 }
 
+std::optional<JoinedTeams> joined_by_twins(const Team& one, const Team& two, const Pose& one_from_two,
+                                           std::span<const TwinSeed> twins, const FusionOptions& options) {
+  std::optional<Fusion> fusion = fuse(one.filter.state(), two.filter.state(), one_from_two, twins, options);
+  if (!fusion) return std::nullopt;
+  return JoinedTeams{std::move(fusion->state), fusion->one_from_two, fusion->duplicates.size()};
+}
+
 std::optional<JoinedTeams> joined_by_landmarks(const Team& one, const Team& two, std::size_t min_common,
                                                double probability) {
   const std::vector<Common> common = common_landmarks(one, two);

@@ -30,6 +30,10 @@ struct JoinedTeams {
 JoinedTeams joined_at_meeting(const Team& one, int member_1, const Team& two, int member_2,
                               const RobotAlignment& alignment, const FusionOptions& options);
 
+/// By features that are one in both, by indices, at about that placing. Nothing where they do not tell.
+std::optional<JoinedTeams> joined_by_twins(const Team& one, const Team& two, const Pose& one_from_two,
+                                           std::span<const TwinSeed> twins, const FusionOptions& options);
+
 /// By barcodes that both know: the least-squares alignment of them is where the maps are put, and says
 /// nothing itself; then that each two are one is measured. Nothing where there are fewer than `min_common`,
 /// or where they disagree at the probability.

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "server/features/growth.hpp"
@@ -12,11 +13,6 @@
 
 namespace isthmus {
 namespace {
-
-struct TwinPair {
-  std::size_t one = 0;  ///< indices of features
-  std::size_t two = 0;
-};
 
 /// The two that met, and how.
 struct WhoMet {
@@ -42,10 +38,35 @@ class Joining {
     tie_all();
   }
 
+  Joining(const FeatureState& one, const FeatureState& two, const Pose& one_from_two,
+          std::span<const TwinSeed> seeds, const FusionOptions& options)
+      : maps_{one, two, one_from_two, Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()},
+        options_(options),
+        ties_(one, two),
+        taken_(one.features.size(), false) {
+    for (const TwinSeed& seed : seeds) {
+      maps_.about += middle(one.features[seed.one].feature) / static_cast<double>(seeds.size());
+      if (taken_[seed.one]) continue;
+      pairs_.push_back(seed);
+      taken_[seed.one] = true;
+    }
+    maps_.seen_from = maps_.about;
+    tie_all();
+    follow();
+  }
+
+  /// Whether the ties tell where the second map lies.
+  bool is_placed() const {
+    if (ties_.rows() < 3) return false;
+    const Eigen::Matrix3d covariance = ties_.maps_covariance();
+    return covariance.allFinite() && covariance.diagonal().minCoeff() > 0 &&
+           covariance.diagonal().maxCoeff() < 1;
+  }
+
   const TiedMaps& maps() const { return maps_; }
   const TieFilter& ties() const { return ties_; }
   const std::vector<bool>& taken() const { return taken_; }
-  const std::vector<TwinPair>& pairs() const { return pairs_; }
+  const std::vector<TwinSeed>& pairs() const { return pairs_; }
 
   void add(const TwinCandidate& found) {
     if (taken_[found.one] || !ties_.append(found.tie)) return;
@@ -77,7 +98,13 @@ class Joining {
 
   /// The same pairs with another state of the first map, whose features are the same.
   Joining with(const FeatureState& one) const {
-    Joining other(one, maps_.two, met_, options_);
+    if (!met_) {
+      Joining other(one, maps_.two, maps_.one_from_two, pairs_, options_);
+      other.maps_.about = other.maps_.seen_from = maps_.about;
+      other.tie_all();
+      return other;
+    }
+    Joining other(one, maps_.two, *met_, options_);
     other.maps_.one_from_two = maps_.one_from_two;
     other.pairs_ = pairs_;
     other.taken_ = taken_;
@@ -90,8 +117,8 @@ class Joining {
 
   void tie_all() {
     ties_.clear();
-    ties_.append(tie_robots(maps_, met_.robot_1, met_.robot_2, met_.alignment));
-    std::erase_if(pairs_, [&](const TwinPair& pair) {
+    if (met_) ties_.append(tie_robots(maps_, met_->robot_1, met_->robot_2, met_->alignment));
+    std::erase_if(pairs_, [&](const TwinSeed& pair) {
       const std::optional<MapTie> tie = tie_features(maps_, pair.one, pair.two, options_.identity_sigma_m);
       if (tie && ties_.append(*tie)) return false;
       taken_[pair.one] = false;
@@ -112,14 +139,15 @@ class Joining {
     std::optional<std::size_t> worst;
     double most = 1;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const Eigen::Index at = ties_.starts()[i + 1];
-      const Eigen::Index size = (i + 2 < ties_.starts().size() ? ties_.starts()[i + 2] : rows) - at;
+      const std::size_t tie = i + (met_ ? 1 : 0);
+      const Eigen::Index at = ties_.starts()[tie];
+      const Eigen::Index size = (tie + 1 < ties_.starts().size() ? ties_.starts()[tie + 1] : rows) - at;
       const Eigen::MatrixXd own_white = white.middleCols(at, size);
       const LocalMatrix own = own_white.transpose() * own_white -
                               by.middleRows(at, size) * place * by.middleRows(at, size).transpose();
       const LocalVector force = pull.segment(at, size);
       const double share = force.dot(own.llt().solve(force)) / gates(size);
-      if (share <= most) continue;
+      if (!(share > most)) continue;
       most = share;
       worst = i;
     }
@@ -127,17 +155,21 @@ class Joining {
   }
 
   TiedMaps maps_;
-  WhoMet met_;
+  std::optional<WhoMet> met_;
   FusionOptions options_;
   TieFilter ties_;
   std::vector<bool> taken_;  ///< features of the first map
-  std::vector<TwinPair> pairs_;
+  std::vector<TwinSeed> pairs_;
 };
 
-/// Features of the second map, from the rendezvous outwards.
-std::vector<std::size_t> outwards(const TiedMaps& maps) {
+/// Features of the second map without a twin, from the rendezvous outwards.
+std::vector<std::size_t> outwards(const Joining& joining) {
+  const TiedMaps& maps = joining.maps();
+  std::set<std::size_t> seeds;
+  for (const TwinSeed& pair : joining.pairs()) seeds.insert(pair.two);
   std::vector<std::pair<double, std::size_t>> by_distance;
   for (std::size_t i = 0; i < maps.two.features.size(); ++i) {
+    if (seeds.contains(i)) continue;
     const Eigen::Vector2d arm = maps.one_from_two * middle(maps.two.features[i].feature) - maps.about;
     by_distance.emplace_back(arm.squaredNorm(), i);
   }
@@ -177,7 +209,7 @@ std::vector<std::size_t> pair_up(Joining& joining, const TwinSearch& search,
 std::optional<FeatureState> learned(const Joining& joining, double end_slack_m) {
   std::optional<FeatureState> state;
   const TiedMaps& maps = joining.maps();
-  for (const TwinPair& pair : joining.pairs()) {
+  for (const TwinSeed& pair : joining.pairs()) {
     const Feature there = maps.one_from_two * maps.two.features[pair.two].feature;
     const auto known = known_components(maps.one.features[pair.one].feature),
                others = known_components(there);
@@ -195,11 +227,11 @@ Fusion fusion_of(const Joining& joining) {
   const TiedMaps& maps = joining.maps();
   Fusion fusion;
   std::vector<bool> gone(maps.two.features.size(), false);
-  for (const TwinPair& pair : joining.pairs()) gone[pair.two] = true;
+  for (const TwinSeed& pair : joining.pairs()) gone[pair.two] = true;
   fusion.state = joined_maps(maps, joining.ties(), gone);
   const Eigen::Vector3d delta = joining.ties().maps_correction();
-  const Pose place = maps.moved(delta);
-  for (const TwinPair& pair : joining.pairs()) {
+  const Pose place = fusion.one_from_two = maps.moved(delta);
+  for (const TwinSeed& pair : joining.pairs()) {
     const FeatureInState& twin = maps.two.features[pair.two];
     fusion.duplicates.push_back({maps.one.features[pair.one].id, twin.id + maps.one.next_id});
     fusion.state.features[pair.one].seen += twin.seen;
@@ -210,17 +242,15 @@ Fusion fusion_of(const Joining& joining) {
   return fusion;
 }
 
-}  // namespace
-
-Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
-            const RobotAlignment& alignment, const FusionOptions& options) {
-  Joining joining(one, two, {robot_1, robot_2, alignment}, options);
+/// Twins from what ties the maps outwards; then they are one.
+Fusion completed(Joining& joining, const FusionOptions& options) {
+  const TiedMaps& maps = joining.maps();
   std::vector<Feature> features;
-  for (const FeatureInState& entry : one.features) features.push_back(entry.feature);
+  for (const FeatureInState& entry : maps.one.features) features.push_back(entry.feature);
   const LandmarkTree tree(features);
-  const TwinSearch search(joining.maps(), tree, options);
-  SearchWork work(options.steps_per_feature * two.features.size());
-  std::vector<std::size_t> open = outwards(joining.maps());
+  const TwinSearch search(maps, tree, options);
+  SearchWork work(options.steps_per_feature * maps.two.features.size());
+  std::vector<std::size_t> open = outwards(joining);
   for (std::size_t before = open.size() + 1; !open.empty() && open.size() < before;) {
     before = open.size();
     open = pair_up(joining, search, open, options, work);
@@ -230,6 +260,22 @@ Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int r
   Fusion fusion = fusion_of(more ? joining.with(*more) : joining);
   fusion.came_to_end = work.left() > 0;
   return fusion;
+}
+
+}  // namespace
+
+Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
+            const RobotAlignment& alignment, const FusionOptions& options) {
+  Joining joining(one, two, {robot_1, robot_2, alignment}, options);
+  return completed(joining, options);
+}
+
+std::optional<Fusion> fuse(const FeatureState& one, const FeatureState& two, const Pose& one_from_two,
+                           std::span<const TwinSeed> seeds, const FusionOptions& options) {
+  Joining joining(one, two, one_from_two, seeds, options);
+  joining.drop_contradicted(Gates(options.probability, 4));
+  if (!joining.is_placed()) return std::nullopt;
+  return completed(joining, options);
 }
 
 }  // namespace isthmus

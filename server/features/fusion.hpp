@@ -1,5 +1,9 @@
 #pragma once
 
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "server/features/association.hpp"
 #include "server/features/rendezvous.hpp"
 
@@ -27,6 +31,7 @@ struct Fusion {
     int gone = 0;
   };
   FeatureState state;                 ///< duplicates removed
+  Pose one_from_two;                  ///< where the second map's frame came to lie
   std::vector<Duplicate> duplicates;  ///< in the order in which they were found
   double squared_distance = 0;        ///< of sighting and pairings together, over `degrees_of_freedom`
   int degrees_of_freedom = 0;
@@ -47,5 +52,17 @@ struct Fusion {
 /// turns out wrong is dropped by going on with them.
 Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
             const RobotAlignment& alignment, const FusionOptions& options = {});
+
+/// That a feature of the first map is one of the second, by indices.
+struct TwinSeed {
+  std::size_t one = 0;
+  std::size_t two = 0;
+};
+
+/// The same without a rendezvous: some features that are one are known, and tell where the second map lies,
+/// about one_from_two; others are looked for from them outwards. What they tell must determine a pose: walls
+/// of two directions, two of each at least, for what all others contradict goes. Nothing where it does not.
+std::optional<Fusion> fuse(const FeatureState& one, const FeatureState& two, const Pose& one_from_two,
+                           std::span<const TwinSeed> seeds, const FusionOptions& options = {});
 
 }  // namespace isthmus

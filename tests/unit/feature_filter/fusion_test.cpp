@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -219,6 +220,62 @@ TEST(Fusion, AfterAHundredMeetingsTheRobotsStillErrAsTheySay) {
   }
   EXPECT_GT(nees, 0.7);
   EXPECT_LT(nees, 1.3);
+}
+
+/// Indices of features of the same posts, nearest to a place of the first map first.
+std::vector<TwinSeed> posts_of_both(const TwoMaps& maps, const Eigen::Vector2d& about) {
+  std::vector<TwinSeed> twins;
+  for (std::size_t i = 0; i < maps.one.features.size(); ++i)
+    for (std::size_t k = 0; k < maps.two.features.size(); ++k)
+      if (maps.post_of_one[static_cast<std::size_t>(maps.one.features[i].id)] ==
+          maps.post_of_two[static_cast<std::size_t>(maps.two.features[k].id)])
+        twins.push_back({i, k});
+  std::sort(twins.begin(), twins.end(), [&](const TwinSeed& a, const TwinSeed& b) {
+    return (maps.one.features[a.one].feature.a - about).norm() <
+           (maps.one.features[b.one].feature.a - about).norm();
+  });
+  return twins;
+}
+
+TEST(Fusion, BeginsWithTwinsInsteadOfARendezvous) {
+  std::size_t found = 0, true_ones = 0;
+  double nees = 0;
+  for (std::uint32_t seed = 1; seed <= 30; ++seed) {
+    TwoMaps maps(seed);
+    const std::vector<TwinSeed> seeds = posts_of_both(maps, position(ominus(maps.truth_one, maps.start_one)));
+    ASSERT_GT(seeds.size(), 4U);
+    const Pose about = ominus(maps.start_two, maps.start_one) * Pose{0.2, -0.1, 0.02};
+    const auto fusion = fuse(maps.one, maps.two, about, std::span(seeds).first(4));
+    ASSERT_TRUE(fusion);
+    for (const Fusion::Duplicate& pair : fusion->duplicates)
+      EXPECT_TRUE(maps.is_true(pair)) << "seed " << seed;
+    found += fusion->duplicates.size();
+    true_ones += maps.true_duplicates();
+    nees += pose_nees(fusion->state, 1, ominus(maps.truth_two, maps.start_one)) / 3 / 30;
+    const Pose placed = fusion->one_from_two * maps.two.robots[0].map_from_robot;
+    EXPECT_LT((position(placed) - position(fusion->state.robots[1].map_from_robot)).norm(), 1);
+  }
+  EXPECT_GE(static_cast<double>(found), 0.95 * static_cast<double>(true_ones));
+  EXPECT_LT(nees, 1.5);
+}
+
+TEST(Fusion, AFalseTwinAmongThoseItBeginsWithGoes) {
+  TwoMaps maps(1);
+  std::vector<TwinSeed> seeds = posts_of_both(maps, position(ominus(maps.truth_one, maps.start_one)));
+  ASSERT_GT(seeds.size(), 6U);
+  seeds.resize(6);
+  std::swap(seeds[4].two, seeds[5].two);
+  const auto fusion = fuse(maps.one, maps.two, ominus(maps.start_two, maps.start_one), seeds);
+  ASSERT_TRUE(fusion);
+  for (const Fusion::Duplicate& pair : fusion->duplicates) EXPECT_TRUE(maps.is_true(pair));
+}
+
+TEST(Fusion, TwinsThatDetermineNoPlaceMakeNoOneMap) {
+  TwoMaps maps(1);
+  const std::vector<TwinSeed> seeds = posts_of_both(maps, {});
+  const Pose about = ominus(maps.start_two, maps.start_one);
+  EXPECT_FALSE(fuse(maps.one, maps.two, about, {}));
+  EXPECT_FALSE(fuse(maps.one, maps.two, about, std::span(seeds).first(1)));
 }
 
 }  // namespace

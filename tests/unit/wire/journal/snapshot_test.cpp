@@ -235,7 +235,7 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
   update_snapshots(journal);
   const std::string newest = list_journal(journal).snapshots.rbegin()->second;
   std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(9);
-  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 9; this program reads version 4");
+  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 9; this program reads version 5");
   EXPECT_TRUE(is_snapshot(newest));
   EXPECT_FALSE(is_snapshot(segment_path(journal, 1)));
 }
@@ -245,21 +245,26 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
 /// migrated.
 TEST(Snapshots, OfVersion1AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-1/snapshot-000002.isthmus");
-  EXPECT_NE(why.find("is of version 1; this program reads version 4"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 1; this program reads version 5"), std::string::npos) << why;
 }
 
 TEST(Snapshots, OfVersion2AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-2/snapshot-000002.isthmus");
-  EXPECT_NE(why.find("is of version 2; this program reads version 4"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 2; this program reads version 5"), std::string::npos) << why;
 }
 
 TEST(Snapshots, OfVersion3AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-3/snapshot-000001.isthmus");
-  EXPECT_NE(why.find("is of version 3; this program reads version 4"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 3; this program reads version 5"), std::string::npos) << why;
 }
 
-TEST(Snapshots, OfVersion4AreRead) {
-  const std::string path = "tests/unit/wire/snapshots/version-4/snapshot-000001.isthmus";
+TEST(Snapshots, OfVersion4AreRefusedByWord) {
+  const std::string why = why_unreadable("tests/unit/wire/snapshots/version-4/snapshot-000001.isthmus");
+  EXPECT_NE(why.find("is of version 4; this program reads version 5"), std::string::npos) << why;
+}
+
+TEST(Snapshots, OfVersion5AreRead) {
+  const std::string path = "tests/unit/wire/snapshots/version-5/snapshot-000001.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
   EXPECT_EQ(snapshot.map.events, 806);

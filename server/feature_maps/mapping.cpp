@@ -1,0 +1,132 @@
+// How a FeatureMapper maps: odometry and scans, on the map that a robot is on.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/feature_maps/feature_mapper.hpp"
+
+namespace isthmus {
+namespace {
+
+/// Whether a point of the robot's frame lies well within what the scan saw free.
+class FreeInScan {
+ public:
+  FreeInScan(const Scan& scan, const Laser& laser)
+      : scan_(scan), laser_(laser), laser_from_robot_(inverse(laser.robot_from_laser)) {}
+
+  bool operator()(const Eigen::Vector2d& point) const {
+    constexpr double margin_m = 0.3;
+    const Eigen::Vector2d seen = laser_from_robot_ * point;
+    const double bearing = std::atan2(seen.y(), seen.x()) - scan_.bearing0_rad;
+    const double beam = std::round(wrap_angle(bearing) / scan_.bearing_step_rad);
+    for (const double turn : {0.0, 2 * std::numbers::pi / std::abs(scan_.bearing_step_rad)}) {
+      const double index = beam + turn;
+      if (index < 0 || index >= static_cast<double>(scan_.ranges_m.size())) continue;
+      const float range = scan_.ranges_m[static_cast<std::size_t>(index)];
+      return classify(range, laser_) == BeamKind::hit && seen.norm() + margin_m < range;
+    }
+    return false;
+  }
+
+ private:
+  const Scan& scan_;
+  const Laser& laser_;
+  Pose laser_from_robot_;
+};
+
+}  // namespace
+
+void FeatureMapper::begin_journey(FeatureRobot& robot, const Pose& odom_from_robot) {
+  Team team{FeatureFilter(options_.filter), {static_cast<int>(journeys_.size())}, {}};
+  team.filter.add_robot({}, Eigen::Matrix3d::Zero());
+  robot.journey = static_cast<int>(journeys_.size());
+  robot.odom_from_last = odom_from_robot;
+  robot.noise = OdometryNoise(options_.odometry_noise);
+  robot.way_m = options_.observe_every_m;  // its first scan is used
+  journeys_.push_back({robot.declared.robot, static_cast<int>(teams_.size()), 0, {}, {}});
+  teams_.push_back(std::move(team));
+}
+
+void FeatureMapper::move_to(FeatureRobot& robot, const Pose& odom_from_robot) {
+  if (robot.journey < 0) return begin_journey(robot, odom_from_robot);
+  const Pose step = ominus(odom_from_robot, robot.odom_from_last);
+  robot.odom_from_last = odom_from_robot;
+  if (step == Pose{}) return;
+  const Journey& own = journey(robot);
+  Eigen::Matrix3d covariance = robot.noise.covariance(step, options_.odometry_noise);
+  covariance.diagonal() += (options_.stamp_share * wrapped_difference(step, robot.last_step)).cwiseAbs2();
+  team_of(own).filter.move(own.member, step, covariance);
+  robot.last_step = step;
+  robot.way_m += std::hypot(step.x, step.y);
+  robot.turn_rad += std::abs(step.yaw);
+}
+
+/// Whether it was seen from where no scan was used before.
+bool FeatureMapper::observe(FeatureRobot& robot, const Scan& scan) {
+  if (options_.kind != FeatureMapKind::segments) return false;
+  if (robot.way_m < options_.observe_every_m && robot.turn_rad < options_.observe_every_rad) return false;
+  robot.way_m = robot.turn_rad = 0;
+  std::vector<ObservedFeature> seen;
+  for (const ScanSegment& segment :
+       find_features(scan, robot.declared.laser, options_.scan_features).segments)
+    seen.push_back(segment.observed);
+  const Journey& own = journey(robot);
+  FeatureFilter& filter = team_of(own).filter;
+  const FeatureScanOutcome outcome = observe_or_slip(filter, own.member, seen);
+  FeatureScanOutcome still_there = outcome;  // a laser sees no barcode, and past one that hangs in the open
+  for (const auto& [barcode, id] : team_of(own).landmarks) still_there.paired.push_back({0, id});
+  const std::vector<int> gone =
+      filter.contradict(own.member, still_there, FreeInScan(scan, robot.declared.laser));
+  robot.matched = !outcome.paired.empty();
+  ++counts_.scans_used;
+  counts_.segments_seen += static_cast<std::int64_t>(seen.size());
+  counts_.segments_paired += static_cast<std::int64_t>(outcome.paired.size());
+  counts_.contradicted += static_cast<std::int64_t>(gone.size());
+  return keep_view(robot, scan);
+}
+
+bool FeatureMapper::keep_view(const FeatureRobot& robot, const Scan& scan) {
+  Journey& own = journeys_[static_cast<std::size_t>(robot.journey)];
+  const Pose& pose = team_of(own).filter.state().robots[static_cast<std::size_t>(own.member)].map_from_robot;
+  if (is_seen_from(own.views, pose * robot.declared.laser.robot_from_laser, options_.merging)) return false;
+  own.views.push_back(view_of(scan, robot.declared.laser, pose, options_.merging.view_sectors));
+  return true;
+}
+
+FeatureScanOutcome FeatureMapper::observe_or_slip(FeatureFilter& filter, int member,
+                                                  std::span<const ObservedFeature> seen) {
+  const FeatureFilter before = filter;
+  FeatureScanOutcome best = filter.observe(member, seen);
+  if (static_cast<double>(best.paired.size()) >= options_.slip_share * static_cast<double>(seen.size()))
+    return best;
+  const Eigen::Vector3d sigma(0.5 * options_.slip_m, 0.5 * options_.slip_m, 0.5 * options_.slip_rad);
+  bool is_slip = false;
+  std::size_t enough = std::max(options_.min_slipped, best.paired.size() + options_.slip_gain);
+  for (const double yaw : {0.0, -1.0, 1.0, -2.0, 2.0}) {
+    for (const double x : {0.0, -1.0, 1.0}) {
+      for (const double y : {0.0, -1.0, 1.0}) {
+        FeatureFilter slipped = before;
+        slipped.move(member, {options_.slip_m * x, options_.slip_m * y, options_.slip_rad * yaw},
+                     sigma.cwiseAbs2().asDiagonal());
+        FeatureScanOutcome outcome = slipped.observe(member, seen);
+        if (outcome.paired.size() < enough) continue;
+        enough = outcome.paired.size() + 1;
+        is_slip = true;
+        best = std::move(outcome);
+        filter = std::move(slipped);
+      }
+    }
+  }
+  if (is_slip) ++counts_.slips;
+  return best;
+}
+
+void FeatureMapper::add_row(const FeatureRobot& robot, std::int64_t utime) {
+  Journey& own = journeys_[static_cast<std::size_t>(robot.journey)];
+  const FeatureState& state = team_of(own).filter.state();
+  own.rows.push_back({utime, state.robots[static_cast<std::size_t>(own.member)].map_from_robot});
+  moved_.insert(own.robot);
+}
+
+}  // namespace isthmus
