@@ -8,7 +8,7 @@
 #include "server/engine/estimator.hpp"
 #include "server/feature_maps/feature_files.hpp"
 #include "server/feature_maps/feature_record.hpp"
-#include "tests/support/feature_events.hpp"
+#include "tests/support/feature_estimates.hpp"
 
 namespace isthmus {
 namespace {
@@ -62,15 +62,6 @@ struct Hall {
     run.wait(3);
   }
 };
-
-FeatureEstimator estimate(const FeatureEvents& run, const std::set<std::int32_t>& forbidden = {}) {
-  FeatureEstimator estimator(feature_map_options(FeatureMapKind::segments));
-  estimator.forbid(forbidden);
-  for (const Event& event : run.events) estimator.handle(event);
-  Outcome outcome;
-  estimator.finish_step(outcome);
-  return estimator;
-}
 
 Event order(const Hall& hall, Verb verb, std::int64_t closure, const std::string& robot = "") {
   return {hall.run.events.back().receive_utime, CommandEvent{0, verb, closure, robot}};

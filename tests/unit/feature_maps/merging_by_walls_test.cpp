@@ -3,7 +3,7 @@
 #include "server/feature_maps/feature_estimator.hpp"
 #include "server/feature_maps/feature_files.hpp"
 #include "tests/support/buildings.hpp"
-#include "tests/support/feature_events.hpp"
+#include "tests/support/feature_estimates.hpp"
 
 namespace isthmus {
 namespace {
@@ -38,15 +38,6 @@ struct TwoWays {
   Pose last;
 };
 
-FeatureEstimator estimate_unseen(const FeatureEvents& run, const std::set<std::int32_t>& forbidden = {}) {
-  FeatureEstimator estimator(feature_map_options(FeatureMapKind::segments));
-  estimator.forbid(forbidden);
-  for (const Event& event : run.events) estimator.handle(event);
-  Outcome outcome;
-  estimator.finish_step(outcome);
-  return estimator;
-}
-
 Event withdrawal(const FeatureEvents& run, std::int64_t id, Verb verb = Verb::withdraw) {
   return {run.events.back().receive_utime, CommandEvent{0, verb, id, ""}};
 }
@@ -57,7 +48,7 @@ const TwoWays& store() {
 }
 
 TEST(MergingByWalls, RobotsThatNeverSeeOneAnotherComeToOneMap) {
-  const FeatureMaps maps = estimate_unseen(store().run).maps();
+  const FeatureMaps maps = estimate(store().run).maps();
   ASSERT_EQ(maps.teams.size(), 1U);
   ASSERT_EQ(maps.fusions.size(), 1U);
   EXPECT_EQ(maps.fusions[0].state, FusionState::accepted);
@@ -79,14 +70,14 @@ TEST(MergingByWalls, RobotsThatNeverSeeOneAnotherComeToOneMap) {
 }
 
 TEST(MergingByWalls, AFusionIsWithdrawnForbiddenAndReplayedWithout) {
-  FeatureEstimator live = estimate_unseen(store().run);
+  FeatureEstimator live = estimate(store().run);
   const std::string before = map_sha256(live.maps());
   ASSERT_EQ(live.maps().fusions.size(), 1U);
   const std::int32_t id = live.maps().fusions[0].id;
   EXPECT_EQ(live.handle(withdrawal(store().run, id)).drop_reason, DropReason::none);
   const FeatureMaps without = live.maps();
   EXPECT_EQ(without.teams.size(), 2U);
-  EXPECT_EQ(map_sha256(without), map_sha256(estimate_unseen(store().run, {id}).maps()));
+  EXPECT_EQ(map_sha256(without), map_sha256(estimate(store().run, {id}).maps()));
   ASSERT_EQ(without.fusions.size(), 1U);
   EXPECT_EQ(without.fusions[0].state, FusionState::withdrawn);
   EXPECT_EQ(live.handle(withdrawal(store().run, id, Verb::allow)).drop_reason, DropReason::none);
@@ -94,7 +85,7 @@ TEST(MergingByWalls, AFusionIsWithdrawnForbiddenAndReplayedWithout) {
 }
 
 TEST(MergingByWalls, WhatIsRestoredFromItsBytesComesToTheSameMap) {
-  const FeatureMaps whole = estimate_unseen(store().run).maps();
+  const FeatureMaps whole = estimate(store().run).maps();
   for (const std::size_t share : {3U, 6U, 9U}) {
     const std::size_t split = store().run.events.size() * share / 10;
     FeatureEstimator live(feature_map_options(FeatureMapKind::segments));
@@ -113,7 +104,7 @@ TEST(MergingByWalls, WhatIsRestoredFromItsBytesComesToTheSameMap) {
 TEST(MergingByWalls, EncountersAfterwardsTakeItBack) {
   FeatureEvents run = store().run;
   const Pose one = store().start_1 * store().last, two = Pose{3, 2, 1} * store().start_2 * store().last;
-  ASSERT_EQ(estimate_unseen(run).maps().teams.size(), 1U);
+  ASSERT_EQ(estimate(run).maps().teams.size(), 1U);
   for (int i = 0; i < 12; ++i) {
     run.odometry("R1", store().last);
     run.odometry("R2", store().last);
@@ -121,7 +112,7 @@ TEST(MergingByWalls, EncountersAfterwardsTakeItBack) {
     run.sighting("R2", 101, position(ominus(one, two)));
     run.wait(3);
   }
-  const FeatureMaps maps = estimate_unseen(run).maps();
+  const FeatureMaps maps = estimate(run).maps();
   EXPECT_GE(maps.counts.withdrawn, 1);
   for (const FusionRecord& fusion : maps.fusions)
     EXPECT_FALSE(fusion.placing && fusion.state == FusionState::accepted);

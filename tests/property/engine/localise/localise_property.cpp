@@ -6,6 +6,7 @@
 
 #include "server/engine/localise/extend.hpp"
 #include "server/engine/localise/follow.hpp"
+#include "tests/support/localised.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {
@@ -23,15 +24,6 @@ void assert_near(const Pose& a, const Pose& b) {
   RC_ASSERT(std::abs(a.x - b.x) < 1e-6);
   RC_ASSERT(std::abs(a.y - b.y) < 1e-6);
   RC_ASSERT(std::abs(wrap_angle(a.yaw - b.yaw)) < 1e-6);
-}
-
-Robot robot_at(const Pose& patch_from_robot, const Pose& odom_from_robot) {
-  Robot robot;
-  robot.place = Localisation{};
-  robot.place->pose = {PatchId{0}, patch_from_robot};
-  robot.place->odom_from_robot = odom_from_robot;
-  robot.place->last_patch = PatchId{0};
-  return robot;
 }
 
 Expectation expected(const Robot& robot, const Pose& odom_from_robot) {
