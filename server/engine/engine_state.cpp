@@ -256,4 +256,23 @@ void EngineState::record(Robot& robot, const ManifoldPose& pose, const Pose& odo
   robot.unplaced.clear();
 }
 
+// The rows since then, and with them some from before.
+void EngineState::correct(std::int64_t since_utime, const Change& change) {
+  constexpr std::size_t at_once = 4096;
+  trajectory->flush();
+  bool is_since = true;
+  for (std::size_t end = trajectory->size(); end > 0 && is_since;) {
+    const std::size_t first = end - std::min(end, at_once);
+    const std::vector<TrajectoryRow> rows = trajectory->read(first, end - first);
+    is_since = rows.empty();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      PastPlace place{rows[i].utime, rows[i].session, {rows[i].patch, rows[i].patch_from_robot}, {}, {}};
+      is_since = is_since || place.utime >= since_utime;
+      if (change(sessions[static_cast<std::size_t>(place.session)].robot, place))
+        trajectory->correct({first + i, place.pose.patch, place.pose.patch_from_object});
+    }
+    end = first;
+  }
+}
+
 }  // namespace isthmus

@@ -26,7 +26,7 @@
 namespace isthmus {
 
 /// All that the engine knows.
-struct EngineState {
+struct EngineState final : RecordedWays {
   Configuration configuration;
   Map map;
   std::map<std::string, Robot> robots;
@@ -58,7 +58,8 @@ struct EngineState {
   /// The robot of that name; a new one, with what is known of none, where there is none yet.
   Robot& with_name(const std::string& name);
 
-  World world() { return {map, robots, configuration.engine, counters.last_receive_utime, false}; }
+  World world() { return {map, robots, configuration.engine, counters.last_receive_utime, false, this}; }
+  void correct(std::int64_t since_utime, const Change& change) override;
 
   /// Counts what is dropped, and returns why.
   DropReason drop(const std::string& robot, DropReason reason, std::int64_t messages = 1);

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
 #include <random>
 
+#include "server/engine/annotations/annotations.hpp"
+#include "server/engine/snapshot/snapshot_values.hpp"
 #include "tests/scenario/event_sequences.hpp"
 
 namespace isthmus {
@@ -84,6 +88,17 @@ TEST(EngineSnapshot, IsRefusedWhereItIsNotWhole) {
   ASSERT_EQ(engine.handle({events[events.size() / 2].receive_utime, place}).drop_reason, DropReason::none);
   saved = engine.save();
   EXPECT_EQ(why_refused(saved, rows_of(engine)), "");
+  saved.push_back(0);
+  EXPECT_EQ(why_refused(saved, rows_of(engine)), "it ends too early") << "behind them are corrected rows";
+}
+
+TEST(EngineSnapshot, OfARowCorrectedThatIsNotThereIsRefused) {
+  Engine engine;
+  std::vector<std::uint8_t> saved = engine.save();
+  SnapshotWriter behind;
+  behind(Annotations{}, std::vector<RowCorrection>{{0, PatchId{0}, {}}});
+  std::ranges::copy(behind.take(), std::back_inserter(saved));
+  EXPECT_EQ(why_refused(saved, rows_of(engine)), "it corrects a row that it lacks");
   saved.push_back(0);
   EXPECT_EQ(why_refused(saved, rows_of(engine)), "it does not end where it should");
 }

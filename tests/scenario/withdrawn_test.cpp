@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "server/engine/map/dependencies.hpp"
+#include "server/output/tables/trajectories.hpp"
 #include "tests/scenario/event_sequences.hpp"
 #include "tools/import/import.hpp"
 
@@ -97,6 +98,10 @@ const Team& office() {
   return run;
 }
 
+std::vector<TrajectoryRow> rows_of(const MapCopy& map) {
+  return map.trajectory->read(0, map.trajectory_rows);
+}
+
 /// Of what robots drove on others' patches without adding any, less is left than the reference has.
 constexpr double worse_than_reference = 6;
 constexpr double min_error_m = 0.01;
@@ -105,6 +110,7 @@ void expect_like_the_reference(const Team& run, const MapCopy& map) {
   EXPECT_EQ(robots_together(map), robots_together(run.reference));
   EXPECT_LE(relations_between_robots(map), relations_between_robots(run.reference));
   EXPECT_EQ(depending_on(map, run.merge), 0U);
+  EXPECT_EQ(count_parted_rows(map), 0U) << "what a robot drove on another's ground is told by its own";
   const TrajectoryError error = judge_trajectories({run.run, map});
   const TrajectoryError reference = judge_trajectories({run.run, run.reference});
   std::printf("%.4f m, in the reference %.4f m\n", error.mean_m, reference.mean_m);
@@ -162,19 +168,30 @@ TEST(Withdrawn, StaysSoAfterARestartFromASnapshot) {
   Engine uninterrupted;
   Engine restarted;
   for (const Event& event : events) {
+    const bool is_withdrawal = std::holds_alternative<CommandEvent>(event.body);
+    const auto rows = std::make_shared<TrajectoryStore>();
+    if (is_withdrawal)  // as the journal has them, which wrote them down before
+      for (const TrajectoryRow& row : rows_of(restarted.copy())) rows->append(row);
     uninterrupted.handle(event);
     restarted.handle(event);
-    if (event.receive_utime < after_s(events, at_s) || !std::holds_alternative<CommandEvent>(event.body))
-      continue;
-    auto rows = std::make_shared<TrajectoryStore>();
-    const MapCopy map = restarted.copy();
-    for (const TrajectoryRow& row : map.trajectory->read(0, map.trajectory_rows)) rows->append(row);
+    if (!is_withdrawal) continue;
+    rows->flush();
+    ASSERT_EQ(rows->size(), restarted.copy().trajectory_rows);
     restarted = Engine::restore(restarted.save(), rows);
   }
   uninterrupted.finish();
   restarted.finish();
   EXPECT_TRUE(robots_together(restarted.copy()).empty());
   EXPECT_EQ(map_sha256(restarted.copy()), map_sha256(uninterrupted.copy()));
+  const std::vector<TrajectoryRow> rows = rows_of(uninterrupted.copy()), again = rows_of(restarted.copy());
+  ASSERT_EQ(rows.size(), again.size());
+  std::size_t differing = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const bool same =
+        rows[i].patch == again[i].patch && rows[i].patch_from_robot == again[i].patch_from_robot;
+    differing += same ? 0U : 1U;
+  }
+  EXPECT_EQ(differing, 0U);
 }
 
 TEST(Withdrawn, AndAllowedAgainComesBack) {

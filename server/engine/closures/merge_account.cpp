@@ -1,5 +1,7 @@
 #include "server/engine/closures/merge_account.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "server/engine/map/dependencies.hpp"
@@ -9,11 +11,13 @@ namespace {
 
 using Entry = ClosureLedger::Entry;
 
-// A loop of sightings that agree with one another, but not with the map as it is.
-bool is_contradiction(const Entry& entry) {
-  return entry.record.kind == ClosureKind::loop && entry.record.state == ClosureState::refused &&
+// Sightings that agree with one another, but on trial not with what else was known.
+bool is_refused_by_trial(const Entry& entry, ClosureKind kind) {
+  return entry.record.kind == kind && entry.record.state == ClosureState::refused &&
          !entry.record.from_scans && is_refusal_by_trial(entry.record.reason);
 }
+
+bool is_contradiction(const Entry& entry) { return is_refused_by_trial(entry, ClosureKind::loop); }
 
 RelationGraph without(const RelationGraph& graph, const Dependencies& dependencies, ClosureId closure) {
   std::vector<RelationId> out;
@@ -33,12 +37,15 @@ bool parted(const RelationGraph& graph, const Evidence& evidence) {
 
 std::size_t contradicting(const ClosureLedger& ledger, const RelationGraph& rest) {
   std::set<std::size_t> records;
+  std::set<std::size_t> wrong;
   for (const auto& [id, entry] : ledger.entries()) {
-    if (!is_contradiction(entry) || !parted(rest, entry.record.joining.first, entry.record.joining.second))
-      continue;
-    for (const Evidence& evidence : entry.evidence) records.insert(evidence.record);
+    const bool as_merge = is_refused_by_trial(entry, ClosureKind::merge);
+    if (!as_merge && !is_contradiction(entry)) continue;
+    if (!parted(rest, entry.record.joining.first, entry.record.joining.second)) continue;
+    for (const Evidence& evidence : entry.evidence) (as_merge ? wrong : records).insert(evidence.record);
   }
-  return records.size();
+  return static_cast<std::size_t>(
+      std::ranges::count_if(records, [&](std::size_t record) { return !wrong.contains(record); }));
 }
 
 std::vector<std::size_t> agreed(const World& world, const TagPatches& tags,
@@ -53,9 +60,14 @@ std::vector<std::size_t> agreed(const World& world, const TagPatches& tags,
   return records;
 }
 
-// What there is without having looked at every sighting.
-std::size_t supporting_at_once(const Entry& merge) {
-  return merge.evidence.size() + static_cast<std::size_t>(merge.record.patches_touched);
+double by_sightings(std::size_t agreeing, const TrialOptions& its) {
+  return its.log_odds_per_sighting * std::max(0.0, static_cast<double>(agreeing) - 2);
+}
+
+// How much matches says that the two maps are of ground that is alike. That there is no other ground like it,
+// it says only as far as buildings are rare that are the same twice.
+double by_what_matches(const TrialAccount& account, const TrialOptions& its) {
+  return std::clamp(account.shared_log_odds + account.fit_log_odds, 0.0, -std::log(its.repeats_probability));
 }
 
 }  // namespace
@@ -65,16 +77,22 @@ std::optional<MergeAccount> contradicted_merge(const World& world, const TagPatc
                                                const MutualObservations& observations, const Entry& refused) {
   if (!is_contradiction(refused)) return std::nullopt;
   const RelationGraph& graph = world.map.graph();
+  const TrialOptions& its = world.options.trial;
   const Dependencies dependencies(graph);
   std::optional<MergeAccount> worst;
   for (const auto& [id, merge] : ledger.entries()) {
     if (merge.record.kind != ClosureKind::merge || merge.record.state != ClosureState::accepted) continue;
     const RelationGraph rest = without(graph, dependencies, id);
     if (!parted(rest, refused.record.joining.first, refused.record.joining.second)) continue;
-    MergeAccount account{id, supporting_at_once(merge), contradicting(ledger, rest), {}};
+    MergeAccount account{
+        id,
+        by_sightings(merge.evidence.size(), its) + by_what_matches(merge.record.account, its),
+        by_sightings(contradicting(ledger, rest), its),
+        {}};
     if (account.contradicting <= account.supporting) continue;
     account.agreed = agreed(world, tags, observations, rest);
-    account.supporting += account.agreed.size();
+    account.supporting = by_sightings(merge.evidence.size() + account.agreed.size(), its) +
+                         by_what_matches(merge.record.account, its);
     if (account.contradicting <= account.supporting) continue;
     if (!worst || account.contradicting - account.supporting > worst->contradicting - worst->supporting)
       worst = std::move(account);

@@ -9,9 +9,13 @@
 namespace isthmus {
 namespace {
 
-void put_on_own_ground(World world, const Map& together, ClosureLedger& ledger,
+void put_on_own_ground(World world, const Map& together, std::int64_t since_utime, ClosureLedger& ledger,
                        MutualObservations& observations) {
   const OwnGround own(together, world.map);
+  const auto put_back_place = [&own](const std::string& robot, PastPlace& place) {
+    return own.put_back(robot, place);
+  };
+  if (world.recorded != nullptr) world.recorded->correct(since_utime, put_back_place);
   for (auto& [name, robot] : world.robots) {
     robot.history.correct([&own, &robot_name = name](PastPlace& place) { own.put_back(robot_name, place); });
     robot.local_loops.clear();  // some may be of patches that lie on two islands now
@@ -46,7 +50,7 @@ std::vector<PatchId> take_back(World world, ClosureId id, ClosureLedger& ledger,
   give_back(world.map, ledger.at(id));
   Withdrawal withdrawal = withdraw(world.map, id, world.robots, world.options);
   tags.displace(world.map, withdrawal.gone, world.options.evidence);
-  put_on_own_ground(world, together, ledger, observations);
+  put_on_own_ground(world, together, ledger.at(id).record.end_utime, ledger, observations);
   for (const ClosureId fallen : withdrawal.fallen) give_back(world.map, ledger.at(fallen));
   for (const ClosureId fallen : withdrawal.fallen) fall(ledger.at(fallen), ledger, observations);
   std::set<IslandId> islands;

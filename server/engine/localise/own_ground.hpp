@@ -18,8 +18,8 @@ class OwnGround {
   OwnGround(const Map& together, const Map& parted);
 
   /// Puts a place of a robot on the newest patch of its own up to then, where the islands have parted
-  /// between.
-  void put_back(const std::string& robot, PastPlace& place) const;
+  /// between. Returns whether they have.
+  bool put_back(const std::string& robot, PastPlace& place) const;
 
  private:
   const Map& together_;

@@ -19,6 +19,11 @@ Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& option
   return {position * position, position * position, yaw * yaw};
 }
 
+double log_search_window(double way_m, const PlaceCandidateOptions& options) {
+  const Eigen::Vector3d half = options.window_sigmas * drift_variance(way_m, options).cwiseSqrt();
+  return std::log(4 * half.x() * half.y() * 2 * std::min(std::numbers::pi, half.z()));
+}
+
 double drift_log_odds(const Pose& found, const Pose& mapped, const Eigen::Matrix3d& covariance, double way_m,
                       const PlaceCandidateOptions& options) {
   Eigen::Matrix3d errs = covariance;
@@ -27,8 +32,7 @@ double drift_log_odds(const Pose& found, const Pose& mapped, const Eigen::Matrix
   const double log_density =
       -0.5 * (off.dot(errs.inverse() * off) +
               std::log(std::pow(2 * std::numbers::pi, off.size()) * errs.determinant()));
-  const Eigen::Vector3d half = options.window_sigmas * drift_variance(way_m, options).cwiseSqrt();
-  return log_density + std::log(4 * half.x() * half.y() * 2 * std::min(std::numbers::pi, half.z()));
+  return log_density + log_search_window(way_m, options);
 }
 
 double revisit_log_odds(const Pose& found, const Pose& mapped, const Eigen::Matrix3d& covariance,

@@ -15,6 +15,9 @@ Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& o
 /// other: variances that make the bounds of drift `window_sigmas` standard deviations.
 Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& options);
 
+/// Logarithm of the volume (m² rad) of the window that is searched over so much way.
+double log_search_window(double way_m, const PlaceCandidateOptions& options);
+
 /// Log-odds that a map drifted so far, without a slip, rather than that it is off by anything in the window
 /// that is searched: by a pose as it was found and as the map has it with this covariance (x, y, yaw), over
 /// so much way.

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t max_abandoned = 4;  // so many threads at most are for nothing
 
 // How sure a link may be that is to blame rather than the drift of the whole way: which of the links it is,
-// nobody knew before, and a slip can be of any size.
+// nobody knew before.
 double max_blamed_log_odds(const FitJob::LoopQuestion& question, std::span<const Pose> poses,
                            const Eigen::Matrix3d& covariance) {
   const OpenLoop& loop = question.loop;
@@ -34,7 +34,8 @@ void answer(const FitJob::LoopQuestion& question, const RelationGraph& graph, st
   result.covariance = covariances.front();
   const double max_log_odds = max_blamed_log_odds(question, poses, *result.covariance);
   std::optional<Blame> found =
-      blame(question.loop, question.before, poses, graph, cost, max_log_odds, question.weak_links);
+      blame(question.loop, question.before, poses, graph, cost, max_log_odds,
+            log_search_window(question.loop.way_m, question.drift), question.weak_links);
   if (!found) return;
   result.blamed = std::move(found->wrong);
   result.blamed_closure = found->closure;

@@ -1,6 +1,9 @@
 #include "server/engine/map/weak_link.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "server/engine/map/dependencies.hpp"
 
@@ -51,20 +54,49 @@ struct Contradicted {
   const RelationGraph& fitted;
   double cost;
   double max_log_odds;
+  double log_window;
 
   IslandId island() const { return before.island(loop.first.front()); }
 };
+
+// Log-density (per m² rad) of a wrong link's being off by so much: Cauchy's distribution in the plane, and
+// wrapped around the circle (Mardia and Jupp, 2000, "Directional statistics", 3.5.7).
+double log_slip_density(const Eigen::Vector3d& off, const WeakLinkOptions& its) {
+  const double far = std::hypot(its.slip_m, off.x(), off.y());
+  const double in_plane = its.slip_m / (2 * std::numbers::pi * far * far * far);
+  const double of_yaw =
+      std::sinh(its.slip_rad) / (2 * std::numbers::pi * (std::cosh(its.slip_rad) - std::cos(off.z())));
+  return std::log(in_plane) + std::log(of_yaw);
+}
+
+// Log-odds that the link is right, by how far it would have to be off: that another place looks alike just
+// there, rather than that it slipped so far. Nothing for small slips, as what looks alike is often near, too.
+double by_size_of_slip(const Contradicted& map, const WeakestCut& link, const WeakLinkOptions& options) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const RelationId id : link.relations) {
+    const Relation& relation = *map.before.find(id);
+    const Pose &a = map.poses_before[index(relation.a)], &b = map.poses_before[index(relation.b)];
+    const bool b_is_beyond = std::ranges::binary_search(link.beyond, relation.b);
+    const Pose& moves = map.loop.first_from_second;
+    const Pose moved = b_is_beyond ? ominus(moves * b, a) : ominus(b, moves * a);
+    const double size = -map.log_window - log_slip_density(wrapped_difference(moved, ominus(b, a)), options);
+    least = std::min(least, std::max(0.0, size));
+  }
+  return least;
+}
 
 std::optional<Blame> weakest_link(const Contradicted& map, const WeakLinkOptions& options) {
   std::optional<WeakestCut> link = weakest_cut(
       uncertain_links(map.before, map.island(), map.poses_before, options), map.loop.first, map.loop.second);
   if (!link || link->log_odds > map.max_log_odds) return std::nullopt;
+  const double log_odds = link->log_odds + by_size_of_slip(map, *link, options);
+  if (log_odds > map.max_log_odds) return std::nullopt;
   std::vector<Pose> poses(map.poses_before.begin(), map.poses_before.end());
   for (const PatchId id : link->beyond) poses[index(id)] = map.loop.first_from_second * poses[index(id)];
   RelationGraph without = map.fitted;
   without.remove(link->relations);
   FitReport report = fit_island(without, map.island(), poses);
-  if (!report.ok || map.cost - report.cost_after < link->log_odds) return std::nullopt;
+  if (!report.ok || map.cost - report.cost_after < log_odds) return std::nullopt;
   std::vector<RelationId> wrong = link->relations;
   std::erase_if(wrong, [&](RelationId id) { return agrees(*map.fitted.find(id), poses, options); });
   if (wrong.size() < link->relations.size()) {
@@ -73,7 +105,6 @@ std::optional<Blame> weakest_link(const Contradicted& map, const WeakLinkOptions
     report = fit_island(without, map.island(), poses);
     if (!report.ok) return std::nullopt;
   }
-  const double log_odds = link->log_odds;
   return Blame{log_odds, *std::move(link), {}, std::move(wrong), report.cost_after, std::move(poses)};
 }
 
@@ -117,11 +148,12 @@ std::vector<UncertainLink> uncertain_links(const RelationGraph& graph, IslandId 
 
 std::optional<Blame> blame(const OpenLoop& loop, const RelationGraph& before,
                            std::span<const Pose> poses_before, const RelationGraph& fitted, double cost,
-                           double max_log_odds, const WeakLinkOptions& options) {
+                           double max_log_odds, double log_window, const WeakLinkOptions& options) {
   if (loop.first.empty() || loop.second.empty()) return std::nullopt;
   const IslandId island = before.island(loop.first.front());
   const double bent_by = cost - cost_of_island(before, island, poses_before);
-  const Contradicted map{loop, before, poses_before, fitted, cost, std::min(max_log_odds, bent_by)};
+  const Contradicted map{loop,      before, poses_before, fitted, cost, std::min(max_log_odds, bent_by),
+                         log_window};
   if (map.max_log_odds <= 0) return std::nullopt;
   std::optional<Blame> found = weakest_link(map, options);
   for (const UncertainClosure& earlier : loop.closed_before) {

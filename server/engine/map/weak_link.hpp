@@ -53,9 +53,11 @@ struct Blame {
 /// all relations off by a little: where the island, fitted with the closure, costs more than without the
 /// culprit by more than the log-odds that it is right. (The costs are negative log-likelihoods.) Of several
 /// that which explains most. `before` is the graph without the closure, with `poses_before`; `fitted` that
-/// with it, and what its fit costs. What is surer than `max_log_odds` is not to blame.
+/// with it, and what its fit costs. What is surer than `max_log_odds` is not to blame. A link is the surer
+/// the farther off it would have to be: what slips does so by metres, where a place that looks alike is
+/// anywhere in the window that was searched, whose volume's logarithm (m² rad) is `log_window`.
 std::optional<Blame> blame(const OpenLoop& loop, const RelationGraph& before,
                            std::span<const Pose> poses_before, const RelationGraph& fitted, double cost,
-                           double max_log_odds, const WeakLinkOptions& options);
+                           double max_log_odds, double log_window, const WeakLinkOptions& options);
 
 }  // namespace isthmus

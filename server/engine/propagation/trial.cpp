@@ -249,12 +249,13 @@ void Trial::judge() {
   account_.look_alikes = proposal_.look_alikes;
   account_.matched = static_cast<int>(propagation_.matched().size());
   account_.compared = account_.matched + static_cast<int>(propagation_.unmatched().size());
+  account_.way_m = way_m(map_, propagation_.matched(), options_.shared_part);
+  account_.width_m = width_m(map_, propagation_.matched());
+  account_.shared_log_odds = shared_log_odds(account_.way_m, account_.width_m);
   if (proposal_.measured) return;
   account_.cost = proposal_.from_scans ? find_cost() : sighting_cost();
   account_.contradiction = mean_contradiction();
   account_.own_contradiction = own_contradiction();
-  account_.way_m = way_m(map_, propagation_.matched(), options_.shared_part);
-  account_.width_m = width_m(map_, propagation_.matched());
   if (proposal_.from_scans) return judge_scans();
   judge_sightings();
 }
@@ -264,7 +265,6 @@ void Trial::judge() {
 void Trial::judge_sightings() {
   const TrialOptions& its = options_.trial;
   account_.sighting_log_odds = its.log_odds_per_sighting * std::max(0, proposal_.supporters - 2);
-  account_.shared_log_odds = shared_log_odds(account_.way_m, account_.width_m);
   const double by_sightings =
       its.log_odds_per_sighting_cost * std::max(0.0, account_.cost - its.even_sighting_cost);
   account_.fit_log_odds = -by_sightings - log_odds_by_walls();
@@ -329,7 +329,6 @@ void Trial::judge_scans() {
         isthmus::shared_part(map_, island, is_younger, propagation_.matched(), options_);
     account_.own_m = std::min(shared.own_first_m, shared.own_second_m);
     account_.border_contradiction = shared.border_contradiction;
-    account_.shared_log_odds = shared_log_odds(account_.way_m, account_.width_m);
     proposal_.merge ? judge_merge(shared) : judge_loop();
   }
 }

@@ -90,7 +90,26 @@ std::vector<TrajectoryRow> TrajectoryStore::read(std::size_t first, std::size_t 
   const std::size_t bytes = read_at(file_, reinterpret_cast<char*>(rows.data()),
                                     rows.size() * sizeof(TrajectoryRow), first * sizeof(TrajectoryRow));
   rows.resize(bytes / sizeof(TrajectoryRow));
+  const std::lock_guard lock(correcting_);
+  for (auto it = corrections_.lower_bound(first); it != corrections_.end() && it->first < first + rows.size();
+       ++it) {
+    TrajectoryRow& row = rows[it->first - first];
+    row.patch = it->second.patch;
+    row.patch_from_robot = it->second.patch_from_robot;
+  }
   return rows;
+}
+
+void TrajectoryStore::correct(const RowCorrection& correction) {
+  const std::lock_guard lock(correcting_);
+  corrections_.insert_or_assign(correction.row, correction);
+}
+
+std::vector<RowCorrection> TrajectoryStore::corrections() const {
+  const std::lock_guard lock(correcting_);
+  std::vector<RowCorrection> all;
+  for (const auto& [row, correction] : corrections_) all.push_back(correction);
+  return all;
 }
 
 }  // namespace isthmus

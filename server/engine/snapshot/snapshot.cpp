@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -49,7 +50,9 @@ std::vector<std::uint8_t> Engine::save() const {
   SnapshotWriter writer;
   writer(state_->configuration.toml, static_cast<std::uint64_t>(state_->trajectory->size()), *state_);
   // A map without any is saved as it was before there were such things.
-  if (!state_->annotations.empty()) writer(state_->annotations);
+  const std::vector<RowCorrection> corrections = state_->trajectory->corrections();
+  if (!state_->annotations.empty() || !corrections.empty()) writer(state_->annotations);
+  if (!corrections.empty()) writer(corrections);
   return writer.take();
 }
 
@@ -67,7 +70,15 @@ Engine Engine::restore(std::span<const std::uint8_t> saved, std::shared_ptr<Traj
   reader.context.options = engine.state_->configuration.engine;
   reader(*engine.state_);
   if (reader.bytes_left() > 0) reader(engine.state_->annotations);
+  std::vector<RowCorrection> corrections;
+  if (reader.bytes_left() > 0) reader(corrections);
   if (reader.bytes_left() > 0) throw std::runtime_error("it does not end where it should");
+  const auto is_known = [&](const RowCorrection& its) {
+    return its.row < rows && index(its.patch) < engine.state_->map.manifold().size();
+  };
+  if (!std::ranges::all_of(corrections, is_known))
+    throw std::runtime_error("it corrects a row that it lacks");
+  for (const RowCorrection& correction : corrections) trajectory->correct(correction);
   engine.state_->trajectory = std::move(trajectory);
   return engine;
 }

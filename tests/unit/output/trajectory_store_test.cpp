@@ -102,6 +102,22 @@ TEST(TrajectoryStore, AReaderOfAnotherThreadSeesWholeRowsWhileTheWriterGoesOn) {
   EXPECT_EQ(seen, 100'000u);
 }
 
+TEST(TrajectoryStore, ReadsRowsAsTheyWereCorrectedLast) {
+  TrajectoryStore store;
+  for (std::int64_t i = 0; i < 10; ++i) store.append(row(i));
+  store.flush();
+  for (const double x : {1.0, 2.0}) store.correct({4, PatchId{77}, {x, 0, 0}});
+  store.correct({9, PatchId{78}, {}});
+  const std::vector<TrajectoryRow> rows = store.read(3, 3);
+  ASSERT_EQ(rows.size(), 3U);
+  expect_row(rows[0], 3);
+  EXPECT_EQ(rows[1].patch, PatchId{77});
+  EXPECT_EQ(rows[1].patch_from_robot.x, 2);
+  EXPECT_EQ(rows[1].utime, row(4).utime) << "where it was, but not when";
+  expect_row(rows[2], 5);
+  EXPECT_EQ(store.corrections().size(), 2U);
+}
+
 TEST(TrajectoryStore, ItsFileIsInTmpdirAndHasNoName) {
   const testing::TemporaryDirectory directory;
   const TmpdirIs tmpdir(directory.path());

@@ -128,6 +128,8 @@ struct MapFitOptions {
 struct WeakLinkOptions {
   double match_log_odds = 8;
   double odometry_log_odds = 4;
+  double slip_m = 1;
+  double slip_rad = 0.3;
   ChiSquaredBound agreeing{0.999, 3};
 
   template <class Visitor>
@@ -137,6 +139,11 @@ struct WeakLinkOptions {
            "thousand is not");
     option(odometry_log_odds, "odometry_log_odds", "log-odds",
            "that odometry did not slip, freeze or jump between two patches: once in fifty it does");
+    option(slip_m, "slip_m", "m",
+           "scale of the Cauchy distribution of how far a wrong link is off: half of them by 1.7 times that, "
+           "one "
+           "in a hundred by a hundred times");
+    option(slip_rad, "slip_rad", "rad", "the same of its yaw, half of them by more than this");
     option(agreeing, "agreeing", "probability",
            "χ² of 3 of a relation of the link that is right for all that, and stays");
   }

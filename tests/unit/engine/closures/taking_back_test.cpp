@@ -73,5 +73,36 @@ TEST(TakingBack, ReopensSightingsThatTheMapHadTakenInByIt) {
   EXPECT_EQ(its.scene.map.graph().islands().size(), 2U);
 }
 
+/// Of R1, when it drove on R2's ground.
+struct OneRecordedPlace : RecordedWays {
+  PastPlace place;
+  std::int64_t since_utime = -1;
+
+  void correct(std::int64_t since, const Change& change) override {
+    since_utime = since;
+    changed = change("R1", place);
+  }
+  bool changed = false;
+};
+
+TEST(TakingBack, PutsWhatIsWrittenDownOnTheRobotsOwnGround) {
+  JoinedIslands its;
+  its.ledger.at(merging_closure).record.end_utime = 7;
+  OneRecordedPlace recorded;
+  recorded.place.utime = SideBySide::utime(15);
+  recorded.place.pose = {its.scene.second[4], {0.1, -1.4, 0.2}};
+  const Pose before =
+      its.scene.map.manifold().pose(its.scene.second[4]) * recorded.place.pose.patch_from_object;
+  World world = its.scene.world(20);
+  world.recorded = &recorded;
+  take_back(world, merging_closure, its.ledger, its.observations, its.tags);
+  EXPECT_TRUE(recorded.changed);
+  EXPECT_EQ(recorded.since_utime, 7) << "when the closure was accepted";
+  const PatchId own = recorded.place.pose.patch;
+  ASSERT_EQ(its.scene.map.manifold().patch(own).robot, "R1");
+  const Pose after = its.scene.map.manifold().pose(own) * recorded.place.pose.patch_from_object;
+  EXPECT_NEAR(std::hypot(after.x - before.x, after.y - before.y), 0, 1e-6);
+}
+
 }  // namespace
 }  // namespace isthmus

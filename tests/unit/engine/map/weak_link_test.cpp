@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "relations/fit.hpp"
 #include "tests/support/ways.hpp"
 
@@ -57,7 +59,7 @@ struct Square {
     std::vector<Pose> fitted = poses;
     const FitReport report = fit_island(with, IslandId{PatchId{0}}, fitted);
     const OpenLoop loop{{PatchId{0}}, {PatchId{15}}, truth[15] * inverse(poses[15]), 15, closed_before};
-    return blame(loop, graph, poses, with, report.cost_after, max_log_odds, options);
+    return blame(loop, graph, poses, with, report.cost_after, max_log_odds, std::log(1000), options);
   }
 
   static std::size_t at(int patch) { return static_cast<std::size_t>(patch); }
@@ -121,6 +123,21 @@ TEST(WeakLink, IsNoneThatIsSurerThanWhatTheLoopCosts) {
   const Square square(6, {0.3, 0.2, 0.6});
   EXPECT_FALSE(square.closed(1e9, {1e6, 1e6}));
   EXPECT_FALSE(square.closed(5)) << "than the drift of all the way would be";
+}
+
+// By Cauchy's distribution in the plane (1 m) and around the circle (0.3 rad), of which the window is 1,000
+// m² rad.
+TEST(WeakLink, IsTheSurerTheFartherOffItWouldHaveToBe) {
+  const auto near = Square(6, {0.3, 0.2, 0.6}).closed(1e9);
+  ASSERT_TRUE(near);
+  EXPECT_EQ(near->log_odds, near->link.log_odds) << "slips of a metre are as likely as anything";
+  const Square square(6, {300, 400, 0});
+  const auto far = square.closed(1e9);
+  ASSERT_TRUE(far);
+  const double in_plane = 1 / (2 * std::numbers::pi * std::pow(500, 3));
+  const double of_yaw = std::sinh(0.3) / (2 * std::numbers::pi * (std::cosh(0.3) - 1));
+  EXPECT_NEAR(far->log_odds - far->link.log_odds, -std::log(1000 * in_plane * of_yaw), 0.01);
+  EXPECT_FALSE(square.closed(far->link.log_odds + 1)) << "though the link by itself is no surer";
 }
 
 TEST(WeakLink, TellsThePlacingOfAScanFromWhatWasMatchedLater) {
