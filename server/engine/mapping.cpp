@@ -112,6 +112,7 @@ void Mapping::work(std::int64_t) {
     state_.proximity_matching.map_changed();
     state_.island_fits.request(patch);
   }
+  ask_again_what_merged();
   state_.proximity_matching.advance(state_.map, options(), state_.counters.last_receive_utime);
   if (state_.refine_asked && !state_.proximity_matching.busy()) {
     state_.refine_asked = false;
@@ -119,6 +120,11 @@ void Mapping::work(std::int64_t) {
   }
   state_.island_fits.advance(state_.map, state_.counters.last_receive_utime, options().map_fit);
   arrange_meeting();
+}
+
+void Mapping::ask_again_what_merged() {
+  for (const std::vector<PatchId>& side : state_.closures.take_merged())
+    state_.hypotheses.ask_again(state_.map, side, options().hypotheses);
 }
 
 DropReason Mapping::take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) {

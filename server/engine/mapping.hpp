@@ -38,6 +38,7 @@ class Mapping : public Handling {
   void begin_stage();
   void answer_waiting_scans(Outcome& outcome);
   bool fit_next_island();
+  void ask_again_what_merged();
   void keep(Robot& robot, ScanOutcome done, const Pose& odom_from_robot, Outcome& outcome);
   void relate_measured_starts();
   DropReason drop_data(const std::string& name);

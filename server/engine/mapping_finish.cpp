@@ -6,6 +6,14 @@ namespace isthmus {
 /// however many others' work lies between.
 bool Mapping::finish_step(Outcome& outcome) {
   if (stage_step(outcome)) return true;
+  if (finish_stage_ == FinishStage::sightings) {
+    ask_again_what_merged();
+    if (state_.hypotheses.has_work()) {  // once more; each time there are fewer islands
+      finish_stage_ = FinishStage::searches;
+      begin_stage();
+      return true;
+    }
+  }
   if (finish_stage_ == FinishStage::fit) {
     finish_stage_ = FinishStage::scans;  // whoever goes on may finish again
     return false;

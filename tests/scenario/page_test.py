@@ -402,6 +402,10 @@ class Page(unittest.TestCase):
         self.open_page()
         self.play(faster=1)
         self.wait_for("R1 drives on the map", lambda: "scans/s" in self.text("robots") and self.js("isthmus.robots.length") == 2)
+        orders = "[...document.querySelectorAll('button.order')]"
+        self.assertGreater(self.js(f"{orders}.length"), 5)
+        self.assertEqual(self.js(f"{orders}.filter((button) => button.offsetParent).map((button) => button.textContent)"), [],
+                         "what a frozen map refuses is not offered")
         self.place("R1", self.js("""(() => {
             const at = isthmus.map.latLngToContainerPoint(isthmus.placeOf(isthmus.robots.find(({name}) => name === "R1")));
             return [at.x - isthmus.map.getSize().x / 2, at.y - isthmus.map.getSize().y / 2, isthmus.robots.find(({name}) => name === "R1").at[3]];

@@ -10,6 +10,15 @@
 #include "server/engine/closures/taking_back.hpp"
 
 namespace isthmus {
+namespace {
+
+std::vector<PatchId> smaller_side(const RelationGraph& graph, const Proposal& merge) {
+  std::vector<PatchId> older = graph.patches_of(graph.island(merge.older));
+  std::vector<PatchId> younger = graph.patches_of(graph.island(merge.younger));
+  return older.size() < younger.size() ? older : younger;
+}
+
+}  // namespace
 
 void Closures::take(const SightingEvent& sighting, const std::string& target, bool is_tag,
                     std::int64_t now_utime) {
@@ -145,6 +154,7 @@ void Closures::accept(World world, const Trial& trial, Entry& closure) {
     for (const RelationId id : trial.blamed())
       if (const Relation* relation = world.map.graph().find(id)) closure.blamed.push_back(*relation);
   }
+  if (trial.proposal().merge) merged_.push_back(smaller_side(world.map.graph(), trial.proposal()));
   trial.commit(world.map);
   changed_.push_back(trial.proposal().older);
   ledger_.decide(closure, ClosureState::accepted,

@@ -63,7 +63,10 @@ class Closures {
   /// A patch of each island that merges, closures and withdrawals have changed since this was last asked.
   std::vector<PatchId> take_changed() { return std::exchange(changed_, {}); }
 
-  auto members() { return std::tie(observations_, tags_, proposer_, ledger_, trials_, changed_); }
+  /// Of each merge since this was last asked: the patches of the smaller of the two islands.
+  std::vector<std::vector<PatchId>> take_merged() { return std::exchange(merged_, {}); }
+
+  auto members() { return std::tie(observations_, tags_, proposer_, ledger_, trials_, changed_, merged_); }
 
  private:
   using Entry = ClosureLedger::Entry;
@@ -87,6 +90,7 @@ class Closures {
   ClosureLedger ledger_;
   TrialRunner trials_;
   std::vector<PatchId> changed_;
+  std::vector<std::vector<PatchId>> merged_;
 };
 
 }  // namespace isthmus

@@ -34,7 +34,7 @@ void Hypotheses::begin_finish(World world, Closures& closures) {
 bool Hypotheses::finish_search(World world) {
   if (!has_work()) return false;
   look_up(world);
-  if (looking_up_) end_look_up();
+  if (looking_up_) end_look_up(world.map);
   if (can_step()) step(world);
   return true;
 }
@@ -87,10 +87,34 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
   }
 }
 
+void Hypotheses::ask_again(const Map& map, const std::vector<PatchId>& side,
+                           const HypothesisOptions& options) {
+  std::map<std::string, std::vector<PatchId>> ways;
+  for (const PatchId id : side) {
+    const Patch& patch = map.manifold().patch(id);
+    if (!patch.points.empty()) ways[patch.robot].push_back(id);
+  }
+  std::vector<std::string> robots;
+  for (const auto& [robot, patches] : ways) robots.push_back(robot);
+  for (const auto& [robot, patches] : ways)
+    for (std::vector<PatchId>& piece : pieces_along(map.manifold(), patches, options))
+      again_.push_back({std::move(piece), robot, 0, robots, {}});
+}
+
+void Hypotheses::next_of_before(const HypothesisOptions& options) {
+  while (!again_.empty() && queue_.size() < options.max_queries) {
+    queue_.push_back(std::move(again_.front()));
+    again_.pop_front();
+    ++counts_.queries;
+  }
+}
+
 // All that wait are looked up together, once those before them have had their turn.
 void Hypotheses::look_up(World world) {
-  if (looking_up_ && looking_up_->is_due(world.now_utime)) end_look_up();
-  if (looking_up_ || queue_.empty() || !ready_.empty()) return;
+  if (looking_up_ && looking_up_->is_due(world.now_utime)) end_look_up(world.map);
+  if (looking_up_ || !ready_.empty()) return;
+  if (queue_.empty()) next_of_before(world.options.hypotheses);
+  if (queue_.empty()) return;
   asked_.assign(std::make_move_iterator(queue_.begin()), std::make_move_iterator(queue_.end()));
   queue_.clear();
   std::vector<PlaceQuestion> questions;
@@ -101,11 +125,15 @@ void Hypotheses::look_up(World world) {
   looking_up_.emplace(world.map, std::move(questions), world.now_utime, world.options.place_candidates);
 }
 
-void Hypotheses::end_look_up() {
-  const PlacesJob::Places& places = looking_up_->places();
+void Hypotheses::end_look_up(const Map& map) {
+  const PlacesJob::Places& found = looking_up_->places();
   for (std::size_t i = 0; i < asked_.size(); ++i) {
     if (asked_[i].newest_first.empty()) continue;
-    asked_[i].search.add(places[i]);
+    std::vector<PlaceCandidate> places = found[i];
+    std::erase_if(places, [&](const PlaceCandidate& place) {
+      return std::ranges::binary_search(asked_[i].not_of, map.manifold().patch(place.anchor).robot);
+    });
+    asked_[i].search.add(std::move(places));
     ready_.push_back(std::move(asked_[i]));
   }
   asked_.clear();
@@ -151,8 +179,9 @@ void Hypotheses::take(World world, const std::string& robot, Find find) {
 std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
   const EngineOptions& options = world.options;
   const PatchId newest = query.newest_first.front();
-  query.search.add(places_on_other_islands(world.map, newest, pool_.hints(world.map, newest, options),
-                                           options.place_candidates));
+  if (!query.is_asked_again())
+    query.search.add(places_on_other_islands(world.map, newest, pool_.hints(world.map, newest, options),
+                                             options.place_candidates));
   if (query.search.has_places())
     query.search.look_for(piece_of_way(world.map, query.newest_first, options.place_search));
   return options.place_search.step_price_us;
@@ -160,6 +189,11 @@ std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
 
 PlaceDecision Hypotheses::decide(World world, PlaceQuery& query) {
   const SearchTerms terms = terms_of(world.options.hypotheses);
+  if (query.is_asked_again()) {
+    PlaceDecision decision = query.search.decide(world.map, terms, world.options);
+    counts_.ambiguous += decision.ambiguous ? 1 : 0;
+    return decision;
+  }
   AnswersAlongWay& along = ways_[query.robot].answers;
   along.add({query.newest_first.front(), query.at_m, query.search.best_first()},
             world.options.answers_along_way);
@@ -183,6 +217,7 @@ void Hypotheses::forget_robot(const Map& map, const std::string& robot) {
   if (query_ && query_->robot == robot) query_.reset();
   const auto asks = [&](const PlaceQuery& query) { return query.robot == robot; };
   std::erase_if(queue_, asks);
+  std::erase_if(again_, asks);
   std::erase_if(ready_, asks);
   for (PlaceQuery& query : asked_)
     if (asks(query)) query.newest_first.clear();

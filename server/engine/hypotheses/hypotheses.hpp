@@ -23,10 +23,13 @@ namespace isthmus {
 struct PlaceQuery {
   std::vector<PatchId> newest_first;
   std::string robot;
-  double at_m = 0;  ///< along its way
+  double at_m = 0;                  ///< along its way
+  std::vector<std::string> not_of;  ///< by name: robots whose patches it was searched for among before
   PlaceSearcher search;
 
-  auto members() { return std::tie(newest_first, robot, at_m, search); }
+  bool is_asked_again() const { return !not_of.empty(); }
+
+  auto members() { return std::tie(newest_first, robot, at_m, not_of, search); }
 };
 
 /// Loops and merges that scans alone suggest, closed lazily: every few metres of a robot's way, what it saw
@@ -38,6 +41,11 @@ struct PlaceQuery {
 class Hypotheses {
  public:
   void advance(World world, Closures& closures);
+  /// Islands have merged, of which these patches were one, the smaller: wherever its robots drove, they may
+  /// have driven on what the other has mapped. Their ways are searched for among the others' patches, when
+  /// nothing newer waits.
+  void ask_again(const Map& map, const std::vector<PatchId>& side, const HypothesisOptions& options);
+
   /// All that is left, as if nothing more will come, and with nothing on trial: first this, then searches
   /// until there are no more,
   void begin_finish(World world, Closures& closures);
@@ -46,7 +54,7 @@ class Hypotheses {
   /// tried once more: what is put on trial by one call is to be decided before the next. False: nothing was.
   void try_all_again() { pool_.try_all_again(); }
   bool propose_last(World world, Closures& closures);
-  bool has_work() const { return !queue_.empty() || looking_up_ || can_step(); }
+  bool has_work() const { return !queue_.empty() || !again_.empty() || looking_up_ || can_step(); }
 
   /// A robot's data is taken out.
   void forget_robot(const Map& map, const std::string& robot);
@@ -61,8 +69,8 @@ class Hypotheses {
   const std::deque<FindRecord>& found() const { return found_; }
 
   auto members() {
-    return std::tie(ways_, newest_, queue_, asked_, looking_up_, ready_, query_, pool_, counts_, found_,
-                    credit_, patches_);
+    return std::tie(ways_, newest_, queue_, again_, asked_, looking_up_, ready_, query_, pool_, counts_,
+                    found_, credit_, patches_);
   }
 
  private:
@@ -78,8 +86,9 @@ class Hypotheses {
 
   void follow(World world);
   void note_patch(World world, const std::string& robot, PatchId patch);
+  void next_of_before(const HypothesisOptions& options);
   void look_up(World world);
-  void end_look_up();
+  void end_look_up(const Map& map);
   void work(World world);
   bool can_step() const { return query_ || !ready_.empty(); }
   /// One bounded piece of the search; what it costs, in nominal microseconds.
@@ -92,6 +101,7 @@ class Hypotheses {
   std::map<std::string, PatchId> newest_;
   // A query's way: it waits, its places are looked up beside the engine, it is ready, it is searched.
   std::deque<PlaceQuery> queue_;
+  std::deque<PlaceQuery> again_;   ///< of before a merge: they wait until there are no others
   std::vector<PlaceQuery> asked_;  ///< what is being looked up; no patches: not wanted any more
   std::optional<PlacesJob> looking_up_;
   std::deque<PlaceQuery> ready_;

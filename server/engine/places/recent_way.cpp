@@ -1,5 +1,7 @@
 #include "server/engine/places/recent_way.hpp"
 
+#include <cmath>
+
 namespace isthmus {
 
 void RecentWay::add(PatchId patch, double step_m, double max_m) {
@@ -10,6 +12,30 @@ void RecentWay::add(PatchId patch, double step_m, double max_m) {
     newest_first.pop_back();
     from_newest_m.pop_back();
   }
+}
+
+std::vector<std::vector<PatchId>> pieces_along(const Manifold& manifold, std::span<const PatchId> patches,
+                                               const HypothesisOptions& options) {
+  std::vector<std::vector<PatchId>> pieces;
+  RecentWay recent;
+  double since_piece_m = 0;
+  for (const PatchId patch : patches) {
+    double step_m = 0;
+    if (!recent.newest_first.empty()) {
+      const Pose moved = manifold.relative_pose(recent.newest_first.front(), patch);
+      step_m = std::hypot(moved.x, moved.y);
+    }
+    if (step_m > options.max_piece_way_m) {  // it was restarted, or drove on what others had mapped
+      recent = {};
+      step_m = since_piece_m = 0;
+    }
+    recent.add(patch, step_m, options.max_piece_way_m);
+    since_piece_m += step_m;
+    if (since_piece_m < options.query_every_m || recent.length_m() < options.min_piece_way_m) continue;
+    since_piece_m = 0;
+    pieces.emplace_back(recent.newest_first.begin(), recent.newest_first.end());
+  }
+  return pieces;
 }
 
 }  // namespace isthmus

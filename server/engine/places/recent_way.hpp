@@ -1,9 +1,13 @@
 #pragma once
 
 #include <deque>
+#include <span>
 #include <tuple>
+#include <vector>
 
 #include "patches/ids.hpp"
+#include "patches/manifold.hpp"
+#include "server/engine/input/options/hypothesis_options.hpp"
 
 namespace isthmus {
 
@@ -18,5 +22,10 @@ struct RecentWay {
 
   auto members() { return std::tie(newest_first, from_newest_m); }
 };
+
+/// The pieces of a robot's way that are searched for while it drives, each newest first: by its patches,
+/// which are on one island, in the order in which they were made.
+std::vector<std::vector<PatchId>> pieces_along(const Manifold& manifold, std::span<const PatchId> patches,
+                                               const HypothesisOptions& options);
 
 }  // namespace isthmus

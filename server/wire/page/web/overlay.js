@@ -16,6 +16,8 @@ const LEAST_STEP = 3;
 const PIECE = 256;
 /** Closures, with their numbers. */
 const PIECE_OF_LABELS = 16;
+/** How long a sighting is seen on the map, in the time of the log. */
+const SIGHTING_S = 30;
 
 export const Overlay = L.Layer.extend({
   initialize(world) {
@@ -305,14 +307,15 @@ export const Overlay = L.Layer.extend({
     }
   },
 
-  /** The last ones, the older the fainter. */
+  /** Those of the last half minute, the older the fainter. */
   drawSightings({ context, place }) {
-    const { sightings } = this.world;
+    const { sightings, status } = this.world;
     context.lineWidth = 1.5;
-    sightings.forEach(({ verdict, ray }, i) => {
-      const at = ray && place(ray[0]);
+    sightings.forEach(({ verdict, ray, time }) => {
+      const fresh = 1 - ((status?.time ?? time) - time) / SIGHTING_S;
+      const at = ray && fresh > 0 && place(ray[0]);
       if (!at) return;
-      context.globalAlpha = 1 - 0.85 * (i / sightings.length);
+      context.globalAlpha = Math.min(1, 0.1 + 0.9 * fresh);
       const [x0, y0] = at(ray[1], ray[2]);
       const [x1, y1] = at(ray[3], ray[4]);
       context.strokeStyle = OF_VERDICTS[verdict];

@@ -41,7 +41,7 @@ export function showLink(isUp, why) {
 export function showFigures(status, islands) {
   element("no-status").hidden = true;
   element("frozen").hidden = !status.frozen;
-  element("draw").hidden = status.frozen;
+  document.body.classList.toggle("frozen", status.frozen); // what would change the map is not offered
   const figures = [["islands", islands.length], ["patches", status.patches], ["relations", status.relations],
     ["matched", status.scans > 0 ? `${Math.round((100 * status.scans_matched) / status.scans)} %` : "–"],
     ["queued", status.queued], ["p99 latency", `${status.latency_p99_ms.toFixed(1)} ms`]];
@@ -64,7 +64,7 @@ export function showRobots(world, follow, order) {
   const make = (robot) => {
     const name = made("button", { type: "button", className: "robot", textContent: robot.name, title: "follow" });
     name.onclick = () => follow(robot.name);
-    const act = made("button", { type: "button" });
+    const act = made("button", { type: "button", className: "order" });
     act.onclick = () => order({ verb: act.dataset.verb, robot: robot.name });
     const here = made("button", { type: "button", textContent: "Place", title: "say where it is" });
     here.onclick = () => world.drawing.begin("pose", { robot: robot.name });
@@ -81,7 +81,6 @@ export function showRobots(world, follow, order) {
     const verb = left_out.includes(robot.name) ? "allow" : "drop";
     act.firstChild.dataset.verb = verb;
     tell(act.firstChild, verb === "drop" ? "Drop" : "Allow");
-    act.firstChild.hidden = world.status.frozen;
     act.lastChild.hidden = !world.status.frozen;
   });
 }
@@ -99,7 +98,8 @@ function annotationText(annotation) {
 /** `acts`: {show, edit, erase}, each called with the place or zone. */
 export function showAnnotations(annotations, acts) {
   const make = () => {
-    const buttons = Object.keys(acts).map((act) => made("button", { type: "button", textContent: act[0].toUpperCase() + act.slice(1) }));
+    const buttons = Object.keys(acts).map((act) => made("button", { type: "button", className: act === "show" ? "" : "order",
+      textContent: act[0].toUpperCase() + act.slice(1) }));
     return made("li", {}, made("div", { className: "head" }, made("span", { className: "what" }), made("span", { className: "acts" }, ...buttons)),
       made("div", { className: "more" }));
   };
@@ -179,7 +179,7 @@ export function showClosures(closures, order, show) {
     tell(head.lastChild, closure.reason === "on_trial" ? "on trial" : closure.state);
     tell(more, closureText(closure));
     bring(acts, ACTS[closure.state], (verb) => verb, (verb) => {
-      const button = made("button", { type: "button", textContent: verb[0].toUpperCase() + verb.slice(1) });
+      const button = made("button", { type: "button", className: "order", textContent: verb[0].toUpperCase() + verb.slice(1) });
       button.onclick = () => order({ verb, closure: closure.id });
       return button;
     }, () => {});

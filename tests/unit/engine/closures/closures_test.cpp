@@ -152,6 +152,15 @@ TEST(Closures, WithdrawAMergeThatMoreSightingsContradictThanSupport) {
     EXPECT_NE(met.closures.sightings()[i].verdict, Verdict::accepted) << "it agreed with what is no more";
 }
 
+TEST(Closures, TellOfEachMergeWhatWasTheSmallerSide) {
+  MisreadBarcodes met;
+  for (const double s : {10.0, 10.5, 11.0}) met.see_one_another(s);
+  met.work(16);
+  ASSERT_EQ(met.scene.map.graph().islands().size(), 1U);
+  EXPECT_EQ(met.closures.take_merged(), (std::vector<std::vector<PatchId>>{met.scene.second}));
+  EXPECT_TRUE(met.closures.take_merged().empty()) << "it was told";
+}
+
 TEST(Closures, KeepAMergeThatMoreSightingsSupportThanContradict) {
   MisreadBarcodes met;
   for (const double s : {10.0, 10.5, 11.0}) met.see_one_another(s);

@@ -7,6 +7,7 @@
 #include "server/engine/engine.hpp"
 #include "server/engine/hypotheses/find_record.hpp"
 #include "tests/support/walls.hpp"
+#include "tests/support/ways.hpp"
 
 namespace isthmus {
 namespace {
@@ -98,6 +99,67 @@ TEST(Hypotheses, TellOfFindsThatAreTooUnsureToWaitToo) {
   forgetful.engine.finish();
   ASSERT_EQ(forgetful.engine.copy().finds.size(), 1U);
   EXPECT_EQ(forgetful.engine.copy().finds[0].query, map.finds.back().query) << "the newest";
+}
+
+/// Two robots that drove along the hall, R2 half a metre beside R1, and whose maps have become one where they
+/// began: how they lie to one another is known to a metre or so, and all of R2's is off by that.
+struct JoinedAtOneEnd {
+  JoinedAtOneEnd() {
+    std::vector<Pose> ways[2];
+    for (int i = 0; i <= 16; ++i)
+      for (const int robot : {0, 1}) ways[robot].push_back({1.0 * i, robot == 0 ? 0.1 : 0.6, 0});
+    first = add_way(map, niched_hall(), ways[0]);
+    second = add_way(map, niched_hall(), ways[1], {0.4, 0.3, 0}, "R2");
+    map.relate(odometry_relation(first.front(), second.front(),
+                                 map.relative_pose(first.front(), second.front()), {1, 1, 100}));
+  }
+  void ask_again(const std::vector<PatchId>& side) {
+    Closures closures;
+    const World world{map, robots, options};
+    hypotheses.ask_again(map, side, options.hypotheses);
+    hypotheses.begin_finish(world, closures);
+    while (hypotheses.finish_search(world)) {
+    }
+  }
+
+  Map map;
+  std::map<std::string, Robot> robots;
+  EngineOptions options;
+  std::vector<PatchId> first;
+  std::vector<PatchId> second;
+  Hypotheses hypotheses;
+};
+
+// Nobody drives there any more, and both had been there before the two were on one map.
+TEST(Hypotheses, AfterAMergeFindTheWaysOfOneSideOnTheOther) {
+  JoinedAtOneEnd joined;
+  joined.ask_again(joined.second);
+  EXPECT_EQ(joined.hypotheses.counts().queries, 6);
+  ASSERT_GE(joined.hypotheses.found().size(), 2U);
+  for (const FindRecord& find : joined.hypotheses.found()) {
+    ASSERT_GE(find.query, joined.second.front());
+    ASSERT_LT(find.anchor, joined.second.front()) << "its own ground was searched when it was new";
+    const int query = find.query.value - joined.second.front().value, anchor = find.anchor.value;
+    EXPECT_NEAR(find.anchor_from_query.x, query - anchor, 0.1);
+    EXPECT_NEAR(find.anchor_from_query.y, 0.5, 0.1) << "as it was, not as the map has it";
+  }
+}
+
+TEST(Hypotheses, AfterAMergeSearchNoneOfARobotsOwnSide) {
+  JoinedAtOneEnd joined;
+  std::vector<PatchId> both = joined.first;
+  both.insert(both.end(), joined.second.begin(), joined.second.end());
+  joined.ask_again(both);
+  EXPECT_EQ(joined.hypotheses.counts().queries, 12);
+  EXPECT_EQ(joined.hypotheses.counts().places_searched, 0);
+}
+
+TEST(Hypotheses, OfBeforeAMergeAreNotAskedAgainForARobotWhoseDataIsDropped) {
+  JoinedAtOneEnd joined;
+  joined.hypotheses.ask_again(joined.map, joined.second, joined.options.hypotheses);
+  EXPECT_TRUE(joined.hypotheses.has_work());
+  joined.hypotheses.forget_robot(joined.map, "R2");
+  EXPECT_FALSE(joined.hypotheses.has_work());
 }
 
 }  // namespace
