@@ -17,6 +17,8 @@ double seconds_between(std::int64_t from_utime, std::int64_t to_utime) {
 }
 
 Json account_of(const TrialAccount& account) {
+  Json rests_on = Json::array();
+  for (const ClosureId id : account.rests_on) rests_on.push_back(id.value);
   return {{"supporters", account.supporters},
           {"two_way", account.two_way},
           {"compared", account.compared},
@@ -33,6 +35,7 @@ Json account_of(const TrialAccount& account) {
           {"revisit_log_odds", account.revisit_log_odds},
           {"shared_log_odds", account.shared_log_odds},
           {"fit_log_odds", account.fit_log_odds},
+          {"rests_on", std::move(rests_on)},
           {"blamed", account.blamed},
           {"blamed_closure", account.blamed_closure.value},
           {"blamed_log_odds", account.blamed_log_odds},

@@ -9,6 +9,17 @@ namespace {
 constexpr std::size_t max_kept = 400;   // of the sightings that say what is forbidden, the newest
 constexpr std::size_t max_doubted = 4;  // of the loops of an island: bounds what a trial costs
 
+double confirmed_log_odds(const std::map<ClosureId, ClosureLedger::Entry>& entries, ClosureId loop) {
+  double sum = 0;
+  for (const auto& [id, entry] : entries) {
+    const ClosureRecord& record = entry.record;
+    if (record.kind == ClosureKind::loop && record.state == ClosureState::accepted &&
+        std::ranges::binary_search(record.account.rests_on, loop))
+      sum += record.account.confirmed_log_odds();
+  }
+  return sum;
+}
+
 }  // namespace
 
 ClosureLedger::Entry& ClosureLedger::enter(const ClosureDraft& draft, std::vector<Evidence> evidence) {
@@ -72,7 +83,8 @@ void ClosureLedger::correct(const std::function<void(Evidence&)>& change) {
   for (auto& [id, entry] : entries_) std::ranges::for_each(entry.evidence, change);
 }
 
-// What operators have measured is not in doubt. Each costs a fit of the island to look at.
+// What operators have measured is not in doubt. A loop is as sure as it was on its trial, and as all those
+// since that were found where only a map with it had them. Each costs a fit of the island to look at.
 std::vector<UncertainClosure> ClosureLedger::closed_loops(const RelationGraph& graph, IslandId island) const {
   std::vector<UncertainClosure> found;
   for (const auto& [id, entry] : entries_) {
@@ -80,7 +92,7 @@ std::vector<UncertainClosure> ClosureLedger::closed_loops(const RelationGraph& g
     if (record.kind != ClosureKind::loop || record.state != ClosureState::accepted ||
         record.reason == Reason::measured_start || graph.island(record.joining.first) != island)
       continue;
-    found.push_back({id, std::max(0.0, record.account.log_odds())});
+    found.push_back({id, std::max(0.0, record.account.log_odds()) + confirmed_log_odds(entries_, id)});
   }
   std::ranges::stable_sort(found, {}, &UncertainClosure::log_odds);
   found.resize(std::min(found.size(), max_doubted));

@@ -1,6 +1,7 @@
 #include "server/engine/map/dependencies.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -112,6 +113,21 @@ std::span<const ClosureId> Dependencies::of(RelationId id) const {
 
 bool Dependencies::has(RelationId id, ClosureId closure) const {
   return std::ranges::binary_search(of(id), closure);
+}
+
+std::vector<ClosureId> closures_between(const RelationGraph& graph, PatchId a, PatchId b) {
+  Relation newest;
+  newest.id = RelationId{std::numeric_limits<std::int32_t>::max()};
+  newest.a = a;
+  newest.b = b;
+  const auto anything = [](const Relation&) { return true; };
+  const auto way = PastGraph(graph).way(newest, graph.patch_count(), anything);
+  if (!way) return {};
+  const Dependencies dependencies(graph);
+  std::set<ClosureId> closures;
+  for (const RelationId link : *way)
+    for (const ClosureId closure : dependencies.of(link)) closures.insert(closure);
+  return {closures.begin(), closures.end()};
 }
 
 }  // namespace isthmus

@@ -39,4 +39,8 @@ class Dependencies {
   std::vector<std::uint32_t> set_of_;         ///< by relation id
 };
 
+/// The closures by which a map knows how two of its patches lie to one another: those on which the shortest
+/// way between them depends. By id; none where they are not connected.
+std::vector<ClosureId> closures_between(const RelationGraph& graph, PatchId a, PatchId b);
+
 }  // namespace isthmus

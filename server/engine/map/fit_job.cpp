@@ -5,6 +5,7 @@
 
 #include "relations/confidence.hpp"
 #include "relations/fit.hpp"
+#include "server/engine/map/dependencies.hpp"
 #include "server/engine/map/drift.hpp"
 
 namespace isthmus {
@@ -32,6 +33,7 @@ void answer(const FitJob::LoopQuestion& question, const RelationGraph& graph, st
   const auto covariances = exact_relative_covariances(question.before, poses, question.a, others);
   if (covariances.empty()) return;
   result.covariance = covariances.front();
+  result.rests_on = closures_between(question.before, question.a, question.b);
   const double max_log_odds = max_blamed_log_odds(question, poses, *result.covariance);
   std::optional<Blame> found =
       blame(question.loop, question.before, poses, graph, cost, max_log_odds,

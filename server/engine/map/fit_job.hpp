@@ -28,13 +28,14 @@ class FitJob {
     bool ok = false;
     /// Of a loop: of its second end relative to the first, before it was closed.
     std::optional<Eigen::Matrix3d> covariance;
+    std::vector<ClosureId> rests_on;  ///< by which the map knew that, by id
     /// Of a loop: relations that were wrong if it is right. The poses are those without them.
     std::vector<RelationId> blamed;
     ClosureId blamed_closure;    ///< that they rest on, where it is what was wrong
     double blamed_log_odds = 0;  ///< that they are right, but for the loop
 
     auto members() {
-      return std::tie(patches, poses, ok, covariance, blamed, blamed_closure, blamed_log_odds);
+      return std::tie(patches, poses, ok, covariance, rests_on, blamed, blamed_closure, blamed_log_odds);
     }
   };
   /// Asked of a loop that closes: how well one end was determined relative to the other before, and what is

@@ -105,6 +105,7 @@ void Trial::end_fit() {
     stage_ = Stage::done;
     return;
   }
+  account_.rests_on = result.rests_on;
   if (proposal_.revisit)
     account_.revisit_log_odds = blamed_.empty() ? revisit_log_odds(result.covariance) : blamed_log_odds();
   for (const Relation& relation : proposal_.relations) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tuple>
+#include <vector>
 
 #include "patches/ids.hpp"
 
@@ -26,10 +27,14 @@ struct TrialAccount {
   double shared_log_odds = 0;       ///< by how much matches,
   double fit_log_odds = 0;          ///< and by how badly finds and scans fit: none speaks for it
 
+  std::vector<ClosureId>
+      rests_on;                ///< loops closed before by which the map had its ends where they were found
   int blamed = 0;              ///< relations of the map that are wrong if it is true,
   ClosureId blamed_closure;    ///< the closure that they rest on, if that is what was wrong,
   double blamed_log_odds = 0;  ///< and that they are right, but for it
 
+  /// That these are true, as the map that they made was right where the ends were found.
+  double confirmed_log_odds() const { return blamed > 0 || revisit_log_odds < 0 ? 0 : revisit_log_odds; }
   /// By all of them.
   double log_odds() const {
     return sighting_log_odds + revisit_log_odds + shared_log_odds + fit_log_odds - blamed_log_odds;
@@ -38,7 +43,7 @@ struct TrialAccount {
   auto members() {
     return std::tie(supporters, two_way, compared, matched, cost, contradiction, own_contradiction, way_m,
                     width_m, own_m, border_contradiction, look_alikes, sighting_log_odds, revisit_log_odds,
-                    shared_log_odds, fit_log_odds, blamed, blamed_closure, blamed_log_odds);
+                    shared_log_odds, fit_log_odds, rests_on, blamed, blamed_closure, blamed_log_odds);
   }
 };
 

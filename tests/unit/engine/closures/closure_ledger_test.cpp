@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "tests/support/side_by_side.hpp"
 
 namespace isthmus {
@@ -79,6 +82,43 @@ TEST(ClosureLedger, KnowsTheLoopsOfAnIslandThatItIsLeastSureOf) {
   const int by_doubt[] = {1, 3, 2, 4};
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(found[i].id, ClosureId{by_doubt[i]});
   EXPECT_EQ(found[0].log_odds, 0) << "it was accepted";
+}
+
+// Loop 0 was hardly sure. What was found later where only a map with it would have it speaks for it.
+TEST(ClosureLedger, IsTheSurerOfALoopTheMoreLoopsWereFoundWhereTheMapHadThemByIt) {
+  ClosureLedger ledger;
+  RelationGraph graph;
+  graph.add_patch(PatchId{0});
+  const auto add = [&](ClosureState state, TrialAccount account) {
+    ClosureDraft draft = draft_of(ledger.take_id(), true);
+    draft.record.kind = ClosureKind::loop;
+    draft.record.joining.first = PatchId{0};
+    draft.record.account = std::move(account);
+    ledger.decide(ledger.enter(draft), state, Reason::from_scans);
+  };
+  const auto of_first = [&] {
+    const std::vector<UncertainClosure> all = ledger.closed_loops(graph, IslandId{PatchId{0}});
+    return std::ranges::find(all, ClosureId{0}, &UncertainClosure::id)->log_odds;
+  };
+  const auto found_at = [](double revisit_log_odds, std::vector<ClosureId> rests_on, int blamed = 0) {
+    TrialAccount account;
+    account.revisit_log_odds = revisit_log_odds;
+    account.rests_on = std::move(rests_on);
+    account.blamed = blamed;
+    return account;
+  };
+  add(ClosureState::accepted, found_at(2, {}));
+  EXPECT_EQ(of_first(), 2);
+  add(ClosureState::accepted, found_at(6, {}));
+  EXPECT_EQ(of_first(), 2) << "that was found where any map had it";
+  add(ClosureState::accepted, found_at(5, {ClosureId{0}}));
+  EXPECT_EQ(of_first(), 7);
+  EXPECT_EQ(found_at(-3, {}).confirmed_log_odds(), 0)
+      << "what is off says that something is wrong, and not what";
+  add(ClosureState::waiting, found_at(5, {ClosureId{0}}));
+  EXPECT_EQ(of_first(), 7) << "it may be false itself";
+  add(ClosureState::accepted, found_at(5, {ClosureId{0}}, 3));
+  EXPECT_EQ(of_first(), 7) << "it had the map change before it was where it was found";
 }
 
 TEST(ClosureLedger, AllowsWithAClosureWhatScansWereRefusedForItsSake) {

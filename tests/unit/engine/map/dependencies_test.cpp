@@ -92,6 +92,17 @@ TEST(Dependencies, OfAMatchOverALoopThatAClosureClosedAreOnThatClosure) {
   EXPECT_EQ(of(graph, over), std::vector<int>{2});
 }
 
+TEST(ClosuresBetween, AreThoseOfTheWayThatAMapKnowsItBy) {
+  RelationGraph graph = two_chains();
+  EXPECT_TRUE(closures_between(graph, PatchId{0}, PatchId{12}).empty()) << "they are not connected";
+  graph.add(relation(1, 9, sighting_of(4)));
+  graph.add(relation(0, 8, sighting_of(2)));
+  EXPECT_EQ(closures_between(graph, PatchId{0}, PatchId{12}), std::vector<ClosureId>{ClosureId{4}});
+  EXPECT_EQ(closures_between(graph, PatchId{8}, PatchId{12}),
+            (std::vector<ClosureId>{ClosureId{2}, ClosureId{4}}));
+  EXPECT_TRUE(closures_between(graph, PatchId{9}, PatchId{12}).empty()) << "R2 knows that by itself";
+}
+
 TEST(KnownNear, IsByWallsForMatchesAndByAnythingForSightings) {
   RelationGraph graph = two_chains();
   graph.add(relation(0, 8, by_sighting));

@@ -55,6 +55,18 @@ TEST(FitJob, TellsHowSurelyOnePatchWasKnownFromAnother) {
 }
 
 // As many events as there are patches, or 20 ms a patch: by what the engine is told, never by the clock.
+TEST(FitJob, TellsByWhichClosuresThatWasKnown) {
+  const Map map = crumpled_chain();
+  RelationGraph before;
+  for (int i = 0; i < 5; ++i) before.add_patch(PatchId{i});
+  for (int i = 1; i < 4; ++i) before.add(odometry_relation(PatchId{i - 1}, PatchId{i}, {}, {100, 100, 1e6}));
+  Relation closure = odometry_relation(PatchId{0}, PatchId{3}, {}, {100, 100, 1e6});
+  closure.origin = {OriginKind::hypothesis, ClosureId{7}};
+  before.add(closure);
+  FitJob job(map, PatchId{0}, 0, FitJob::LoopQuestion{before, PatchId{0}, PatchId{3}, {}, {}, {}}, {});
+  EXPECT_EQ(job.take().rests_on, std::vector<ClosureId>{ClosureId{7}});
+}
+
 TEST(FitJob, IsDueByEventsAndTheirTimeAlone) {
   const Map map = crumpled_chain();
   FitJob by_events(map, PatchId{0}, 1'000'000, {}, {});

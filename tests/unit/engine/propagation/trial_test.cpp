@@ -292,6 +292,17 @@ TEST(TrialByScans, OfALoopThatIsTrueIsAccepted) {
   EXPECT_GE(trial.patches_touched(), 4);
 }
 
+// The two ways hung together by a loop that was closed before.
+TEST(TrialByScans, OfALoopTellsByWhichOthersTheMapHadItsEnds) {
+  Case its = by_scans(loop_of(crooked_room(), outward, crooked_room(), homeward));
+  const PatchId a = its.first.back(), b = its.second.front();
+  its.map.remove(its.map.graph().between(a, b));
+  Relation earlier = tie(a, b, its.true_relative(a, b));
+  earlier.origin = {OriginKind::hypothesis, ClosureId{7}};
+  its.map.relate(earlier);
+  EXPECT_EQ(its.tried().account().rests_on, std::vector<ClosureId>{ClosureId{7}});
+}
+
 TEST(TrialByScans, WhoseFindsPullAtOneAnotherIsRefused) {
   Case its = by_scans(loop_of(crooked_room(), outward, crooked_room(), homeward));
   for (const double sign : {-1, 1}) its.say(PatchId{1}, PatchId{4}, {sign * 0.1, 0, 0});
