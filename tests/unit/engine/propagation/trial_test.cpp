@@ -300,6 +300,7 @@ TEST(TrialByScans, OfALoopTellsByWhichOthersTheMapHadItsEnds) {
   Relation earlier = tie(a, b, its.true_relative(a, b));
   earlier.origin = {OriginKind::hypothesis, ClosureId{7}};
   its.map.relate(earlier);
+  its.say(PatchId{1}, PatchId{4});
   EXPECT_EQ(its.tried().account().rests_on, std::vector<ClosureId>{ClosureId{7}});
 }
 
