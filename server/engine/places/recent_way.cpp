@@ -25,10 +25,6 @@ std::vector<std::vector<PatchId>> pieces_along(const Manifold& manifold, std::sp
       const Pose moved = manifold.relative_pose(recent.newest_first.front(), patch);
       step_m = std::hypot(moved.x, moved.y);
     }
-    if (step_m > options.max_piece_way_m) {  // it was restarted, or drove on what others had mapped
-      recent = {};
-      step_m = since_piece_m = 0;
-    }
     recent.add(patch, step_m, options.max_piece_way_m);
     since_piece_m += step_m;
     if (since_piece_m < options.query_every_m || recent.length_m() < options.min_piece_way_m) continue;
