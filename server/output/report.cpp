@@ -31,6 +31,7 @@ Json account_of(const TrialAccount& account) {
           {"own_m", account.own_m},
           {"border_contradiction", account.border_contradiction},
           {"look_alikes", account.look_alikes},
+          {"prior_log_odds", account.prior_log_odds},
           {"sighting_log_odds", account.sighting_log_odds},
           {"revisit_log_odds", account.revisit_log_odds},
           {"shared_log_odds", account.shared_log_odds},

@@ -78,6 +78,7 @@ ClosureDraft draft_of_sightings(const Map& map, ClosureId id, const SightingGrou
   proposal.beyond_covariance = slip_variances(options.trial);
   proposal.supporters = static_cast<int>(supporters.size());
   proposal.two_way = agreement.two_way;
+  proposal.prior_log_odds = options.trial.agreed_log_odds;
   for (const Evidence& evidence : supporters)
     if (auto relation = sighting_relation(map, evidence, id, options.alignment, options.evidence))
       proposal.relations.push_back(std::move(*relation));
@@ -98,6 +99,7 @@ ClosureDraft draft_of_finds(const Map& map, ClosureId id, const ScanProposal& fi
   proposal.from_scans = true;
   proposal.cautious = finds.cautious;
   proposal.look_alikes = finds.look_alikes;
+  proposal.prior_log_odds = finds.log_odds;
   if (!proposal.merge) proposal.revisit = {finds.first, finds.second, finds.first_from_second, finds.way_m};
   proposal.beyond_covariance = drift_variance(finds.way_m, options.place_candidates);
   proposal.loop = open_loop(map, proposal, joining);

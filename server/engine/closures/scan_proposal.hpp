@@ -16,7 +16,8 @@ struct ScanProposal {
   Pose first_from_second;
   std::vector<Relation> relations;  ///< of the finds; their origin is still to be given
   int finds = 0;
-  double way_m = 0;  ///< of a loop: what lies between its ends, over the map
+  double log_odds = 0;  ///< that they are true, before it is tried
+  double way_m = 0;     ///< of a loop: what lies between its ends, over the map
   /// Their relative position is weakly known.
   bool cautious = false;
   /// Among how many places that look alike it was found (places/place_search.hpp); 1: it is the only one.

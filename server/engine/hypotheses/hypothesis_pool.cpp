@@ -39,14 +39,14 @@ bool agrees_with_map(const Map& map, const Find& find, const EngineOptions& opti
   return covariance && well_determined(*covariance, known) && fits(*covariance);
 }
 
-/// How many finds, and how sure in sum, are proposed.
+/// How many finds at least, and how sure in sum, are proposed.
 struct Bound {
-  std::size_t finds = 0;
+  std::size_t finds = 1;
   double log_odds = 0;
 };
 
 Bound bound_of(const Map& map, const Find& find, const HypothesisOptions& options) {
-  return on_one_island(map, find) ? Bound{options.min_finds, options.min_log_odds}
+  return on_one_island(map, find) ? Bound{1, options.min_log_odds}
                                   : Bound{options.min_merge_finds, options.min_merge_log_odds};
 }
 
@@ -107,21 +107,27 @@ void HypothesisPool::take(World world, const std::string& robot, Find find, Hypo
   const HypothesisOptions& options = world.options.hypotheses;
   const NearbyConfidence of_anchor(world.map, find.anchor, options.agreement_patches);
   const NearbyConfidence of_query(world.map, find.query, options.agreement_patches);
-  std::vector<Agreement> with_earlier;
-  for (const Waiting& earlier : pool_) {
-    with_earlier.push_back(
-        agreement(world.map, find, of_anchor, of_query, earlier.find, world.options.consistency));
-    if (earlier.find.query == find.query && with_earlier.back() == Agreement::consistent)
-      return;  // the same once more
+  std::vector<Agreement> with_others;
+  std::optional<std::size_t> once_more;
+  for (const Waiting& other : pool_) {
+    with_others.push_back(
+        agreement(world.map, find, of_anchor, of_query, other.find, world.options.consistency));
+    if (other.find.query == find.query && with_others.back() == Agreement::consistent)
+      once_more = with_others.size() - 1;
+  }
+  changed_ = true;
+  if (once_more) {  // by a map that says more than when it was found before
+    pool_[*once_more].find = std::move(find);
+    agreements_.replace(*once_more, with_others);
+    return;
   }
   pool_.push_back({std::move(find), robot, {}});
-  agreements_.add(std::move(with_earlier));
+  agreements_.add(std::move(with_others));
   if (pool_.size() > options.max_finds) {
     std::vector<bool> gone(pool_.size(), false);
     gone.front() = true;
     remove(gone);
   }
-  changed_ = true;
 }
 
 void HypothesisPool::remove(const std::vector<bool>& gone) {
@@ -164,11 +170,12 @@ bool HypothesisPool::propose(World world, Closures& closures, const std::vector<
     if (!id.valid()) id = pool_[i].hypothesis;
   }
   if (const auto before = hypotheses_.find(id); before != hypotheses_.end()) {
-    const auto tried = static_cast<std::size_t>(before->second.tried);
-    if (tried > 0 && set.size() < tried + std::max(options.more_finds, tried / 2)) return false;
+    if (set.size() < 2 * static_cast<std::size_t>(before->second.tried)) return false;
   }
   ScanProposal proposal = proposal_of(world.map, first, finds, world.options);
   proposal.id = id;
+  const double agreed = world.options.trial.agreed_log_odds;
+  proposal.log_odds = set.size() > 1 ? agreed : std::min(sure, agreed);
   id = closures.propose_from_scans(world, proposal);
   for (Waiting& waiting : pool_)  // an earlier trial of it may have been of others
     if (waiting.hypothesis == id) waiting.hypothesis = {};

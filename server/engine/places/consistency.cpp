@@ -103,6 +103,11 @@ void AgreementTable::add(std::vector<Agreement> with_earlier) {
   rows_.push_back(std::move(with_earlier));
 }
 
+void AgreementTable::replace(std::size_t member, const std::vector<Agreement>& with_others) {
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (i != member) rows_[std::max(i, member)][std::min(i, member)] = with_others[i];
+}
+
 void AgreementTable::remove(const std::vector<bool>& gone) {
   std::vector<std::vector<Agreement>> kept;
   for (std::size_t i = 0; i < rows_.size(); ++i) {

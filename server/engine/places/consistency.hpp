@@ -39,6 +39,8 @@ class AgreementTable {
   std::size_t size() const { return rows_.size(); }
   /// A new member with its agreements with those there are.
   void add(std::vector<Agreement> with_earlier);
+  /// A member is another thing from here on, with its agreements with all (with itself: any).
+  void replace(std::size_t member, const std::vector<Agreement>& with_others);
   /// Members for which `gone` says yes leave; the others close up.
   void remove(const std::vector<bool>& gone);
   Agreement between(std::size_t a, std::size_t b) const;

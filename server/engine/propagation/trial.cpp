@@ -245,6 +245,7 @@ double Trial::find_cost() const {
 
 void Trial::judge() {
   stage_ = Stage::done;
+  account_.prior_log_odds = proposal_.prior_log_odds;
   account_.supporters = proposal_.supporters;
   account_.two_way = proposal_.two_way;
   account_.look_alikes = proposal_.look_alikes;

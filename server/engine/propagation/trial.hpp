@@ -46,13 +46,14 @@ struct Proposal {
   Eigen::Vector3d beyond_covariance = slip_variances({});
   bool cautious = false;           ///< the map hardly knows how its ends lie: fitted as more matches
   int look_alikes = 1;             ///< places that look alike, of which this is one
+  double prior_log_odds = 0;       ///< that it is true, before it is tried
   std::optional<Revisit> revisit;  ///< of a loop from scans
   OpenLoop loop;                   ///< of a loop: what may be to blame for it
   bool measured = false;           ///< placed by the operators themselves: no test can refuse it
 
   auto members() {
     return std::tie(id, merge, older, younger, older_from_younger, relations, supporters, two_way, from_scans,
-                    beyond_covariance, cautious, look_alikes, revisit, loop, measured);
+                    beyond_covariance, cautious, look_alikes, prior_log_odds, revisit, loop, measured);
   }
 };
 

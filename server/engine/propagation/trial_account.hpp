@@ -22,7 +22,8 @@ struct TrialAccount {
   double own_m = 0;                 ///< way that either of two maps has beyond the other: the lesser
   double border_contradiction = 0;  ///< of two maps, near what matches
   int look_alikes = 1;              ///< places that look alike, of which this is one
-  double sighting_log_odds = 0;     ///< that it is true: by how many sightings agree,
+  double prior_log_odds = 0;        ///< that it is true: by what proposes it,
+  double sighting_log_odds = 0;     ///< by how many sightings agree,
   double revisit_log_odds = 0;      ///< rather than a look-alike: by where the map had its ends,
   double shared_log_odds = 0;       ///< by how much matches,
   double fit_log_odds = 0;          ///< and by how badly finds and scans fit: none speaks for it
@@ -37,13 +38,15 @@ struct TrialAccount {
   double confirmed_log_odds() const { return blamed > 0 || revisit_log_odds < 0 ? 0 : revisit_log_odds; }
   /// By all of them.
   double log_odds() const {
-    return sighting_log_odds + revisit_log_odds + shared_log_odds + fit_log_odds - blamed_log_odds;
+    return prior_log_odds + sighting_log_odds + revisit_log_odds + shared_log_odds + fit_log_odds -
+           blamed_log_odds;
   }
 
   auto members() {
     return std::tie(supporters, two_way, compared, matched, cost, contradiction, own_contradiction, way_m,
-                    width_m, own_m, border_contradiction, look_alikes, sighting_log_odds, revisit_log_odds,
-                    shared_log_odds, fit_log_odds, rests_on, blamed, blamed_closure, blamed_log_odds);
+                    width_m, own_m, border_contradiction, look_alikes, prior_log_odds, sighting_log_odds,
+                    revisit_log_odds, shared_log_odds, fit_log_odds, rests_on, blamed, blamed_closure,
+                    blamed_log_odds);
   }
 };
 

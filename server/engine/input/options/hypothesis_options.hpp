@@ -20,14 +20,12 @@ struct HypothesisOptions {
   std::size_t max_finds = 64;
   std::size_t max_recorded_finds = 10'000;
   double min_find_probability = 0.12;
-  std::size_t min_finds = 2;
   std::size_t min_merge_finds = 3;
   double min_log_odds = 1;
   double min_merge_log_odds = 3;
   std::size_t agreement_patches = 200;
   double known_sigma_m = 4;
   double rival_m = 6;
-  std::size_t more_finds = 3;
   double hint_way_m = 40;
 
   template <class Visitor>
@@ -45,16 +43,16 @@ struct HypothesisOptions {
     option(max_recorded_finds, "max_recorded_finds", "count", "that are told; the oldest goes");
     option(min_find_probability, "min_find_probability", "probability",
            "of a find that waits for others that agree");
-    option(min_finds, "min_finds", "count", "of agreeing finds that are proposed,");
-    option(min_log_odds, "min_log_odds", "log-odds", "where they come to so much together,");
-    option(min_merge_finds, "min_merge_finds", "count", "and the same of two islands, which may well be");
-    option(min_merge_log_odds, "min_merge_log_odds", "log-odds", "two buildings that look alike");
+    option(min_log_odds, "min_log_odds", "log-odds",
+           "that finds come to that are proposed, those that agree together; of two islands");
+    option(min_merge_finds, "min_merge_finds", "count", "it takes so many that agree");
+    option(min_merge_log_odds, "min_merge_log_odds", "log-odds",
+           "and come to so much, as they may well be two buildings that look alike");
     option(agreement_patches, "agreement_patches", "count",
            "of patches, nearest in the graph, to know how ends of finds lie to each other");
     option(known_sigma_m, "known_sigma_m", "m",
            "standard deviation: a map that knows less well than this where a find is asks for caution");
     option(rival_m, "rival_m", "m", "between finds of the same stretch of way that say otherwise");
-    option(more_finds, "more_finds", "count", "before what was undecided is tried again");
     option(hint_way_m, "hint_way_m", "m", "of way over which a find that waits says where to look next");
   }
 };

@@ -57,13 +57,48 @@ TEST(HypothesisPool, ProposesFindsThatAgree) {
   EXPECT_EQ(its.closures.closures()[0].robots, (std::vector<std::string>{"R1", "R2"}));
 }
 
-TEST(HypothesisPool, ProposesTwoFindsThatAgreeOnOneIsland) {
+TEST(HypothesisPool, ProposesOnOneIslandWhatIsSureEnoughWhetherOneFindOrTwo) {
+  for (const double log_odds : {0.9, 1.1}) {
+    Pooling its;
+    its.scene.join();
+    its.find(0, {0, 1.5, 0}, 1, log_odds);
+    EXPECT_EQ(its.propose(), log_odds > 1);
+  }
   Pooling its;
-  its.scene.map.relate(odometry_relation(its.scene.first[0], its.scene.second[0], {0, 1.5, 0}));
+  its.scene.join();
+  for (const std::size_t i : {0U, 4U}) its.find(i, {0, 1.5, 0}, 1, 0.5);
+  EXPECT_TRUE(its.propose()) << "the second is worth log(0.9 / 0.5)";
+}
+
+// What it takes for a trial is the same: of the one, more of the building must match.
+TEST(HypothesisPool, OfOneFindSaysThatItIsAsSureAsItSays) {
+  for (const std::size_t finds : {1U, 2U}) {
+    Pooling its;
+    its.scene.join();
+    for (std::size_t i = 0; i < finds; ++i) its.find(4 * i, {0, 1.5, 0}, 1, 1.25);
+    ASSERT_TRUE(its.propose());
+    its.take_outcomes();
+    const double agreed = its.scene.options.trial.agreed_log_odds;
+    EXPECT_EQ(its.closures.closures().at(0).account.prior_log_odds, finds == 1 ? 1.25 : agreed);
+  }
+}
+
+TEST(HypothesisPool, ProposesAgainWhatIsUndecidedOnceItIsTwiceAsMuch) {
+  Pooling its;
+  its.scene.join();
+  its.scene.options.trial.min_loop_log_odds = 1000;
   its.find(0);
-  EXPECT_FALSE(its.propose()) << "one does not say enough";
+  ASSERT_TRUE(its.propose());
+  its.take_outcomes();
+  ASSERT_EQ(its.pool.undecided().size(), 1U);
+  EXPECT_FALSE(its.propose());
+  its.find(2);
+  EXPECT_TRUE(its.propose()) << "two";
+  its.take_outcomes();
   its.find(4);
-  EXPECT_TRUE(its.propose());
+  EXPECT_FALSE(its.propose()) << "three";
+  its.find(5);
+  EXPECT_TRUE(its.propose()) << "four";
 }
 
 TEST(HypothesisPool, ProposesOnlyWhatFitsWellEnoughInAll) {
@@ -179,6 +214,20 @@ TEST(HypothesisPool, KeepsAFindOnceHoweverOftenItIsMade) {
   its.find(0);
   EXPECT_EQ(its.counts.finds, 2);
   EXPECT_EQ(its.pool.waiting(), 1U);
+}
+
+// It was asked again as the map has changed, which says more by then.
+TEST(HypothesisPool, KeepsOfAFindThatIsMadeAgainWhatItSaysTheSecondTime) {
+  Pooling its;
+  its.scene.join();
+  its.find(0, {0, 1.5, 0}, 1, -1);
+  its.find(4, {0, 1.5, 0}, 1, -1);
+  EXPECT_FALSE(its.propose());
+  its.find(0, {0, 1.5, 0}, 1, 3);
+  EXPECT_EQ(its.pool.waiting(), 2U);
+  EXPECT_TRUE(its.propose());
+  its.take_outcomes();
+  EXPECT_EQ(its.closures.closures().at(0).account.supporters, 2) << "that agree as they did";
 }
 
 TEST(HypothesisPool, LetsTheOldestFindGoWhenItIsFull) {

@@ -115,7 +115,7 @@ TEST(HypothesisOptions, AskMoreOfAPlaceThatIsSearchedForAnywhere) {
   EXPECT_LT(its.min_score, its.min_score_anywhere);
   EXPECT_LT(its.query_every_m, its.max_piece_way_m) << "pieces overlap, so that no place is passed over";
   EXPECT_LT(its.min_piece_way_m, its.max_piece_way_m);
-  EXPECT_LE(its.min_finds, its.max_finds);
+  EXPECT_LE(its.min_merge_finds, its.max_finds);
 }
 
 TEST(FinderOptions, SearchForPiecesOfMoreThanTheLeastWay) {

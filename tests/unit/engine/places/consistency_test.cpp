@@ -121,6 +121,19 @@ TEST(AgreementTable, CountsAsRivalsOnlyWhatContradictsMostOfASet) {
   EXPECT_EQ(table.rivals_of({0, 1, 2}), (std::vector<std::size_t>{5}));
 }
 
+TEST(AgreementTable, TakesAMemberForAnother) {
+  AgreementTable table;
+  table.add({});
+  table.add({no});
+  table.add({yes, yes});
+  table.replace(1, {yes, no, no});
+  EXPECT_EQ(table.size(), 3U);
+  EXPECT_EQ(table.between(0, 1), yes);
+  EXPECT_EQ(table.between(2, 1), no);
+  EXPECT_EQ(table.between(2, 0), yes);
+  EXPECT_EQ(table.largest_consistent_with(1, {}), (std::vector<std::size_t>{0, 1}));
+}
+
 TEST(AgreementTable, ClosesUpWhereMembersLeave) {
   AgreementTable table;
   table.add({});

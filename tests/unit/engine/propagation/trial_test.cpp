@@ -35,6 +35,7 @@ struct Case {
   std::vector<PatchId> second;
   Proposal proposal;
 
+  Case() { proposal.prior_log_odds = TrialOptions{}.agreed_log_odds; }
   template <class Seen>
   void add(const Seen& walls, const std::vector<Pose>& poses, bool to_first, const Pose& map_from_world) {
     (to_first ? first : second) = add_way(map, walls, poses, map_from_world);
@@ -334,9 +335,10 @@ TEST(TrialByScans, ThatPutsWallsInFreeSpaceIsRefusedOrWaitsWhereTheMapHadItsEnds
   for (const double off_m : {0.0, 200.0}) {
     Case its = by_scans(loop_of(room, early_way, with_a_screen(room), late_way));
     found(its, off_m);
+    if (off_m > 0) its.proposal.prior_log_odds = -1;
     its.say(PatchId{1}, PatchId{4});
     const Trial trial = its.tried();
-    EXPECT_FALSE(trial.accepted());
+    EXPECT_FALSE(trial.accepted()) << trial.account().log_odds();
     EXPECT_EQ(trial.undecided(), off_m == 0);
     EXPECT_EQ(trial.refusal() == Reason::walls_in_free_space, off_m > 0) << word(trial.refusal());
     EXPECT_LT(trial.account().fit_log_odds, -3);
@@ -407,6 +409,20 @@ TEST(TrialByScans, OfALoopAlongOneCorridorIsAcceptedWhereTheMapHadItsEnds) {
     its.say(PatchId{5}, PatchId{17});
     const Trial trial = its.tried();
     EXPECT_EQ(trial.accepted(), off_m == 0) << word(trial.refusal());
+  }
+}
+
+TEST(TrialByScans, OfALoopNeedsAsMuchMoreAsItWasLessSureBefore) {
+  Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
+  found(its, 0);
+  its.say(PatchId{5}, PatchId{17});
+  const TrialAccount agreed = its.tried().account();
+  const double asked = TrialOptions{}.min_loop_log_odds - (agreed.log_odds() - agreed.prior_log_odds);
+  for (const double more : {-0.1, 0.1}) {
+    its.proposal.prior_log_odds = asked + more;
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.accepted(), more > 0) << word(trial.refusal());
+    EXPECT_EQ(trial.undecided(), more < 0);
   }
 }
 
