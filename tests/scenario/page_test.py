@@ -167,6 +167,8 @@ class Page(unittest.TestCase):
         player.wait()
         self.look_at_a_closure()
         self.check_no_flicker()
+        self.zoom()
+        self.fit_the_window()
         self.follow_a_robot()
         self.name_a_place()
         self.draw_a_zone()
@@ -174,6 +176,7 @@ class Page(unittest.TestCase):
         self.look_at_the_past()
         self.look_at_the_map_as_it_was()
         self.download()
+        self.check_console()  # while the island is gone whose tiles are
         self.withdraw_the_merge()
         self.erase_the_zone()
         self.restart()
@@ -188,6 +191,16 @@ class Page(unittest.TestCase):
                 self.assertGreaterEqual(2 * after + 10, before, "the map flickered")
             painted = max(painted, after)
         self.assertGreater(painted, 100)
+
+    def zoom(self):
+        """What is shown stays until it is painted anew."""
+        self.browser.execute_script("window.paint = []")
+        for step in (-1, 1, 1, -1):
+            self.browser.execute_script(f"isthmus.map.setZoom(isthmus.map.getZoom() + {step}, {{animate: false}})")
+            time.sleep(0.5)
+        frames = self.js("window.paint")
+        self.assertGreater(len({zoom for _, zoom, _ in frames}), 1)
+        self.assertGreater(min(painted for painted, _, _ in frames), 0, "the map was empty for a moment")
 
     def refusal_of_signed(self, order, operator, key):
         """Why the server refuses an order that is signed in the browser: it could read it, then."""
@@ -249,6 +262,29 @@ class Page(unittest.TestCase):
             return [at.x - isthmus.map.getSize().x / 2, at.y - isthmus.map.getSize().y / 2];
         }})()""")
 
+    def robot_on_screen(self, name):
+        """Where a robot is, in pixels from the map's middle."""
+        return self.js(f"""(() => {{
+            const at = isthmus.map.latLngToContainerPoint(isthmus.placeOf(isthmus.robots.find((one) => one.name === "{name}")));
+            return [at.x - isthmus.map.getSize().x / 2, at.y - isthmus.map.getSize().y / 2];
+        }})()""")
+
+    def fit_the_window(self):
+        """In a smaller window all is still in view, and the page's own parts do not hide one another."""
+        size = self.browser.get_window_size()
+        self.browser.set_window_size(900, 700)
+        inside = "isthmus.scene.islands.every(({id, box}) => isthmus.map.getBounds().contains([" \
+                 "[box[1] + isthmus.scene.offsets.get(id)[1], box[0] + isthmus.scene.offsets.get(id)[0]]," \
+                 "[box[3] + isthmus.scene.offsets.get(id)[1], box[2] + isthmus.scene.offsets.get(id)[0]]]))"
+        self.wait_for("all islands are in view", lambda: self.js(inside) and self.js("isthmus.map.getSize().x") < 700)
+        apart = """((a, b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top)(
+            ...[%s].map((one) => document.querySelector(one).getBoundingClientRect()))"""
+        for pair in ("'#tools', '.leaflet-control-zoom'", "'#time', '.leaflet-control-scale'"):
+            self.assertTrue(self.js(apart % pair), pair)
+        self.picture("small_window")
+        self.browser.set_window_size(size["width"], size["height"])
+        self.wait_for("the window is as it was", lambda: self.js("isthmus.map.getSize().x") > 900)
+
     def look_at_a_closure(self):
         """It is brought into view where it holds the map together, and what came out of its trial is told."""
         merge = "//ul[@id='closures']/li[contains(., 'merge') and contains(., 'accepted')]"
@@ -275,7 +311,8 @@ class Page(unittest.TestCase):
         self.assertLess(abs(x - 60) + abs(y - 20), 2)
         self.assertAlmostEqual(self.js("isthmus.annotations[0].points[0][2]"), 1.571, delta=0.06)
         self.click("draw-place")
-        self.drag((100, 20), (130, 20))
+        self.drag((100, 20), self.robot_on_screen("R1"))
+        self.assertIsNone(self.js("isthmus.followed"), "the pointer's way to a robot was the place's")
         self.answer_drawn("Refused: another place or zone has this name.", name="dock 1")
 
     def draw_a_zone(self):
@@ -402,16 +439,15 @@ class Page(unittest.TestCase):
         self.open_page()
         self.play(faster=1)
         self.wait_for("R1 drives on the map", lambda: "scans/s" in self.text("robots") and self.js("isthmus.robots.length") == 2)
+        self.assertEqual(self.text("annotations") + self.text("no-annotations"), "none yet")
         orders = "[...document.querySelectorAll('button.order')]"
         self.assertGreater(self.js(f"{orders}.length"), 5)
         self.assertEqual(self.js(f"{orders}.filter((button) => button.offsetParent).map((button) => button.textContent)"), [],
                          "what a frozen map refuses is not offered")
-        self.place("R1", self.js("""(() => {
-            const at = isthmus.map.latLngToContainerPoint(isthmus.placeOf(isthmus.robots.find(({name}) => name === "R1")));
-            return [at.x - isthmus.map.getSize().x / 2, at.y - isthmus.map.getSize().y / 2, isthmus.robots.find(({name}) => name === "R1").at[3]];
-        })()"""), "2")
+        self.place("R1", [*self.robot_on_screen("R1"), self.js("isthmus.robots.find(({name}) => name === 'R1').at[3]")], "2")
         self.place("R1", [150, 200, 1], "0.5")  # in another room
         self.wait_for("it is said why it is not moved", lambda: "R1 stays where it was found: " in self.text("warnings"))
+        self.assertTrue(self.text("warnings").startswith("R1 stays where it was found: "), "what is new is seen first")
         self.picture("not_moved")
         self.check_console()
 

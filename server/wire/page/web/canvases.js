@@ -2,8 +2,9 @@
 
 /** Of a frame: so long what takes several frames is drawn in each. */
 const SLICE_MS = 4;
-/** Of the view, on each side: so far the map can be dragged before that is drawn again. */
-const MARGIN = 0.25;
+/** Of the view, on each side: so far the map can be dragged before a canvas is drawn again. */
+const MARGIN_OF_PATIENT = 0.25;
+const MARGIN_OF_QUICK = 0.1; // it is drawn several times a second anyhow
 
 function newCanvas(pane) {
   const canvas = pane.appendChild(document.createElement("canvas"));
@@ -28,6 +29,7 @@ function begin(canvas, settings, map, offsets, margin) {
   context.clearRect(0, 0, width, height);
   canvas.corner = map.containerPointToLatLng([-left, -top]);
   canvas.zoom = map.getZoom();
+  canvas.extent = { x: width, y: height };
   const origin = map.latLngToContainerPoint([0, 0]).add([left, top]);
   const scale = map.latLngToContainerPoint([0, 1]).x - origin.x + left;
   const place = (island) => {
@@ -44,17 +46,31 @@ function put(canvas, map) {
   if (canvas.corner) L.DomUtil.setTransform(canvas, map.latLngToLayerPoint(canvas.corner), map.getZoomScale(map.getZoom(), canvas.zoom));
 }
 
+/** Whether a canvas was drawn at the map's zoom, and still covers the view. */
+function covers({ corner, zoom, extent }, map) {
+  if (!corner || zoom !== map.getZoom()) return false;
+  const size = map.getSize();
+  const { x, y } = map.latLngToContainerPoint(corner);
+  return x <= 0 && y <= 0 && x + extent.x >= size.x && y + extent.y >= size.y;
+}
+
 /** Drawn whole in one frame: for what is little. */
 export class QuickCanvas {
   constructor(map) {
     this.map = map;
     this.canvas = newCanvas(map.getPane("overlayPane"));
+    this.isOld = true;
   }
 
-  moved() { put(this.canvas, this.map); }
+  /** The view is another. What is shown goes along; what leaves its margin is drawn again, and another zoom. */
+  moved() {
+    put(this.canvas, this.map);
+    if (!covers(this.canvas, this.map)) this.isOld = true;
+  }
 
   begin(offsets) {
-    const view = begin(this.canvas, undefined, this.map, offsets, 0);
+    this.isOld = false;
+    const view = begin(this.canvas, undefined, this.map, offsets, MARGIN_OF_QUICK);
     put(this.canvas, this.map);
     return view;
   }
@@ -80,13 +96,9 @@ export class PatientCanvas {
   /** The view is another. What is shown goes along; what leaves its margin is drawn again, and another zoom. */
   moved() {
     put(this.shown, this.map);
-    const { corner, zoom } = this.pieces ? this.next : this.shown;
-    const size = this.map.getSize();
-    const isOtherZoom = zoom !== this.map.getZoom();
-    if (isOtherZoom) this.pieces = null;
-    const { x, y } = corner ? this.map.latLngToContainerPoint(corner) : { x: 1, y: 1 };
-    const isInside = x <= 0 && y <= 0 && x >= -2 * Math.round(MARGIN * size.x) && y >= -2 * Math.round(MARGIN * size.y);
-    if (isOtherZoom || !isInside) this.isOld = true;
+    const canvas = this.pieces ? this.next : this.shown;
+    if (canvas.zoom !== this.map.getZoom()) this.pieces = null;
+    if (!covers(canvas, this.map)) this.isOld = true;
   }
 
   /** Draws for a while, the newest there is, where what is being drawn is not to be finished first. */
@@ -95,7 +107,7 @@ export class PatientCanvas {
     if (!this.pieces) {
       this.isOld = false;
       // Drawn by the processor, and in this frame: what a graphics processor is given is drawn some time later, all at once.
-      this.view = begin(this.next, { willReadFrequently: true }, this.map, offsets, MARGIN);
+      this.view = begin(this.next, { willReadFrequently: true }, this.map, offsets, MARGIN_OF_PATIENT);
       this.pieces = this.draw(this.view);
     }
     do {

@@ -36,6 +36,7 @@ export class Drawing {
     this.page = page;
     this.finished = finished;
     this.now = null;
+    this.tookPress = false; // what began with the pointer's last press was for a drawing, which may have ended since
     this.held = -1;
     const map = page.map;
     map.on("click", (event) => this.click(event));
@@ -120,6 +121,7 @@ export class Drawing {
 
   press(event) {
     this.moved = false;
+    this.tookPress = this.now !== null;
     if (!this.now) return;
     if (this.now.corners) {
       this.held = this.cornerAt(event.containerPoint);

@@ -10,6 +10,7 @@ function coloured(bitmap) {
   canvas.height = bitmap.height;
   const context = canvas.getContext("2d", { willReadFrequently: true });
   context.drawImage(bitmap, 0, 0);
+  bitmap.close(); // or its memory is held until garbage is collected
   const image = context.getImageData(0, 0, canvas.width, canvas.height);
   const pixels = new Uint32Array(image.data.buffer);
   for (let i = 0; i < pixels.length; ++i) {

@@ -3,10 +3,8 @@
 
 import { PatientCanvas, QuickCanvas } from "./canvases.js";
 import { DASHES, INK, OF_CLOSURES, OF_ORIGINS, OF_VERDICTS, OF_ZONES, ofRobot } from "./colours.js";
+import { drawFrontier, drawGoal, drawPin, drawRobot, drawWay, fillZone, label, widthOf } from "./marks.js";
 import { OF_ORDERS } from "./words.js";
-
-const FONT = "600 12px system-ui, 'DejaVu Sans', sans-serif";
-const HATCH_PIXELS = 9;
 
 /** Patches are drawn with their headings where this many pixels are a metre, or more. */
 const HEADING_SCALE = 6;
@@ -30,7 +28,7 @@ export const Overlay = L.Layer.extend({
     map.on("move zoom viewreset resize", () => {
       this.still.moved();
       this.moving.moved();
-      this.redraw();
+      this.askFrame();
     });
     map.on("zoom", () => { this.rests = true; }); // its frame has tiles to make
     this.redraw(true);
@@ -39,12 +37,12 @@ export const Overlay = L.Layer.extend({
   /** At the next frame; the still part too where it has changed. */
   redraw(alsoStill = false) {
     this.still.isOld ||= alsoStill;
-    this.movingIsOld = true;
+    this.moving.isOld = true;
     this.askFrame();
   },
 
   askFrame() {
-    if (this.asked) return;
+    if (this.asked || (this.still.isWhole && !this.moving.isOld)) return;
     this.asked = true;
     requestAnimationFrame(() => {
       this.asked = false;
@@ -54,8 +52,7 @@ export const Overlay = L.Layer.extend({
       }
       const begun = performance.now();
       if (!this.still.isWhole) this.still.work(this.world.view.scene.offsets);
-      if (this.movingIsOld) this.drawMoving();
-      this.movingIsOld = false;
+      if (this.moving.isOld) this.drawMoving();
       this.frame_ms = performance.now() - begun;
       if (!this.still.isWhole) this.askFrame();
     });
@@ -81,7 +78,6 @@ export const Overlay = L.Layer.extend({
 
   /** Zones as areas, hatched where nobody may go; places as pins. */
   * drawAnnotations({ context, place }) {
-    context.font = FONT;
     for (const { kind, name, island, points, max_speed, lost } of this.world.view.annotations) {
       yield;
       const at = place(island);
@@ -94,13 +90,12 @@ export const Overlay = L.Layer.extend({
       fillZone(context, corners, kind);
       const [x, y] = middle(corners);
       const text = kind === "speed" ? `${name}: ${max_speed} m/s` : name;
-      label(context, text, x - context.measureText(text).width / 2, y + 4, OF_ZONES[kind]);
+      label(context, text, x - widthOf(context, text) / 2, y + 4, OF_ZONES[kind]);
     }
   },
 
   /** Ways that robots asked for lately, and frontiers with what would be seen there. */
   * drawAsked({ context, place }) {
-    context.font = FONT;
     for (const { asker, kind, island, points } of this.world.asked) {
       yield;
       const at = place(island);
@@ -123,7 +118,6 @@ export const Overlay = L.Layer.extend({
 
   /** Each where the first of its relations is, with its number where there is room for it. */
   * drawClosures({ context, place }) {
-    context.font = FONT;
     const taken = []; // boxes of numbers
     let drawn = 0;
     const { closures, marked } = this.world;
@@ -145,7 +139,7 @@ export const Overlay = L.Layer.extend({
       for (const [x, y] of [[x0, y0], [x1, y1]]) context.arc(x, y, isMarked ? 5 : 3, 0, 7);
       context.fill();
       const [x, y, text] = [(x0 + x1) / 2 + 6, (y0 + y1) / 2 - 5, `${kind} ${id}`];
-      const right = x + context.measureText(text).width;
+      const right = x + widthOf(context, text);
       const isFree = taken.every((box) => right < box[0] || x > box[1] || Math.abs(y - box[2]) > 13);
       if (isFree) label(context, text, x, y, OF_CLOSURES, isMarked);
       if (isFree) taken.push([x, right, y]);
@@ -171,7 +165,6 @@ export const Overlay = L.Layer.extend({
       if (goal) drawGoal(context, at(goal[0], goal[1]), goal[2]);
       const words = OF_ORDERS[reason];
       const [x, y] = way.length > 0 ? at(...way[way.length - 1]) : [NaN, NaN];
-      context.font = FONT;
       if (reason !== "frontier" && way.length > 0) label(context, `${robot} ${words}`, x + 8, y + 14, INK);
       yield;
     }
@@ -232,7 +225,6 @@ export const Overlay = L.Layer.extend({
   drawMoving() {
     const view = this.moving.begin(this.world.view.scene.offsets);
     const { show, history } = this.world;
-    view.context.font = FONT;
     this.drawNames(view);
     if (show.tags) this.drawTags(view);
     if (show.sightings && history.isNow) this.drawSightings(view);
@@ -360,123 +352,10 @@ export const Overlay = L.Layer.extend({
       const at = place(island);
       if (!at) continue;
       const [px, py] = at(x, y);
-      context.save();
-      context.translate(px, py);
-      context.rotate(-yaw);
-      context.beginPath();
-      context.moveTo(11, 0);
-      context.lineTo(-7, 7);
-      context.lineTo(-3, 0);
-      context.lineTo(-7, -7);
-      context.closePath();
-      context.fillStyle = ofRobot(name, this.world.names);
-      context.strokeStyle = "#fff";
-      context.lineWidth = 1.5;
-      context.fill();
-      context.stroke();
-      context.restore();
+      drawRobot(context, [px, py], yaw, ofRobot(name, this.world.names));
       label(context, name, px + 11, py - 8, INK, this.world.followed === name);
     }
   },
 });
 
 const middle = (points) => [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
-
-function fillZone(context, corners, kind) {
-  context.save();
-  context.beginPath();
-  for (const corner of corners) context.lineTo(...corner);
-  context.closePath();
-  context.fillStyle = `${OF_ZONES[kind]}2e`;
-  context.fill();
-  context.strokeStyle = OF_ZONES[kind];
-  context.lineWidth = 2;
-  context.setLineDash(kind === "speed" ? [6, 4] : []);
-  context.stroke();
-  context.setLineDash([]);
-  if (kind === "keep_out") {
-    context.clip();
-    context.lineWidth = 1;
-    context.globalAlpha = 0.6;
-    context.beginPath();
-    const [xs, ys] = [0, 1].map((axis) => corners.map((corner) => Math.max(-50, Math.min(6000, corner[axis]))));
-    const [top, bottom] = [Math.min(...ys), Math.max(...ys)];
-    for (let x = Math.min(...xs) - (bottom - top); x < Math.max(...xs); x += HATCH_PIXELS) {
-      context.moveTo(x, bottom);
-      context.lineTo(x + bottom - top, top);
-    }
-    context.stroke();
-  }
-  context.restore();
-}
-
-function drawPin(context, [x, y], yaw, name) {
-  context.fillStyle = INK;
-  context.strokeStyle = "#fff";
-  context.lineWidth = 1.5;
-  context.beginPath();
-  context.moveTo(x, y);
-  context.bezierCurveTo(x - 11, y - 12, x - 7, y - 22, x, y - 22);
-  context.bezierCurveTo(x + 7, y - 22, x + 11, y - 12, x, y);
-  context.fill();
-  context.stroke();
-  context.fillStyle = "#fff";
-  context.beginPath();
-  context.arc(x, y - 14, 3, 0, 7);
-  context.fill();
-  context.strokeStyle = INK;
-  context.lineWidth = 2;
-  context.beginPath();
-  context.moveTo(x, y);
-  context.lineTo(x + 20 * Math.cos(yaw), y - 20 * Math.sin(yaw));
-  context.stroke();
-  label(context, name, x + 11, y - 13, INK);
-}
-
-/** From where it is seen, and which way where that is known; the larger, the more would be seen. */
-function drawFrontier(context, [x, y], gain, yaw = null) {
-  const radius = 3 + Math.min(8, Math.sqrt(gain));
-  context.beginPath();
-  context.arc(x, y, radius, 0, 7);
-  if (yaw !== null) {
-    context.moveTo(x + radius * Math.cos(yaw), y - radius * Math.sin(yaw));
-    context.lineTo(x + (radius + 6) * Math.cos(yaw), y - (radius + 6) * Math.sin(yaw));
-  }
-  context.stroke();
-}
-
-/** The way that a robot is to drive: dots, on white so that they are seen on walls. */
-function drawWay(context, points, colour) {
-  context.lineCap = "round";
-  for (const [style, width] of [["#ffffffcc", 6], [colour, 3.5]]) {
-    context.strokeStyle = style;
-    context.lineWidth = width;
-    context.setLineDash([0.1, 8]);
-    context.beginPath();
-    for (const point of points) context.lineTo(...point);
-    context.stroke();
-  }
-  context.setLineDash([]);
-  context.lineCap = "butt";
-  context.strokeStyle = colour;
-}
-
-/** Where a robot is to look, and which way, in the colour of its way. */
-function drawGoal(context, [x, y], yaw) {
-  context.lineWidth = 2.5;
-  context.beginPath();
-  context.arc(x, y, 8, 0, 7);
-  context.moveTo(x + 8 * Math.cos(yaw), y - 8 * Math.sin(yaw));
-  context.lineTo(x + 18 * Math.cos(yaw), y - 18 * Math.sin(yaw));
-  context.stroke();
-}
-
-/** Words that can be read on any ground. */
-function label(context, text, x, y, colour, underlined = false) {
-  context.lineWidth = 3;
-  context.strokeStyle = "#ffffffdd";
-  context.strokeText(text, x, y);
-  context.fillStyle = colour;
-  context.fillText(text, x, y);
-  if (underlined) context.fillRect(x, y + 2, context.measureText(text).width, 2);
-}

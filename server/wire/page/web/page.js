@@ -107,7 +107,8 @@ class Page {
       this.follow(null);
     };
     this.map.on("dragstart", byHand);
-    this.map.on("click", (event) => { if (!this.drawing.now) this.followAt(event.containerPoint); });
+    this.map.on("resize", () => { if (this.fits) this.fit(); });
+    this.map.on("click", (event) => { if (!this.drawing.tookPress) this.followAt(event.containerPoint); });
     for (const kind of ["place", "keep_out", "speed"]) element(`draw-${kind}`).onclick = () => this.drawing.begin(kind);
     for (const event of ["wheel", "dblclick"]) this.map.getContainer().addEventListener(event, () => { this.fits = false; });
     this.map.zoomControl.getContainer().addEventListener("click", () => { this.fits = false; });

@@ -52,7 +52,9 @@ export function showFigures(status, islands) {
 
 export function showWarnings({ warnings, time }) {
   element("warnings-section").hidden = warnings.length === 0;
-  bring(element("warnings"), warnings, (warning) => `${warning.robot} ${warning.kind}`, () => made("li"),
+  tell(element("warnings-count"), warnings.length > 1 ? `(${warnings.length}, the newest first)` : "");
+  const newestFirst = [...warnings].sort((a, b) => b.since - a.since);
+  bring(element("warnings"), newestFirst, (warning) => `${warning.robot} ${warning.kind}`, () => made("li"),
     (row, warning) => {
       tell(row, warning.text);
       row.title = `for ${Math.round(time - warning.since)} s`;
@@ -61,6 +63,7 @@ export function showWarnings({ warnings, time }) {
 
 export function showRobots(world, follow, order) {
   const { robots, left_out } = world.status;
+  element("no-robots").hidden = robots.length > 0;
   const make = (robot) => {
     const name = made("button", { type: "button", className: "robot", textContent: robot.name, title: "follow" });
     name.onclick = () => follow(robot.name);
@@ -97,6 +100,7 @@ function annotationText(annotation) {
 
 /** `acts`: {show, edit, erase}, each called with the place or zone. */
 export function showAnnotations(annotations, acts) {
+  element("no-annotations").hidden = annotations.length > 0;
   const make = () => {
     const buttons = Object.keys(acts).map((act) => made("button", { type: "button", className: act === "show" ? "" : "order",
       textContent: act[0].toUpperCase() + act.slice(1) }));

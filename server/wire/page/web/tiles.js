@@ -4,6 +4,8 @@
 const SIZE = 256;
 /** New tiles that are painted in one frame: a screen's worth at once would take longer than a frame may. */
 const AT_ONCE = 4;
+/** Canvases that wait to be tiles again: a screen's worth with each zoom would be a quarter of a megabyte of garbage each. */
+const SPARE = 64;
 
 /** The path of an island's tile, as the server has it; `base`: of the scene. */
 export const tilePath = (base, island, zoom, x, y) => `${base}tile/${island}/${zoom}/${x}/${y}`;
@@ -33,24 +35,43 @@ export const IslandTiles = L.GridLayer.extend({
     L.GridLayer.prototype.initialize.call(this, options);
     this.images = images;
     this.scene = scene;
-    this.fresh = []; // tiles that have not been painted yet, and whom to tell when they are
-    this.on("tileunload", (event) => { event.tile.coords = null; });
+    this.fresh = []; // tiles that have not been painted yet: {tile, coords, done}
+    this.spare = [];
+    this.on("tileunload", ({ tile }) => {
+      tile.coords = null;
+      if (this.spare.length < SPARE) this.spare.push(tile);
+    });
+  },
+
+  /** All but that the map is to be empty before another zoom: what is shown stays until that is painted. */
+  getEvents() {
+    const { viewprereset, ...events } = L.GridLayer.prototype.getEvents.call(this);
+    return events;
   },
 
   /** Until it is painted whole, Leaflet keeps what another zoom shows there. */
   createTile(coords, done) {
-    const tile = document.createElement("canvas");
-    tile.width = tile.height = SIZE;
+    const tile = this.canvas();
     tile.coords = coords;
-    this.fresh.push([tile, done]);
+    this.fresh.push({ tile, coords, done });
     if (this.fresh.length === 1) this.paintFresh();
     return tile;
   },
 
+  canvas() {
+    const spare = this.spare.pop();
+    if (!spare) return Object.assign(document.createElement("canvas"), { width: SIZE, height: SIZE });
+    spare.className = spare.style.cssText = "";
+    spare.parts = undefined;
+    spare.getContext("2d").clearRect(0, 0, SIZE, SIZE);
+    return spare;
+  },
+
   paintFresh() {
     requestAnimationFrame(() => {
-      for (const [tile, done] of this.fresh.splice(0, AT_ONCE))
-        if (tile.coords) Promise.all(this.paint(tile)).then(() => done(null, tile));
+      // A canvas may be a tile elsewhere by then.
+      for (const { tile, coords, done } of this.fresh.splice(0, AT_ONCE))
+        if (tile.coords === coords) Promise.all(this.paint(tile)).then(() => { if (tile.coords === coords) done(null, tile); });
       if (this.fresh.length > 0) this.paintFresh();
     });
   },
