@@ -7,8 +7,22 @@
 namespace isthmus {
 namespace {
 
-constexpr std::array<Rgb, 6> robot_colours = {
-    {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}}};
+constexpr std::array<Rgb, robot_colour_count> robot_colours = {{{0, 114, 178},
+                                                                {213, 94, 0},
+                                                                {0, 158, 115},
+                                                                {204, 121, 167},
+                                                                {230, 159, 0},
+                                                                {86, 180, 233},
+                                                                {85, 0, 153},
+                                                                {136, 34, 0},
+                                                                {102, 68, 255},
+                                                                {0, 0, 221},
+                                                                {119, 102, 102},
+                                                                {153, 119, 238},
+                                                                {34, 204, 119},
+                                                                {136, 34, 102},
+                                                                {204, 17, 51},
+                                                                {204, 17, 170}}};
 
 const std::array<std::vector<double>, 4> robot_dashes = {{{}, {5, 2}, {1.2, 1.6}, {6, 2, 1.2, 2}}};
 
@@ -31,8 +45,8 @@ std::uint8_t between(std::uint8_t from, std::uint8_t to, double share) {
 
 WayStyle way_style(std::size_t robot) {
   const std::size_t colours = robot_colours.size(), dashes = robot_dashes.size();
-  // Colours and dashes come round together after 12 robots: from there on the dashes are one further.
-  return {robot_colours[robot % colours], robot_dashes[(robot + robot / (2 * colours)) % dashes]};
+  // Colours and dashes come round together: each time that they do, the dashes are one further.
+  return {robot_colours[robot % colours], robot_dashes[(robot + robot / colours) % dashes]};
 }
 
 Rgb scale_colour(double share) {

@@ -33,11 +33,15 @@ struct WayStyle {
   std::vector<double> dashes;
 };
 
-/// How many robots have a style that no other has.
-inline constexpr std::size_t way_styles = 24;
+/// How many robots have a colour that no other has,
+inline constexpr std::size_t robot_colour_count = 16;
+/// and how many a style.
+inline constexpr std::size_t way_styles = 4 * robot_colour_count;
 
 /// Robots side by side differ in colour and in dashes; the colours are those that the colour-blind tell apart
-/// too (Okabe and Ito 2008), without black, which walls have, and yellow, which is hard to see on white.
+/// too (Okabe and Ito 2008), without black, which walls have, and yellow, which is hard to see on white. Ten
+/// more were searched for that lie as far as can be from all others and from walls, in OKLab (Ottosson 2020)
+/// as seen by everybody, by protanopes and by deuteranopes.
 WayStyle way_style(std::size_t robot);
 
 /// A colour for a share from 0 to 1, dark blue to yellow; its lightness grows evenly, also for the
