@@ -50,9 +50,10 @@ Bound bound_of(const Map& map, const Find& find, const HypothesisOptions& option
                                   : Bound{options.min_merge_finds, options.min_merge_log_odds};
 }
 
-/// Among how many places that look alike this is one: so few finds as may propose it could be of those that
-/// are found most surely.
+/// Among how many places that look alike this is one: so few finds as agree could be of those that are found
+/// most surely. That a place is found once only is not confirmed by one find: it may well be one of two.
 int look_alikes_of(const std::vector<const Find*>& finds, std::size_t needed) {
+  if (finds.size() == 1) return std::max(2, finds.front()->look_alikes);
   std::vector<int> fewest_first;
   for (const Find* find : finds) fewest_first.push_back(find->look_alikes);
   std::ranges::sort(fewest_first);
@@ -82,7 +83,8 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
     robots.insert(map.manifold().patch(find->query).robot);
     robots.insert(map.manifold().patch(find->anchor).robot);
   }
-  proposal.look_alikes = look_alikes_of(finds, bound_of(map, first, options.hypotheses).finds);
+  proposal.look_alikes =
+      look_alikes_of(finds, std::max<std::size_t>(2, bound_of(map, first, options.hypotheses).finds));
   proposal.robots.assign(robots.begin(), robots.end());
   return proposal;
 }
@@ -174,8 +176,8 @@ bool HypothesisPool::propose(World world, Closures& closures, const std::vector<
   }
   ScanProposal proposal = proposal_of(world.map, first, finds, world.options);
   proposal.id = id;
-  const double agreed = world.options.trial.agreed_log_odds;
-  proposal.log_odds = set.size() > 1 ? agreed : std::min(sure, agreed);
+  const TrialOptions& its = world.options.trial;
+  proposal.log_odds = set.size() > 1 ? its.agreed_log_odds : std::min(sure, its.lone_log_odds);
   id = closures.propose_from_scans(world, proposal);
   for (Waiting& waiting : pool_)  // an earlier trial of it may have been of others
     if (waiting.hypothesis == id) waiting.hypothesis = {};

@@ -73,6 +73,7 @@ struct TrialOptions {
   double log_odds_per_find_cost = 5;
   double log_odds_per_contradiction = 33;
   double agreed_log_odds = 3;
+  double lone_log_odds = 2;
   double min_loop_log_odds = 7;
   double min_width_m = 2;
   double min_own_m = 5;
@@ -138,7 +139,9 @@ struct TrialOptions {
            "ones put three in a hundred there, or fewer");
     option(agreed_log_odds, "agreed_log_odds", "log-odds",
            "that what several finds, or sightings, say alike is true, before it is tried: 95 in 100 (281 of "
-           "296 loops in simulated and recorded buildings); a find by itself says what it says, and no more");
+           "296 loops in simulated and recorded buildings)");
+    option(lone_log_odds, "lone_log_odds", "log-odds",
+           "the most that a find says by itself: buildings repeat themselves more often than it can know");
     option(min_loop_log_odds, "min_loop_log_odds", "log-odds",
            "of all these, and of where the map had its ends, for which a loop is accepted: one such in a "
            "thousand is false; below the same of the other sign it is refused");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "server/engine/hypotheses/hypothesis_counts.hpp"
 #include "tests/support/side_by_side.hpp"
@@ -70,16 +71,21 @@ TEST(HypothesisPool, ProposesOnOneIslandWhatIsSureEnoughWhetherOneFindOrTwo) {
   EXPECT_TRUE(its.propose()) << "the second is worth log(0.9 / 0.5)";
 }
 
-// What it takes for a trial is the same: of the one, more of the building must match.
-TEST(HypothesisPool, OfOneFindSaysThatItIsAsSureAsItSays) {
-  for (const std::size_t finds : {1U, 2U}) {
+// More of the building must match then; and which of two places it is, if it is one of two, only the map
+// tells.
+TEST(HypothesisPool, OfOneFindIsAsSureAsItSaysUpToABoundAndOnePlaceOfTwo) {
+  const TrialOptions its_trial;
+  for (const auto& [finds, log_odds, prior] : {std::tuple{1U, 1.25, 1.25},
+                                               {1U, 9.0, its_trial.lone_log_odds},
+                                               {2U, 1.25, its_trial.agreed_log_odds}}) {
     Pooling its;
     its.scene.join();
-    for (std::size_t i = 0; i < finds; ++i) its.find(4 * i, {0, 1.5, 0}, 1, 1.25);
+    for (std::size_t i = 0; i < finds; ++i) its.find(4 * i, {0, 1.5, 0}, 1, log_odds);
     ASSERT_TRUE(its.propose());
     its.take_outcomes();
-    const double agreed = its.scene.options.trial.agreed_log_odds;
-    EXPECT_EQ(its.closures.closures().at(0).account.prior_log_odds, finds == 1 ? 1.25 : agreed);
+    const TrialAccount& account = its.closures.closures().at(0).account;
+    EXPECT_EQ(account.prior_log_odds, prior);
+    EXPECT_EQ(account.look_alikes, finds == 1 ? 2 : 1);
   }
 }
 
