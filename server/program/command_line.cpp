@@ -42,14 +42,18 @@ std::string wrong_option(const CLI::App& app, const Arguments& arguments) {
   return "";
 }
 
-/// The same of the first word where a command should be.
+/// The same of the first word that is nearly a command, where none was given; it may be an option's value
+/// that comes first.
 std::string wrong_command(const CLI::App& app, const Arguments& arguments) {
+  if (!app.get_subcommands().empty()) return "";
   Arguments names;
   for (const CLI::App* command : commands_of(app)) names.push_back(command->get_name());
-  const auto word = std::ranges::find_if(arguments, [](const auto& one) { return !one.starts_with("-"); });
-  if (names.empty() || word == arguments.end() || !app.get_subcommands().empty()) return "";
-  const std::string meant = did_you_mean(*word, names);
-  return meant.empty() ? "" : "there is no command '" + *word + "'" + meant;
+  for (const std::string& word : arguments) {
+    if (word.starts_with("-")) continue;
+    if (const std::string meant = did_you_mean(word, names); !meant.empty())
+      return "there is no command '" + word + "'" + meant;
+  }
+  return "";
 }
 
 /// The commands there are, where one should have been given.

@@ -93,13 +93,20 @@ def run(*command):
     return subprocess.run(command, check=True, timeout=600, capture_output=True, text=True).stdout
 
 
+def frames_of(client):
+    """Each frame's parent, by the newest that came of it."""
+    return {one["child_frame_id"]: one["parent_frame_id"] for message in client.messages.get("/tf", [])
+            for one in message["transforms"]}
+
+
 def watch(client):
     """Until two islands have merged and all that was expected has come."""
     end = time.monotonic() + LIMIT_S
     while time.monotonic() < end:
         client.hear()
         merged = any("merge" in one["message"] and "accepted" in one["message"] for one in client.messages.get("/log", []))
-        if merged and client.withdrawn and set(SCHEMAS) <= set(client.messages):
+        all_came = set(SCHEMAS) <= set(client.messages) and "island-0" in frames_of(client)
+        if merged and client.withdrawn and all_came:
             return
     raise RuntimeError(f"came: {sorted(client.messages)}, withdrawn: {client.withdrawn}")
 
@@ -108,8 +115,7 @@ def judge(client):
     for topic, schema in SCHEMAS.items():
         if client.schemas[topic] != f"foxglove.{schema}":
             raise RuntimeError(f"{topic} is {client.schemas[topic]}")
-    frames = {one["child_frame_id"]: one["parent_frame_id"] for message in client.messages["/tf"]
-              for one in message["transforms"]}
+    frames = frames_of(client)
     if frames.get("R1/laser") != "R1" or frames.get("R1") != "island-0" or frames.get("island-0") != "map":
         raise RuntimeError(f"frames: {frames}")
     grid = client.messages["/island-0/grid"][-1]

@@ -163,6 +163,9 @@ class Page(unittest.TestCase):
         self.wait_for("robots are named", lambda: self.text("robots").count("scans/s") == 2)
         self.assertTrue(self.js("document.getElementById('with-exploration').hidden"), "nobody explores")
         self.wait_for("they have merged", lambda: self.islands() == 1)
+        # Robots' clocks are those of the log: what they have just seen is no older for that.
+        self.wait_for("what they see is drawn", lambda: self.js(
+            "isthmus.sightings.some(({ray, time}) => ray && Math.abs(isthmus.status.time - time) < 30)"))
         self.picture("merged")
         player.wait()
         self.look_at_a_closure()

@@ -106,6 +106,8 @@ def judge_words(build, work):
     expect(bare.returncode == 2 and "wild" in bare.stderr, "a bare isthmus-campaign tells the campaigns", bare)
     nearly = run(os.path.join(build, "bin", "isthmus-simulate"), "--scenario", "metting", "-o", os.path.join(work, "x"))
     expect(nearly.returncode == 1 and "did you mean 'meeting'?" in nearly.stderr, "scenarios are suggested", nearly)
+    unread = run(os.path.join(build, "bin", "isthmus-command"), "--wait", "0", "withdraw", "x")
+    expect(unread.returncode == 2 and "not a closure's id: 'x'" in unread.stderr, "an order that cannot be read is wrong usage", unread)
     config = os.path.join(work, "start.toml")
     with open(config, "w", encoding="utf-8") as file:
         file.write(UNKNOWN_START)

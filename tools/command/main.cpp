@@ -135,6 +135,15 @@ Order order_of(const Arguments& arguments) {
   return order;
 }
 
+/// One that cannot be read is wrong usage.
+Order read_order(const Arguments& arguments) {
+  try {
+    return order_of(arguments);
+  } catch (const std::runtime_error& error) {
+    throw CLI::ValidationError(error.what());
+  }
+}
+
 std::int64_t wall_clock_utime() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
@@ -149,7 +158,7 @@ std::string no_answer(const Arguments& arguments, bool any_server) {
 }
 
 void send(const Arguments& arguments) {
-  Order order = order_of(arguments);
+  Order order = read_order(arguments);
   std::visit([](auto& body) { body.utime = wall_clock_utime(); }, order);
   if (!log_file_of(arguments.lcm_url).empty()) {
     throw std::runtime_error(arguments.lcm_url + ": a log takes no commands");

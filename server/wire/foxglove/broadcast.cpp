@@ -37,6 +37,7 @@ void Broadcast::hear(Viewer& viewer, std::string_view text) {
 
 void Broadcast::subscribe(Viewer& viewer, const Subscription& subscription) {
   OpenChannel* open = find(subscription.channel);
+  if (!open && subscription.channel < next_id_) return;  // closed while the request was on its way
   const bool is_used = std::ranges::any_of(viewer.subscription_of_,
                                            [&](const auto& one) { return one.second == subscription.id; });
   if (!open || is_used || viewer.subscription_of_.contains(subscription.channel)) {

@@ -135,11 +135,15 @@ JournalPlace read_snapshot_place(const std::string& path) {
 SnapshotSummary read_snapshot_summary(const std::string& path) {
   Content content;
   read_head(path, content.place, content.trajectory, content.monitor, content.events, content.last_utime);
-  SnapshotSummary summary{content.place, content.events, content.last_utime, 0};
+  SnapshotSummary summary{content.place, content.events, content.last_utime, {}};
   if (content.trajectory.empty()) return summary;
   const TrajectoryPart& newest = content.trajectory.back();
   read_rows(trajectory_path(fs::path(path).parent_path().string(), newest.segment), newest,
-            [&](const TrajectoryRow& row) { summary.scan_utime = std::max(summary.scan_utime, row.utime); });
+            [&](const TrajectoryRow& row) {
+              std::int64_t& newest_utime =
+                  summary.scan_utime.try_emplace(row.session, row.utime).first->second;
+              newest_utime = std::max(newest_utime, row.utime);
+            });
   return summary;
 }
 

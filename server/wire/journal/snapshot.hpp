@@ -66,7 +66,8 @@ struct SnapshotSummary {
   JournalPlace place;
   std::int64_t events = 0;      ///< as in ServedMap
   std::int64_t last_utime = 0;  ///< as in ServedMap
-  std::int64_t scan_utime = 0;  ///< newest stamp in the newest rows of the trajectory; 0: there are none
+  std::map<std::int32_t, std::int64_t>
+      scan_utime;  ///< newest stamp of each session in the newest rows of the trajectory
 };
 
 /// Throws as `read_snapshot`, but does not look at the map, nor at older rows.

@@ -1,6 +1,7 @@
 #include "server/wire/live/answers.hpp"
 
 #include "isthmus/answer_t.hpp"
+#include "server/engine/input/annotation_kind.hpp"
 #include "server/wire/message/encoded.hpp"
 
 namespace isthmus {
@@ -14,7 +15,8 @@ std::string name_of(const std::optional<Signature>& signer) {
 LogFields fields_of(const answer_t& answer) {
   LogFields fields = {{"order", answer.verb}};
   if (answer.closure >= 0) fields.push_back({"closure", std::to_string(answer.closure)});
-  if (!answer.robot.empty()) fields.push_back({"robot", answer.robot});
+  const bool is_drawn = value_of<AnnotationKind>(answer.verb).has_value();  // a place or zone has a name
+  if (!answer.robot.empty()) fields.push_back({is_drawn ? "name" : "robot", answer.robot});
   fields.push_back({"by", answer.sender.empty() ? "(unsigned)" : answer.sender});
   if (!answer.done) fields.push_back({"reason", answer.reason});
   return fields;

@@ -72,7 +72,7 @@ std::shared_ptr<const ShownMap> PageModel::shown() const {
 
 std::string PageModel::past_list() {
   const auto map = shown();
-  return past_.list(map ? map->first_utime : 0);
+  return map ? past_.list(*map) : "[]";
 }
 
 void PageModel::loop(const std::stop_token& stop) {

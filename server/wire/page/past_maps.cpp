@@ -41,6 +41,18 @@ Trails trails_of(const ShownMap& shown) {
   return trails;
 }
 
+/// Of a snapshot's newest scan: tenths of a second after the first patch of the map as it is now.
+std::int32_t newest_scan(const SnapshotSummary& summary, const ShownMap& now) {
+  std::int32_t newest = 0;
+  const std::vector<Session>& sessions = now.map().sessions;
+  for (const auto& [number, utime] : summary.scan_utime) {
+    if (number < 0 || static_cast<std::size_t>(number) >= sessions.size()) continue;
+    const std::string& robot = sessions[static_cast<std::size_t>(number)].robot;
+    newest = std::max(newest, tenths_after_first(now, now.clocks.server_utime(robot, utime)));
+  }
+  return newest;
+}
+
 /// Put together of texts that are JSON.
 std::string past_text(int snapshot, const SnapshotSummary& summary, const ShownMap& shown,
                       const TileStore& tiles) {
@@ -90,8 +102,7 @@ std::vector<int> PastMaps::snapshots() const {
   return numbers;
 }
 
-std::string PastMaps::list(std::int64_t first_utime) {
-  constexpr std::int64_t tenth_us = 100'000;
+std::string PastMaps::list(const ShownMap& now) {
   Json list = Json::array();
   const std::vector<int> numbers = snapshots();
   const std::lock_guard lock(indexing_);
@@ -105,7 +116,7 @@ std::string PastMaps::list(std::int64_t first_utime) {
     list.push_back({{"snapshot", number},
                     {"time", 1e-6 * static_cast<double>(entry.summary.last_utime)},
                     {"events", entry.summary.events},
-                    {"end", std::max<std::int64_t>(0, (entry.summary.scan_utime - first_utime) / tenth_us)}});
+                    {"end", newest_scan(entry.summary, now)}});
   }
   return list.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -116,7 +127,8 @@ PastMaps::Entry PastMaps::entry_of(int snapshot, const std::string& path) {
   const auto written = fs::last_write_time(path, gone);
   const auto known = entries_.find(snapshot);
   if (known != entries_.end() && !gone && known->second.written == written) return known->second;
-  Entry entry{written, {}, ""};
+  Entry entry;
+  entry.written = written;
   try {
     entry.summary = read_snapshot_summary(path);
     const std::string foreign = why_foreign(entry.summary.place, view_journal(directory_), snapshot);

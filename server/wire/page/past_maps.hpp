@@ -40,8 +40,9 @@ class PastMaps {
   std::vector<int> snapshots() const;
 
   /// JSON: of each of them `snapshot`, `time` (s, of its last event), `events`, `end` (of its newest scan:
-  /// tenths of a second after `first_utime`); or `error`, where it is of no use. Each is looked at once.
-  std::string list(std::int64_t first_utime);
+  /// tenths of a second after the first patch of the map as it is `now`); or `error`, where it is of no use.
+  /// Each is looked at once.
+  std::string list(const ShownMap& now);
 
   struct Found {
     std::shared_ptr<PastMap> map;  ///< none: see below

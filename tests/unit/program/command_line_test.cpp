@@ -55,6 +55,8 @@ TEST(CommandLine, AsksWhichCommandAndSuggestsOne) {
   EXPECT_EQ(wrong.exit_code, exit_usage);
   EXPECT_NE(wrong.err.find("there is no command 'withdrw'; did you mean 'withdraw'?"), std::string::npos)
       << wrong.err;
+  const Result later = run({"--output", "udpm://", "withdrw", "3"}, {"withdraw", "forbid"});
+  EXPECT_NE(later.err.find("did you mean 'withdraw'?"), std::string::npos) << later.err;
 }
 
 TEST(CommandLine, FailsWithTheReason) {

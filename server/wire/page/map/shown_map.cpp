@@ -84,28 +84,34 @@ void add_patches(Bytes& bytes, const ShownMap& shown, const std::vector<PatchId>
   each([&](std::size_t i) { return static_cast<float>(map.poses[i].x); });
   each([&](std::size_t i) { return static_cast<float>(map.poses[i].y); });
   each([&](std::size_t i) { return static_cast<float>(map.poses[i].yaw); });
-  each([&](std::size_t i) { return tenths_after_first(shown, i); });
+  each([&](std::size_t i) { return tenths_of_patch(shown, i); });
 }
 
-std::int64_t first_patch_utime(const MapCopy& map) {
+std::int64_t first_patch_utime(const MapCopy& map, const RobotClocks& clocks) {
   std::int64_t first = std::numeric_limits<std::int64_t>::max();
   for (const PatchPtr& patch : map.patches)
-    if (patch->tag < 0) first = std::min(first, patch->utime);
+    if (patch->tag < 0) first = std::min(first, clocks.server_utime(patch->robot, patch->utime));
   return first == std::numeric_limits<std::int64_t>::max() ? 0 : first;
 }
 
 }  // namespace
 
-std::int32_t tenths_after_first(const ShownMap& shown, std::size_t patch) {
+std::int32_t tenths_after_first(const ShownMap& shown, std::int64_t utime) {
   constexpr std::int64_t tenth_us = 100'000;
-  const std::int64_t tenths = (shown.map().patches[patch]->utime - shown.first_utime) / tenth_us;
-  return static_cast<std::int32_t>(
-      std::clamp<std::int64_t>(tenths, 0, std::numeric_limits<std::int32_t>::max()));
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>((utime - shown.first_utime) / tenth_us, 0,
+                                                            std::numeric_limits<std::int32_t>::max()));
+}
+
+std::int32_t tenths_of_patch(const ShownMap& shown, std::size_t patch) {
+  const PatchPtr& made = shown.map().patches[patch];
+  if (made->tag >= 0) return 0;
+  return tenths_after_first(shown, shown.clocks.server_utime(made->robot, made->utime));
 }
 
 ShownMap shown_map(LiveView view, const ShownMap* before, std::int64_t version) {
-  ShownMap shown{std::move(view), {}, {}, {}, 0};
-  shown.first_utime = first_patch_utime(shown.map());
+  ShownMap shown{std::move(view), {}, {}, {}, {}, 0};
+  shown.clocks = RobotClocks(shown.map());
+  shown.first_utime = first_patch_utime(shown.map(), shown.clocks);
   shown.island_of.resize(shown.map().patches.size());
   for (const std::vector<PatchId>& island : shown.map().graph.islands()) {
     for (const PatchId id : island) shown.island_of[static_cast<std::size_t>(id.value)] = island.front();

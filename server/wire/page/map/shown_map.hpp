@@ -8,6 +8,7 @@
 
 #include "isthmus/status_t.hpp"
 #include "server/engine/record/map_copy.hpp"
+#include "server/wire/page/map/robot_clocks.hpp"
 
 namespace isthmus {
 
@@ -25,7 +26,9 @@ struct ShownMap {
   std::vector<IslandId> island_of;           ///< by patch id
   std::map<IslandId, std::int64_t> version;  ///< of each island's patches and relations
   std::map<IslandId, std::uint64_t> look;    ///< tells whether they are others
-  std::int64_t first_utime = 0;              ///< stamp of the oldest patch that is no tag; 0: there is none
+  RobotClocks clocks;
+  std::int64_t first_utime =
+      0;  ///< of the oldest patch that is no tag, by the server's clock; 0: there is none
 
   const MapCopy& map() const { return *view.map; }
   bool has(PatchId patch) const {
@@ -42,8 +45,10 @@ struct ShownMap {
 /// others get `version`.
 ShownMap shown_map(LiveView view, const ShownMap* before, std::int64_t version);
 
-/// When a patch was made: tenths of a second after the first patch of the map; of tags 0.
-std::int32_t tenths_after_first(const ShownMap& shown, std::size_t patch);
+/// Tenths of a second from the first patch of the map to a time of the server's clock, 0 at least.
+std::int32_t tenths_after_first(const ShownMap& shown, std::int64_t utime);
+/// When a patch was made; of tags 0.
+std::int32_t tenths_of_patch(const ShownMap& shown, std::size_t patch);
 
 /// The patches of an island and its relations, for drawing: little-endian arrays, one behind the other.
 ///

@@ -8,7 +8,9 @@ namespace {
 
 constexpr double step_m = 0.5;
 constexpr std::size_t trail_steps = 200;
-constexpr std::size_t lately_poses = 100;
+/// As long as the page shows sightings, and then some: a robot that sends slowly is known for longer.
+constexpr std::size_t lately_poses = 400;
+constexpr std::int64_t lately_step_us = 100'000;
 constexpr std::int64_t near_us = 500'000;
 
 }  // namespace
@@ -19,9 +21,10 @@ void Trails::add(const RobotPose& pose) {
   const bool is_elsewhere = robot.trail.empty() || before.island != pose.island ||
                             std::hypot(pose.map_from_robot.x - before.map_from_robot.x,
                                        pose.map_from_robot.y - before.map_from_robot.y) > step_m;
-  robot.lately.push_back(pose);
-  if (robot.lately.size() > lately_poses) robot.lately.pop_front();
   robot.newest = pose;
+  if (robot.lately.empty() || std::abs(pose.utime - robot.lately.back().utime) >= lately_step_us)
+    robot.lately.push_back(pose);
+  if (robot.lately.size() > lately_poses) robot.lately.pop_front();
   if (!is_elsewhere) return;
   robot.at_step = pose;
   robot.trail.push_back(pose.pose);

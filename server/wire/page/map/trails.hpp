@@ -17,7 +17,7 @@ class Trails {
     RobotPose newest;
     RobotPose at_step;               ///< the newest when the trail's last step was made
     std::deque<ManifoldPose> trail;  ///< half a metre apart, the last 100 m
-    std::deque<RobotPose> lately;    ///< the last 100 poses
+    std::deque<RobotPose> lately;    ///< a tenth of a second apart, 400 at most
   };
 
   void add(const RobotPose& pose);

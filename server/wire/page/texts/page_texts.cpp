@@ -184,7 +184,7 @@ std::string islands_text(const ShownMap& shown, const std::map<IslandId, TileSto
   for (std::size_t i = 0; i < shown.island_of.size(); ++i) {
     patches[shown.island_of[i]] += 1;
     std::int32_t& end = newest[shown.island_of[i]];
-    end = std::max(end, tenths_after_first(shown, i));
+    end = std::max(end, tenths_of_patch(shown, i));
   }
   const RankedIslands ranked = rank_islands(shown.map());
   Json islands = Json::array();
@@ -248,14 +248,15 @@ std::string sightings_text(const Trails& trails, const ShownMap& shown) {
   Json sightings = Json::array();
   for (std::size_t i = log.size(); i > 0 && sightings.size() < max_sightings; --i) {
     const SightingRecord record = log[i - 1];
-    sightings.push_back({{"number", i - 1},
-                         {"time", as_seconds(record.sighting.utime)},
-                         {"robot", record.sighting.robot},
-                         {"barcode", record.sighting.barcode},
-                         {"verdict", std::string(word(record.verdict))},
-                         {"reason", std::string(word(record.reason))},
-                         {"closure", record.closure.value},
-                         {"ray", ray_json(trails, shown, record.sighting)}});
+    sightings.push_back(
+        {{"number", i - 1},
+         {"time", as_seconds(shown.clocks.server_utime(record.sighting.robot, record.sighting.utime))},
+         {"robot", record.sighting.robot},
+         {"barcode", record.sighting.barcode},
+         {"verdict", std::string(word(record.verdict))},
+         {"reason", std::string(word(record.reason))},
+         {"closure", record.closure.value},
+         {"ray", ray_json(trails, shown, record.sighting)}});
   }
   return line(sightings);
 }

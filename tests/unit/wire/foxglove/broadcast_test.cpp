@@ -124,6 +124,14 @@ TEST_F(FoxgloveBroadcast, ChannelsThatCloseAreWithdrawnAndTheirIdsNotUsedAgain) 
   EXPECT_TRUE(told().empty());  // no complaint, and nothing of the old channel
 }
 
+TEST_F(FoxgloveBroadcast, WhoAsksForAChannelThatHasJustClosedIsToldNothingMore) {
+  broadcast_.close("/scene");
+  told();
+  subscribe("/scene", 1);
+  EXPECT_TRUE(told().empty());
+  EXPECT_FALSE(broadcast_.is_heard("/scene"));
+}
+
 TEST_F(FoxgloveBroadcast, WrongSubscriptionsAreComplainedOf) {
   subscribe("/tf", 1);
   subscribe("/tf", 2);     // the channel has one

@@ -183,7 +183,9 @@ TEST(Snapshots, TellOfThemselvesWithoutTheirMap) {
     EXPECT_EQ(summary.events, snapshot.map.events);
     EXPECT_EQ(summary.last_utime, snapshot.map.last_utime);
     ASSERT_GT(map.trajectory_rows, 0U);
-    EXPECT_EQ(summary.scan_utime, map.trajectory->read(map.trajectory_rows - 1, 1).front().utime);
+    ASSERT_EQ(summary.scan_utime.size(), map.sessions.size());
+    for (const auto& [session, utime] : summary.scan_utime)
+      EXPECT_EQ(utime, map.sessions[static_cast<std::size_t>(session)].to_utime);
   }
 }
 

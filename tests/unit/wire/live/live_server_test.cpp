@@ -209,11 +209,16 @@ TEST(LiveServer, AnswersAndLogsEachOrder) {
   nonsense.utime = 7;
   nonsense.verb = "explode";
   push(inbox, "", {1, "ISTHMUS_COMMAND", encoded(nonsense)});
+  AnnotationEvent erase;
+  erase.utime = 8;
+  erase.kind = AnnotationKind::erase;
+  erase.name = "Dock 1";
+  push(inbox, "", encode({1, erase}));
   inbox.close();
   server.run();
 
   const auto answers = published.of<answer_t>("ISTHMUS_ANSWER");
-  ASSERT_EQ(answers.size(), 3U);
+  ASSERT_EQ(answers.size(), 4U);
   EXPECT_EQ(answers[0].order_utime, 5);
   EXPECT_EQ(answers[0].verb, "withdraw");
   EXPECT_EQ(answers[0].closure, 3);
@@ -224,11 +229,14 @@ TEST(LiveServer, AnswersAndLogsEachOrder) {
   EXPECT_EQ(answers[1].sender, "ALICE");
   EXPECT_EQ(answers[2].order_utime, 7);
   EXPECT_EQ(answers[2].reason, "unknown_command");
-  ASSERT_EQ(lines.size(), 3U);
+  ASSERT_EQ(lines.size(), 4U);
   EXPECT_EQ(lines[0],
             "level=warning msg=\"an order is refused\" order=withdraw closure=3 by=(unsigned) "
             "reason=no_such_closure");
   EXPECT_EQ(lines[1], "level=info msg=\"an order is carried out\" order=refine by=ALICE");
+  EXPECT_EQ(lines[3],
+            "level=warning msg=\"an order is refused\" order=erase name=\"Dock 1\" by=(unsigned) "
+            "reason=no_such_name");
 }
 
 TEST(LiveServer, CountsBadMessagesAndKeepsThemOutOfTheJournal) {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "server/exploration/expedition.hpp"
 #include "server/wire/journal/journal_files.hpp"
 #include "server/wire/journal/recovery/snapshots.hpp"
 #include "server/wire/message/message.hpp"
@@ -67,6 +68,10 @@ TEST(PageServer, ServesThePageAndNothingThatIsNotThere) {
   EXPECT_NE(index->body.find("Isthmus"), std::string::npos);
   EXPECT_NE(index->get_header_value("Content-Security-Policy").find("default-src 'none'"), std::string::npos);
   EXPECT_EQ(client.Get("/leaflet.js")->get_header_value("Content-Type"), "text/javascript");
+  const std::string words = client.Get("/words.js")->body;
+  for (const std::string_view reason : words_of<OrderReason>)
+    EXPECT_NE(words.find(std::string(reason) + ": \""), std::string::npos)
+        << "why a robot is sent somewhere: " << reason;
   for (const char* path : {"/nothing", "/../etc/passwd", "/tile/0/0/0/0?v=1", "/tile/x", "/tiles/",
                            "/patches/0", "/preview?closure=0", "/preview"})
     EXPECT_EQ(client.Get(path)->status, 404) << path;

@@ -9,21 +9,23 @@
 #include "server/wire/journal/journal_files.hpp"
 #include "server/wire/journal/recovery/snapshots.hpp"
 #include "tests/support/team_journal.hpp"
+#include "tests/unit/wire/page/page_maps.hpp"
 
 namespace isthmus {
 namespace {
 
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
+using testing::shown_of;
 
 constexpr std::int64_t first_version = 5000;
-constexpr std::int64_t box_room_begin_utime = 1'000'000'000;
-
 class PastMapsOfAJournal : public ::testing::Test {
  protected:
   PastMapsOfAJournal() { update_snapshots(journal_); }
 
   int newest() { return list_journal(journal_).snapshots.rbegin()->first; }
+  MapCopy newest_map() { return read_snapshot(snapshot_path(journal_, newest())).map.engine.copy(); }
+  Json list() { return Json::parse(past_.list(shown_of(newest_map()))); }
 
   const TemporaryDirectory directory_;
   const std::string journal_ = write_team_journal(directory_);
@@ -31,10 +33,10 @@ class PastMapsOfAJournal : public ::testing::Test {
 };
 
 TEST_F(PastMapsOfAJournal, AreListedWithTheirTimes) {
-  const Json list = Json::parse(past_.list(box_room_begin_utime));
-  ASSERT_EQ(list.size(), list_journal(journal_).snapshots.size());
+  const Json listed = list();
+  ASSERT_EQ(listed.size(), list_journal(journal_).snapshots.size());
   int before = -1;
-  for (const Json& one : list) {
+  for (const Json& one : listed) {
     const Snapshot snapshot = read_snapshot(snapshot_path(journal_, one.at("snapshot")));
     EXPECT_EQ(one.at("events"), snapshot.map.events);
     EXPECT_NEAR(one.at("time"), 1e-6 * static_cast<double>(snapshot.map.last_utime), 1e-6);
@@ -43,6 +45,14 @@ TEST_F(PastMapsOfAJournal, AreListedWithTheirTimes) {
     EXPECT_GT(one.at("end"), before);
     before = one.at("end");
   }
+}
+
+TEST_F(PastMapsOfAJournal, AreMarkedByTheServersClockAsPatchesAre) {
+  const Json listed = list();
+  MapCopy map = newest_map();
+  for (HealthRecord& record : map.health) *record.figures.clock_ahead_s += 1000;
+  const Json again = Json::parse(past_.list(shown_of(map)));
+  for (std::size_t i = 0; i < listed.size(); ++i) EXPECT_EQ(again[i].at("end"), listed[i].at("end"));
 }
 
 TEST_F(PastMapsOfAJournal, AreTheMapAsItWasWithRobotsWhereTheyWere) {
@@ -108,8 +118,7 @@ TEST_F(PastMapsOfAJournal, OneThatIsDamagedSaysSoAndIsListedSo) {
   EXPECT_FALSE(found.map);
   EXPECT_EQ(found.status, 500);
   EXPECT_EQ(found.why, "snapshot-000002.isthmus: is damaged: its checksum is another");
-  const Json list = Json::parse(past_.list(0));
-  EXPECT_EQ(list[1].at("error"), found.why);
+  EXPECT_EQ(list()[1].at("error"), found.why);
   EXPECT_TRUE(past_.find(1).map);
 }
 
@@ -122,10 +131,10 @@ TEST_F(PastMapsOfAJournal, OneWhoseRowsAreDamagedSaysSo) {
 
 TEST_F(PastMapsOfAJournal, OneThatIsReplacedIsLookedAtAgain) {
   flip_a_bit(snapshot_path(journal_, 2));
-  EXPECT_TRUE(Json::parse(past_.list(0))[1].contains("error"));
+  EXPECT_TRUE(list()[1].contains("error"));
   flip_a_bit(snapshot_path(journal_, 2));
   fs::last_write_time(snapshot_path(journal_, 2), fs::file_time_type::clock::now() + std::chrono::hours(1));
-  EXPECT_FALSE(Json::parse(past_.list(0))[1].contains("error"));
+  EXPECT_FALSE(list()[1].contains("error"));
 }
 
 TEST_F(PastMapsOfAJournal, OneOfAnotherJournalIsNotShown) {
@@ -140,6 +149,7 @@ TEST_F(PastMapsOfAJournal, OneOfAnotherJournalIsNotShown) {
 
 TEST_F(PastMapsOfAJournal, ManyAskersGetOneOrAreToldToComeAgain) {
   std::atomic<int> shown = 0;
+  const ShownMap now = shown_of(newest_map());
   std::vector<std::jthread> askers;
   for (int i = 0; i < 4; ++i) {
     askers.emplace_back([&, i] {
@@ -147,7 +157,7 @@ TEST_F(PastMapsOfAJournal, ManyAskersGetOneOrAreToldToComeAgain) {
         const PastMaps::Found found = past_.find(1 + (i + round) % 3);
         EXPECT_TRUE(found.map ? found.status == 200 : found.status == 503) << found.status;
         if (found.map) shown += 1;
-        past_.list(0);
+        past_.list(now);
       }
     });
   }
@@ -159,7 +169,7 @@ TEST(PastMaps, AreNoneWithoutAJournalOrOfOneThatIsGone) {
   for (const char* directory : {"", "/nowhere/at/all"}) {
     PastMaps past(directory, first_version);
     EXPECT_TRUE(past.snapshots().empty());
-    EXPECT_EQ(past.list(0), "[]");
+    EXPECT_EQ(past.list(shown_of({})), "[]");
     EXPECT_EQ(past.find(1).status, 404);
   }
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <tuple>
 
 #include "tests/unit/wire/page/page_maps.hpp"
 
@@ -36,6 +37,39 @@ TEST(ShownMap, AnIslandHasANewVersionWhenItsPatchesOrRelationsChange) {
   map.graph.add(testing::odometry_between(1, 2));
   const ShownMap merged = shown_map(view_of(map), &three, 10);
   EXPECT_EQ(merged.version, (std::map<IslandId, std::int64_t>{{PatchId{0}, 10}}));
+}
+
+/// R1 by the server's clock; R2's is three years behind.
+MapCopy map_of_two_clocks() {
+  constexpr std::int64_t behind_us = 100'000'000'000'000;
+  MapCopy map = map_of_islands({{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}});
+  for (const auto& [patch, robot, utime] :
+       {std::tuple(0, "R1", 10'000'000), {1, "R2", 20'000'000}, {2, "R1", 30'000'000}}) {
+    Patch made = *map.patches[static_cast<std::size_t>(patch)];
+    made.robot = robot;
+    made.utime = 5 * behind_us + utime - (made.robot == "R2" ? behind_us : 0);
+    map.patches[static_cast<std::size_t>(patch)] = std::make_shared<const Patch>(std::move(made));
+  }
+  map.health = {{"R1", {}, {}}, {"R2", {}, {}}};
+  map.health[0].figures.clock_ahead_s = 0;
+  map.health[1].figures.clock_ahead_s = -1e-6 * behind_us;
+  return map;
+}
+
+TEST(ShownMap, PatchesOfRobotsWhoseClocksDifferAreInTheOrderInWhichTheyCame) {
+  const ShownMap shown = shown_map(view_of(map_of_two_clocks()), nullptr, 1);
+  EXPECT_EQ(tenths_of_patch(shown, 0), 0);
+  EXPECT_EQ(tenths_of_patch(shown, 1), 100);
+  EXPECT_EQ(tenths_of_patch(shown, 2), 200);
+}
+
+TEST(ShownMap, StampsOfAnySizeHaveATime) {
+  MapCopy map = map_of_two_clocks();
+  for (const double ahead_s : {1e300, -1e300, 9e12, -9e12}) {
+    map.health[1].figures.clock_ahead_s = ahead_s;
+    const ShownMap shown = shown_map(view_of(map), nullptr, 1);
+    for (const std::size_t patch : {0U, 1U, 2U}) EXPECT_GE(tenths_of_patch(shown, patch), 0);
+  }
 }
 
 TEST(ShownMap, PatchesAndRelationsOfAnIslandAreArrays) {

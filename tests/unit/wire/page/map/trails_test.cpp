@@ -30,9 +30,9 @@ TEST(Trails, StepsAreHalfAMetreApartHoweverSlowlyARobotDrives) {
 
 TEST(Trails, AreBounded) {
   Trails trails;
-  for (int i = 0; i < 2000; ++i) trails.add(pose_at(i, i));
+  for (int i = 0; i < 2000; ++i) trails.add(pose_at(i, 100'000 * i));
   EXPECT_EQ(trails.robots().at("R1").trail.size(), 200U);
-  EXPECT_EQ(trails.robots().at("R1").lately.size(), 100U);
+  EXPECT_EQ(trails.robots().at("R1").lately.size(), 400U);
   EXPECT_EQ(trails.robots().at("R1").trail.back().patch_from_object.x, 1999);
 }
 
@@ -43,6 +43,16 @@ TEST(Trails, ARobotWasWhereItsPoseNearestInTimeSays) {
   EXPECT_EQ(trails.at("R1", 1'300'000)->patch_from_object.x, 9);
   EXPECT_FALSE(trails.at("R1", 1'500'000)) << "more than half a second later";
   EXPECT_FALSE(trails.at("R2", 340'000));
+}
+
+TEST(Trails, ARobotThatSendsFastIsKnownForAsLongAsSightingsAreShown) {
+  constexpr std::int64_t step_us = 20'000;
+  Trails trails;
+  for (int i = 0; i <= 2000; ++i) trails.add(pose_at(i, step_us * i));
+  const std::int64_t then = step_us * 2000 - 30'000'000;
+  ASSERT_TRUE(trails.at("R1", then));
+  EXPECT_NEAR(trails.at("R1", then)->patch_from_object.x, static_cast<double>(then) / step_us, 3);
+  EXPECT_EQ(trails.robots().at("R1").newest.utime, step_us * 2000);
 }
 
 }  // namespace

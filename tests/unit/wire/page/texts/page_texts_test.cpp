@@ -54,6 +54,17 @@ TEST(PageTexts, ASightingIsDrawnFromWhereItsObserverWas) {
   EXPECT_EQ(sightings[1].at("reason"), "agrees_with_map");
 }
 
+TEST(PageTexts, ASightingIsAsOldAsItIsByTheServersClock) {
+  MapCopy map = map_of_islands({{{0, 0, 0}}});
+  map.sightings = {{{"R1", 1'100'000, 7, 2, 0.1, 0, 0.1}, Verdict::accepted, Reason::agrees_with_map, {}},
+                   {{"R2", 1'100'000, 7, 2, 0.1, 0, 0.1}, Verdict::accepted, Reason::agrees_with_map, {}}};
+  map.health = {{"R1", {}, {}}};
+  map.health[0].figures.clock_ahead_s = -1000;
+  const Json sightings = Json::parse(sightings_text({}, shown_of(map)));
+  EXPECT_NEAR(sightings[1].at("time"), 1001.1, 1e-6);
+  EXPECT_NEAR(sightings[0].at("time"), 1.1, 1e-6) << "nothing is known of R2's clock";
+}
+
 TEST(PageTexts, ClosuresComeNewestFirstWithTheirRelations) {
   MapCopy map = map_of_islands({{{0, 0, 0}, {1, 0, 0}}});
   Relation relation = testing::odometry_between(0, 1);
