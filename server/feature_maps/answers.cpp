@@ -25,10 +25,11 @@ std::vector<RobotPose> FeatureMapper::take_answers() {
     pose.robot = name;
     pose.utime = own.rows.back().utime;
     pose.island = island_of(team);
-    pose.map_from_robot = team.filter.state().robots[static_cast<std::size_t>(own.member)].map_from_robot;
+    const OdometryPath here = pose_of(robot);
+    pose.map_from_robot = here.start_from_end;
     pose.pose.patch_from_object = pose.map_from_robot;
-    pose.covariance = pose_covariance(team.filter.state(), own.member);
-    pose.map_from_odom = pose.map_from_robot * inverse(robot.odom_from_last);
+    pose.covariance = here.covariance;
+    pose.map_from_odom = pose.map_from_robot * inverse(robot.odom_from_robot);
     pose.matched = robot.matched;
     answers.push_back(std::move(pose));
   }

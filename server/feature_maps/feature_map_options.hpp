@@ -1,9 +1,10 @@
 #pragma once
 
 #include "scanmatch/features/scan_features.hpp"
-#include "server/engine/input/options/robot_options.hpp"
+#include "server/engine/input/engine_options.hpp"
 #include "server/feature_maps/clue.hpp"
 #include "server/feature_maps/merging/merging_options.hpp"
+#include "server/feature_maps/tracking/tracking_options.hpp"
 #include "server/feature_maps/twins.hpp"
 #include "server/features/fusion.hpp"
 #include "server/features/options.hpp"
@@ -22,14 +23,8 @@ struct FeatureMapOptions {
   FilterOptions filter;
   ScanFeatureOptions scan_features;
   FusionOptions fusion;
-  OdometryNoiseOptions odometry_noise;
-  double stamp_share = 0.5;  ///< of a step that odometry and scan may be stamped apart: what it speeds up or
-                             ///< turns faster than the step before is so uncertain
-  double slip_m = 0.5;  ///< m and rad between the slips that are tried, about where odometry has the robot
-  double slip_rad = 0.2;
-  double slip_share = 0.5;          ///< of a scan's features: where fewer fit the map, a slip is tried
-  std::size_t slip_gain = 3;        ///< and believed where so many more fit then,
-  std::size_t min_slipped = 3;      ///< and no fewer than this in all
+  EngineOptions engine;             ///< of odometry's noise, and of scan tracking
+  TrackingOptions tracking;         ///< what scans are placed on
   double observe_every_m = 0.1;     ///< m driven between scans that are used: a step costs n²
   double observe_every_rad = 0.02;  ///< rad turned between them
   double wait_s = 0.2;              ///< of event time that scans and sightings wait for odometry

@@ -22,9 +22,8 @@ FeatureMapOptions feature_map_options(FeatureMapKind kind) {
   options.filter.max_features = 1000;
   options.scan_features.noise.surface_sigma_m = 0.02;
   options.scan_features.segmentation.min_length_m = 1;
-  options.fusion.points = false;                                // barcodes
-  if (kind == FeatureMapKind::points) options.stamp_share = 0;  // velocities are integrated, not measured
-  options.odometry_noise.first_scale = kind == FeatureMapKind::segments ? 2 : 3;
+  options.fusion.points = false;  // barcodes
+  options.engine.odometry_noise.first_scale = kind == FeatureMapKind::segments ? 2 : 3;
   return options;
 }
 
@@ -170,7 +169,10 @@ void FeatureMapper::apply(const MapInput& input) {
     if (robot.journey < 0) begin_journey(robot, input.odom_from_robot);
     return;
   }
-  move_to(robot, input.odom_from_robot);
+  if (robot.journey < 0) begin_journey(robot, input.odom_from_robot);
+  note_way(robot, input.odom_from_robot);
+  const bool by_scans = options_.kind == FeatureMapKind::segments && robot.declared.laser.range_max_m > 0;
+  if (!by_scans || input.kind == MapInputKind::sighted) move_by_odometry(robot);
   robot.last_utime = std::max(robot.last_utime, input.utime);
   if (input.kind == MapInputKind::sighted) {
     const auto& sighting = std::get<SightingEvent>(input.event->body);

@@ -36,9 +36,9 @@ struct FeatureCounts {
   std::int64_t events = 0;
   std::int64_t scans = 0;
   std::int64_t scans_used = 0;
+  std::int64_t scans_tracked = 0;  ///< of these, placed on those before them
   std::int64_t segments_seen = 0;
   std::int64_t segments_paired = 0;
-  std::int64_t slips = 0;         ///< scans that fit the map only where wheels had slipped
   std::int64_t contradicted = 0;  ///< features that went because scans see through them
   std::int64_t fusions = 0;
   std::int64_t withdrawn = 0;  ///< fusions that later sightings spoke against, and that were taken back
@@ -47,8 +47,8 @@ struct FeatureCounts {
   std::int64_t last_receive_utime = 0;
 
   auto members() {
-    return std::tie(events, scans, scans_used, segments_seen, segments_paired, slips, contradicted, fusions,
-                    withdrawn, dropped, first_receive_utime, last_receive_utime);
+    return std::tie(events, scans, scans_used, scans_tracked, segments_seen, segments_paired, contradicted,
+                    fusions, withdrawn, dropped, first_receive_utime, last_receive_utime);
   }
 };
 
@@ -131,12 +131,13 @@ class FeatureMapper {
   void record(MapInput input);
   void take_placed(FeatureRobot& robot, const Event& event, const Pose& odom_from_robot);
   void declare(const RobotEvent& event);
-  void move_to(FeatureRobot& robot, const Pose& odom_from_robot);
   void begin_journey(FeatureRobot& robot, const Pose& odom_from_robot);
+  void note_way(FeatureRobot& robot, const Pose& odom_from_robot);
+  void move_by_odometry(FeatureRobot& robot);
+  void move_by_scan(FeatureRobot& robot, const Scan& scan);
+  OdometryPath pose_of(const FeatureRobot& robot) const;
   bool observe(FeatureRobot& robot, const Scan& scan);
   bool keep_view(const FeatureRobot& robot, const Scan& scan);
-  FeatureScanOutcome observe_or_slip(FeatureFilter& filter, int member,
-                                     std::span<const ObservedFeature> seen);
   std::string use(FeatureRobot& robot, const MapInput& input);
   std::string use_landmark(const FeatureRobot& robot, const MapInput& input);
   std::string use_robot(const FeatureRobot& robot, const MapInput& input, const FeatureRobot& target);

@@ -50,6 +50,16 @@ void load(SnapshotReader& reader, FeatureFilter& filter) {
   std::apply([&](auto&... changing) { reader(changing...); }, filter.changing());
 }
 
+/// What scans are placed on is made again of the places' scans.
+void save(SnapshotWriter& writer, const ScanTracker& tracker) {
+  ScanTracker copy = tracker;
+  std::apply([&](auto&... members) { writer(members...); }, copy.changing());
+}
+
+void load(SnapshotReader& reader, ScanTracker& tracker) {
+  std::apply([&](auto&... members) { reader(members...); }, tracker.changing());
+}
+
 /// What inputs and waiting are: of these kinds.
 void save(SnapshotWriter& writer, const Event& event) {
   writer(event.receive_utime, static_cast<std::uint8_t>(event.body.index()));
@@ -140,6 +150,7 @@ bool FeatureMapper::is_sound() const {
 }
 
 void FeatureMapper::keep_options() {
+  for (auto& [name, robot] : robots_) robot.tracker.restore(options_.engine);
   for (Team& team : teams_) {
     FeatureFilter filter(options_.filter);
     filter.changing() = team.filter.changing();

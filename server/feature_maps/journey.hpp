@@ -10,6 +10,7 @@
 #include "server/engine/robot/odometry_noise.hpp"
 #include "server/engine/robot/odometry_track.hpp"
 #include "server/feature_maps/merging/free_view.hpp"
+#include "server/feature_maps/tracking/scan_tracker.hpp"
 
 namespace isthmus {
 
@@ -36,18 +37,19 @@ struct Journey {
 struct FeatureRobot {
   RobotEvent declared;
   OdometryTrack odometry;
-  OdometryNoise noise;
   int journey = -1;                ///< the present one; -1 before the first
-  Pose odom_from_last;             ///< odometry where its filter stands,
+  ScanTracker tracker;             ///< its way from scan to scan
+  OdometryPath since_tracked;      ///< what its filter was moved by odometry since the last scan used
+  Pose odom_from_last;             ///< odometry where its filter stands
+  Pose odom_from_robot;            ///< at the last input,
   std::int64_t last_utime = 0;     ///< and its stamp
-  Pose last_step;                  ///< by odometry
   double way_m = 0, turn_rad = 0;  ///< since a scan was used
   bool matched = false;            ///< the last scan that was used, by a feature of the map at least
   std::deque<Event> waiting;       ///< scans and sightings that odometry has not reached
 
   auto members() {
-    return std::tie(declared, odometry, noise, journey, odom_from_last, last_utime, last_step, way_m,
-                    turn_rad, matched, waiting);
+    return std::tie(declared, odometry, journey, tracker, since_tracked, odom_from_last, odom_from_robot,
+                    last_utime, way_m, turn_rad, matched, waiting);
   }
 };
 

@@ -41,25 +41,50 @@ void FeatureMapper::begin_journey(FeatureRobot& robot, const Pose& odom_from_rob
   Team team{FeatureFilter(options_.filter), {static_cast<int>(journeys_.size())}, {}};
   team.filter.add_robot({}, Eigen::Matrix3d::Zero());
   robot.journey = static_cast<int>(journeys_.size());
-  robot.odom_from_last = odom_from_robot;
-  robot.noise = OdometryNoise(options_.odometry_noise);
+  robot.odom_from_last = robot.odom_from_robot = odom_from_robot;
+  robot.tracker = ScanTracker(options_.engine.odometry_noise);
+  robot.since_tracked = {};
   robot.way_m = options_.observe_every_m;  // its first scan is used
   journeys_.push_back({robot.declared.robot, static_cast<int>(teams_.size()), 0, {}, {}});
   teams_.push_back(std::move(team));
 }
 
-void FeatureMapper::move_to(FeatureRobot& robot, const Pose& odom_from_robot) {
-  if (robot.journey < 0) return begin_journey(robot, odom_from_robot);
-  const Pose step = ominus(odom_from_robot, robot.odom_from_last);
-  robot.odom_from_last = odom_from_robot;
-  if (step == Pose{}) return;
-  const Journey& own = journey(robot);
-  Eigen::Matrix3d covariance = robot.noise.covariance(step, options_.odometry_noise);
-  covariance.diagonal() += (options_.stamp_share * wrapped_difference(step, robot.last_step)).cwiseAbs2();
-  team_of(own).filter.move(own.member, step, covariance);
-  robot.last_step = step;
+void FeatureMapper::note_way(FeatureRobot& robot, const Pose& odom_from_robot) {
+  const Pose step = ominus(odom_from_robot, robot.odom_from_robot);
+  robot.odom_from_robot = odom_from_robot;
   robot.way_m += std::hypot(step.x, step.y);
   robot.turn_rad += std::abs(step.yaw);
+}
+
+/// Its filter moves on to the last input, by odometry.
+void FeatureMapper::move_by_odometry(FeatureRobot& robot) {
+  const Pose step = ominus(robot.odom_from_robot, robot.odom_from_last);
+  robot.odom_from_last = robot.odom_from_robot;
+  if (step == Pose{}) return;
+  const Eigen::Matrix3d covariance = robot.tracker.noise().covariance(step, options_.engine.odometry_noise);
+  const Journey& own = journey(robot);
+  team_of(own).filter.move(own.member, step, covariance);
+  robot.since_tracked.append(step, covariance);
+}
+
+/// The same by the scan there.
+void FeatureMapper::move_by_scan(FeatureRobot& robot, const Scan& scan) {
+  const std::optional<TrackedStep> tracked = robot.tracker.take(
+      scan, robot.declared.laser, robot.odom_from_robot, options_.engine, options_.tracking);
+  if (tracked) {
+    // Where a part of the way was odometry's already, what that erred by is made good.
+    const OdometryPath& told = robot.since_tracked;
+    const OminusJacobians by = ominus_jacobians(tracked->from_last, told.start_from_end);
+    const Journey& own = journey(robot);
+    team_of(own).filter.move(own.member, ominus(tracked->from_last, told.start_from_end),
+                             by.by_q * tracked->covariance * by.by_q.transpose() +
+                                 by.by_pi * told.covariance * by.by_pi.transpose());
+    robot.odom_from_last = robot.odom_from_robot;
+    counts_.scans_tracked += tracked->matched ? 1 : 0;
+  } else {
+    move_by_odometry(robot);
+  }
+  robot.since_tracked = {};
 }
 
 /// Whether it was seen from where no scan was used before.
@@ -67,13 +92,14 @@ bool FeatureMapper::observe(FeatureRobot& robot, const Scan& scan) {
   if (options_.kind != FeatureMapKind::segments) return false;
   if (robot.way_m < options_.observe_every_m && robot.turn_rad < options_.observe_every_rad) return false;
   robot.way_m = robot.turn_rad = 0;
+  move_by_scan(robot, scan);
   std::vector<ObservedFeature> seen;
   for (const ScanSegment& segment :
        find_features(scan, robot.declared.laser, options_.scan_features).segments)
     seen.push_back(segment.observed);
   const Journey& own = journey(robot);
   FeatureFilter& filter = team_of(own).filter;
-  const FeatureScanOutcome outcome = observe_or_slip(filter, own.member, seen);
+  const FeatureScanOutcome outcome = filter.observe(own.member, seen);
   FeatureScanOutcome still_there = outcome;  // a laser sees no barcode, and past one that hangs in the open
   for (const auto& [barcode, id] : team_of(own).landmarks) still_there.paired.push_back({0, id});
   const std::vector<int> gone =
@@ -94,38 +120,21 @@ bool FeatureMapper::keep_view(const FeatureRobot& robot, const Scan& scan) {
   return true;
 }
 
-FeatureScanOutcome FeatureMapper::observe_or_slip(FeatureFilter& filter, int member,
-                                                  std::span<const ObservedFeature> seen) {
-  const FeatureFilter before = filter;
-  FeatureScanOutcome best = filter.observe(member, seen);
-  if (static_cast<double>(best.paired.size()) >= options_.slip_share * static_cast<double>(seen.size()))
-    return best;
-  const Eigen::Vector3d sigma(0.5 * options_.slip_m, 0.5 * options_.slip_m, 0.5 * options_.slip_rad);
-  bool is_slip = false;
-  std::size_t enough = std::max(options_.min_slipped, best.paired.size() + options_.slip_gain);
-  for (const double yaw : {0.0, -1.0, 1.0, -2.0, 2.0}) {
-    for (const double x : {0.0, -1.0, 1.0}) {
-      for (const double y : {0.0, -1.0, 1.0}) {
-        FeatureFilter slipped = before;
-        slipped.move(member, {options_.slip_m * x, options_.slip_m * y, options_.slip_rad * yaw},
-                     sigma.cwiseAbs2().asDiagonal());
-        FeatureScanOutcome outcome = slipped.observe(member, seen);
-        if (outcome.paired.size() < enough) continue;
-        enough = outcome.paired.size() + 1;
-        is_slip = true;
-        best = std::move(outcome);
-        filter = std::move(slipped);
-      }
-    }
-  }
-  if (is_slip) ++counts_.slips;
-  return best;
+/// Where it is in its map: where its filter stands, and by odometry from there.
+OdometryPath FeatureMapper::pose_of(const FeatureRobot& robot) const {
+  const Journey& own = journey(robot);
+  const FeatureState& state = teams_[static_cast<std::size_t>(own.team)].filter.state();
+  OdometryPath pose{state.robots[static_cast<std::size_t>(own.member)].map_from_robot,
+                    pose_covariance(state, own.member)};
+  const Pose step = ominus(robot.odom_from_robot, robot.odom_from_last);
+  if (!(step == Pose{}))
+    pose.append(step, robot.tracker.noise().covariance(step, options_.engine.odometry_noise));
+  return pose;
 }
 
 void FeatureMapper::add_row(const FeatureRobot& robot, std::int64_t utime) {
   Journey& own = journeys_[static_cast<std::size_t>(robot.journey)];
-  const FeatureState& state = team_of(own).filter.state();
-  own.rows.push_back({utime, state.robots[static_cast<std::size_t>(own.member)].map_from_robot});
+  own.rows.push_back({utime, pose_of(robot).start_from_end});
   moved_.insert(own.robot);
 }
 

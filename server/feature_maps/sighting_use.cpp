@@ -49,9 +49,10 @@ std::string FeatureMapper::use(FeatureRobot& robot, const MapInput& input) {
   if (target.journey < 0) return "target_not_on_map";
   const std::int64_t known_utime = input.utime - static_cast<std::int64_t>(1e6 * input.target_late_s);
   if (input.odom_from_target && known_utime > target.last_utime) {
-    move_to(target, *input.odom_from_target);
+    note_way(target, *input.odom_from_target);
     target.last_utime = known_utime;
   }
+  move_by_odometry(target);
   return use_robot(robot, input, target);
 }
 

@@ -70,8 +70,8 @@ void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot
   robot.local_map_stamp = robot.surroundings.stamp();
 }
 
-void follow(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,
-            const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options) {
+void move_on(Robot& robot, const Expectation& expectation, const Placement& placement,
+             const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options) {
   Localisation& place = *robot.place;
   const Pose matched_step = ominus(placement.local_from_robot, place.pose.patch_from_object);
   if (placement.matched && expectation.plausible && !expectation.catches_up) {
@@ -104,6 +104,11 @@ void follow(const Map& map, Robot& robot, const Expectation& expectation, const 
   place.utime = utime;
   place.suspect = placement.matched ? false : place.suspect || !expectation.plausible;
   place.lost_scans = placement.matched ? 0 : place.lost_scans + 1;
+}
+
+void follow(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,
+            const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options) {
+  move_on(robot, expectation, placement, odom_from_robot, utime, options);
   project_on_manifold(map, robot, placement, options.follow);
 }
 

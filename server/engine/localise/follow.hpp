@@ -13,7 +13,12 @@ namespace isthmus {
 void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot,
                       std::span<const ScanPoint> points, const EngineOptions& options);
 
-/// Moves the robot's place on to a scan (eqs. 13, 14), and learns from it how far its odometry is right.
+/// What a scan tells of the robot's step and of its odometry, its place in the frame of its patch left as it
+/// is: how far odometry is right is learned from it.
+void move_on(Robot& robot, const Expectation& expectation, const Placement& placement,
+             const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options);
+
+/// Moves the robot's place on to a scan (eqs. 13, 14), after move_on.
 void follow(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,
             const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options);
 

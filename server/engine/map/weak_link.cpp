@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "server/engine/map/dependencies.hpp"
+#include "server/engine/map/slip_density.hpp"
 
 namespace isthmus {
 namespace {
@@ -58,16 +58,6 @@ struct Contradicted {
 
   IslandId island() const { return before.island(loop.first.front()); }
 };
-
-// Log-density (per m² rad) of a wrong link's being off by so much: Cauchy's distribution in the plane, and
-// wrapped around the circle (Mardia and Jupp, 2000, "Directional statistics", 3.5.7).
-double log_slip_density(const Eigen::Vector3d& off, const WeakLinkOptions& its) {
-  const double far = std::hypot(its.slip_m, off.x(), off.y());
-  const double in_plane = its.slip_m / (2 * std::numbers::pi * far * far * far);
-  const double of_yaw =
-      std::sinh(its.slip_rad) / (2 * std::numbers::pi * (std::cosh(its.slip_rad) - std::cos(off.z())));
-  return std::log(in_plane) + std::log(of_yaw);
-}
 
 // Log-odds that the link is right, by how far it would have to be off: that another place looks alike just
 // there, rather than that it slipped so far. Nothing for small slips, as what looks alike is often near, too.
