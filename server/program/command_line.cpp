@@ -51,7 +51,7 @@ std::string wrong_command(const CLI::App& app, const Arguments& arguments) {
   for (const std::string& word : arguments) {
     if (word.starts_with("-")) continue;
     if (const std::string meant = did_you_mean(word, names); !meant.empty())
-      return "there is no command '" + word + "'" + meant;
+      return std::string("there is no command '").append(word).append("'").append(meant);
   }
   return "";
 }
