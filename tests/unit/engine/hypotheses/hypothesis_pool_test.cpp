@@ -83,7 +83,7 @@ TEST(HypothesisPool, OfOneFindIsAsSureAsItSaysUpToABoundAndOnePlaceOfTwo) {
     for (std::size_t i = 0; i < finds; ++i) its.find(4 * i, {0, 1.5, 0}, 1, log_odds);
     ASSERT_TRUE(its.propose());
     its.take_outcomes();
-    const TrialAccount& account = its.closures.closures().at(0).account;
+    const TrialAccount account = its.closures.closures().at(0).account;
     EXPECT_EQ(account.prior_log_odds, prior);
     EXPECT_EQ(account.look_alikes, finds == 1 ? 2 : 1);
   }
