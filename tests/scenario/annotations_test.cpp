@@ -73,13 +73,6 @@ Events drawn_on(unsigned seed) {
 
 std::string geojson_of(const MapCopy& map) { return annotations_geojson(map, rank_islands(map)); }
 
-std::shared_ptr<TrajectoryStore> rows_of(const Engine& engine) {
-  const MapCopy map = engine.copy();
-  auto rows = std::make_shared<TrajectoryStore>();
-  for (const TrajectoryRow& row : map.trajectory->read(0, map.trajectory_rows)) rows->append(row);
-  return rows;
-}
-
 MapCopy finished(Engine engine) {
   engine.finish();
   return engine.copy();

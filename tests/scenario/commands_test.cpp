@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 
 #include "tests/support/temporary_directory.hpp"
 
@@ -18,13 +16,6 @@ struct CommandResult {
   std::string out;
   std::string err;
 };
-
-std::string content(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 /// Runs isthmus-<arguments> in a directory.
 CommandResult isthmus(const TemporaryDirectory& directory, const std::string& arguments) {
@@ -44,7 +35,7 @@ std::vector<std::string> files_of(const TemporaryDirectory& directory) {
   return names;
 }
 
-const std::string odometry = "ODOM 0 0 0 0 0 0 1.5 host 1.5\n";
+const std::string odometry_line = "ODOM 0 0 0 0 0 0 1.5 host 1.5\n";
 
 TEST(Commands, HelpFitsAScreenAndAWrongOptionExitsWithTwo) {
   const TemporaryDirectory directory;
@@ -81,7 +72,7 @@ TEST(Commands, ResultsAreNotWrittenOverUnlessForced) {
 
 TEST(Commands, AnImportThatFailsNamesFileAndLineAndLeavesNothing) {
   const TemporaryDirectory directory;
-  directory.write("r.clf", odometry + "ODOM 1 2\n");
+  directory.write("r.clf", odometry_line + "ODOM 1 2\n");
   const CommandResult run = isthmus(directory, "import carmen --robot R1=r.clf -o run.lcm");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.err, "isthmus-import: r.clf:2: wrong count of fields in ODOM: 3 instead of 10\n");
@@ -90,7 +81,7 @@ TEST(Commands, AnImportThatFailsNamesFileAndLineAndLeavesNothing) {
 
 TEST(Commands, BadLinesCanBeSkippedAndAreCounted) {
   const TemporaryDirectory directory;
-  directory.write("r.clf", odometry + "ODOM 1 2\n" + odometry);
+  directory.write("r.clf", odometry_line + "ODOM 1 2\n" + odometry_line);
   const CommandResult run = isthmus(directory, "import carmen --skip-bad-lines --robot R1=r.clf -o run.lcm");
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_NE(run.out.find("1 bad lines skipped"), std::string::npos) << run.out;
@@ -141,7 +132,7 @@ TEST(Commands, ReplayOfWhatIsNoLogFailsAndWritesNothing) {
 
 TEST(Commands, ReplayReportsDamagedBytesWithTheirPlace) {
   const TemporaryDirectory directory;
-  directory.write("r.clf", odometry + odometry);
+  directory.write("r.clf", odometry_line + odometry_line);
   ASSERT_EQ(isthmus(directory, "import carmen --robot R1=r.clf -o run.lcm").exit_code, 0);
   std::string log = content(directory / "run.lcm");
   directory.write("run.lcm", log.substr(0, log.size() - 5));
@@ -154,7 +145,7 @@ TEST(Commands, ReplayReportsDamagedBytesWithTheirPlace) {
 
 TEST(Commands, ABadConfigurationIsNamedWithItsLine) {
   const TemporaryDirectory directory;
-  directory.write("r.clf", odometry);
+  directory.write("r.clf", odometry_line);
   directory.write("bad.toml", "\nnonsense = 1\n");
   ASSERT_EQ(isthmus(directory, "import carmen --robot R1=r.clf -o run.lcm").exit_code, 0);
   const CommandResult run = isthmus(directory, "replay run.lcm --output map --config bad.toml");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,12 @@ inline Events delayed(Events events, const std::string& robot, std::int64_t by_u
   }
   std::ranges::stable_sort(events, {}, &Event::receive_utime);
   return events;
+}
+
+/// Two robots of a small office that pass one another twice.
+inline const SimulatedRun& meeting() {
+  static const SimulatedRun run = simulate(load_scenario("meeting"), 1);
+  return run;
 }
 
 /// An engine after a run's events but not finished, and why it dropped which of them.
@@ -119,6 +126,14 @@ inline MapDifference compare_patches(const MapCopy& a, const MapCopy& b,
   }
   for (const auto& [key, pose] : of_b) difference.only_in_one += of_a.contains(key) ? 0 : 1;
   return difference;
+}
+
+/// The trajectory that an engine has written so far.
+inline std::shared_ptr<TrajectoryStore> rows_of(const Engine& engine) {
+  const MapCopy map = engine.copy();
+  auto rows = std::make_shared<TrajectoryStore>();
+  for (const TrajectoryRow& row : map.trajectory->read(0, map.trajectory_rows)) rows->append(row);
+  return rows;
 }
 
 }  // namespace isthmus

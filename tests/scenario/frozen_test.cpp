@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "tests/scenario/event_sequences.hpp"
+#include "tests/support/recorded_data.hpp"
 #include "tools/import/import.hpp"
 
 namespace isthmus {
@@ -311,8 +311,7 @@ TEST(FrozenMap, MatchesARobotThatRestartedWhereItWas) {
 }
 
 Events recorded_intel() {
-  const char* given = std::getenv("ISTHMUS_DATA");
-  const std::string file = std::string(given != nullptr ? given : "../shared/data") + "/bench/intel.clf.gz";
+  const std::string file = data_directory() + "/bench/intel.clf.gz";
   Events events;
   if (!std::filesystem::exists(file)) return events;
   CarmenImport what;

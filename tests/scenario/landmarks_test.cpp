@@ -1,17 +1,14 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 
+#include "tests/support/recorded_data.hpp"
 #include "tools/evaluate/landmark_maps.hpp"
 
 namespace isthmus {
 namespace {
 
-std::string log_of(const std::string& name) {
-  const char* given = std::getenv("ISTHMUS_DATA");
-  return (given != nullptr ? std::string(given) : "../shared/data") + "/features/" + name + ".txt.gz";
-}
+std::string log_of(const std::string& name) { return data_directory() + "/features/" + name + ".txt.gz"; }
 
 TEST(Landmarks, RecordedLogsAreMappedAsWellAsMeasured) {
   const std::string city = log_of("cityTrees10000"), park = log_of("victoriaPark");

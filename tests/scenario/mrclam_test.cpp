@@ -4,9 +4,9 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
+#include "tests/support/recorded_data.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/evaluate/tags.hpp"
 #include "tools/evaluate/trajectories.hpp"
@@ -15,12 +15,9 @@
 namespace isthmus {
 namespace {
 
-std::string set_directory() {
-  const char* given = std::getenv("ISTHMUS_DATA");
-  return std::string(given != nullptr ? given : "../shared/data") + "/mrclam/MRCLAM_Dataset6";
-}
+std::string set_directory() { return data_directory() + "/mrclam/MRCLAM_Dataset6"; }
 
-struct Truth {
+struct TruthOfSet {
   std::map<std::string, Trajectory> robots;
   std::map<std::int32_t, Eigen::Vector2d> tags;
   std::map<std::int32_t, std::string> robot_of_barcode;
@@ -51,7 +48,7 @@ class Mrclam : public testing::Test {
   MrclamImport what_;
   ImportReport report_;
   std::vector<Event> events_;
-  Truth truth_;
+  TruthOfSet truth_;
 };
 
 TEST_F(Mrclam, EveryLineBecomesAnEvent) {

@@ -7,11 +7,6 @@
 namespace isthmus {
 namespace {
 
-const SimulatedRun& meeting() {
-  static const SimulatedRun run = simulate(load_scenario("meeting"), 1);
-  return run;
-}
-
 /// A time of the run, and what the operator says then.
 struct Said {
   double at_s;

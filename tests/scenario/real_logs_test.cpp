@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <optional>
 #include <string>
 
 #include "server/wire/journal/event_log.hpp"
+#include "tests/support/recorded_data.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/evaluate/relation_error.hpp"
 #include "tools/import/import.hpp"
@@ -35,11 +35,6 @@ constexpr Gate gates[] = {
     {"fr079", -0.04, 0.0350, 0.51, 0.0340, 0.465},
     {"aces", 0, 0.0405, 0.38, 0.0390, 0.355},
 };
-
-std::string data_directory() {
-  const char* given = std::getenv("ISTHMUS_DATA");
-  return given != nullptr ? given : "../shared/data";
-}
 
 /// Imports a log of the benchmark; the path of the event log, nothing where there is no data.
 std::optional<std::string> imported(const Gate& gate, const TemporaryDirectory& directory) {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <ostream>
@@ -14,6 +13,7 @@
 
 #include "server/engine/engine.hpp"
 #include "server/output/output.hpp"
+#include "tests/support/recorded_data.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/evaluate/relation_error.hpp"
 #include "tools/import/import.hpp"
@@ -30,13 +30,8 @@ struct TeamGate {
 
 std::ostream& operator<<(std::ostream& stream, const TeamGate& gate) { return stream << gate.set; }
 
-constexpr TeamGate gates[] = {
+constexpr TeamGate team_gates[] = {
     {"fr079-3", 3, 0.055}, {"intel-2", 2, 0.03}, {"intel-2-double", 2, 0.03}, {"intel-4", 4, 0.03}};
-
-std::string data_directory() {
-  const char* given = std::getenv("ISTHMUS_DATA");
-  return std::string(given != nullptr ? given : "../shared/data") + "/multi/";
-}
 
 /// Stamp, observer and barcode name a sighting.
 using SightingName = std::tuple<std::int64_t, std::string, int>;
@@ -64,7 +59,7 @@ class RealTeam : public testing::TestWithParam<TeamGate> {};
 
 TEST_P(RealTeam, MergesByTrueSightingsAloneIntoOneAccurateIsland) {
   const TeamGate& gate = GetParam();
-  const std::string set = data_directory() + gate.set + "/";
+  const std::string set = data_directory() + "/multi/" + gate.set + "/";
   if (!std::filesystem::exists(set)) GTEST_SKIP() << "no recorded data at " << set << " (ISTHMUS_DATA)";
   CarmenImport what;
   for (int i = 1; i <= gate.robots; ++i)
@@ -107,7 +102,7 @@ TEST_P(RealTeam, MergesByTrueSightingsAloneIntoOneAccurateIsland) {
               inter.translation_m.deviation, inter.count);
 }
 
-INSTANTIATE_TEST_SUITE_P(Sets, RealTeam, testing::ValuesIn(gates), [](const auto& test) {
+INSTANTIATE_TEST_SUITE_P(Sets, RealTeam, testing::ValuesIn(team_gates), [](const auto& test) {
   std::string name = test.param.set;
   std::ranges::replace(name, '-', '_');
   return name;

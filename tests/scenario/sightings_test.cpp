@@ -10,11 +10,6 @@
 namespace isthmus {
 namespace {
 
-const SimulatedRun& meeting() {
-  static const SimulatedRun run = simulate(load_scenario("meeting"), 1);
-  return run;
-}
-
 std::string finished_sha256(const Events& events) { return map_sha256(map_events(events)); }
 
 RelationComparison inter_error(const SimulatedRun& run, const MapCopy& map) {

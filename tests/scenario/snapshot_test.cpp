@@ -21,13 +21,6 @@ struct Case {
 
 void PrintTo(const Case& tried, std::ostream* out) { *out << tried.scenario; }
 
-std::shared_ptr<TrajectoryStore> rows_of(const Engine& engine) {
-  const MapCopy map = engine.copy();
-  auto rows = std::make_shared<TrajectoryStore>();
-  for (const TrajectoryRow& row : map.trajectory->read(0, map.trajectory_rows)) rows->append(row);
-  return rows;
-}
-
 class EngineSnapshot : public testing::TestWithParam<Case> {};
 
 TEST_P(EngineSnapshot, GoesOnAsTheEngineThatItWasTakenOf) {

@@ -7,6 +7,7 @@
 #include "server/engine/map/dependencies.hpp"
 #include "server/output/tables/trajectories.hpp"
 #include "tests/scenario/event_sequences.hpp"
+#include "tests/support/recorded_data.hpp"
 #include "tools/import/import.hpp"
 
 namespace isthmus {
@@ -69,7 +70,7 @@ struct Team {
   MapCopy plain;
   ClosureId merge;
   MapCopy reference;
-  double merged_s = 0;
+  double merge_s = 0;
   double end_s = 0;
 };
 
@@ -78,7 +79,7 @@ Team run_of(const std::string& scenario, std::uint64_t seed = 1) {
   its.plain = map_events(its.run.events);
   its.merge = first_accepted(its.plain, ClosureKind::merge);
   its.reference = forbidden_from_the_beginning(its.run.events, its.merge);
-  its.merged_s = seconds_of(its.run.events, closure_of(its.plain, its.merge.value).end_utime);
+  its.merge_s = seconds_of(its.run.events, closure_of(its.plain, its.merge.value).end_utime);
   its.end_s = seconds_of(its.run.events, its.run.events.back().receive_utime);
   return its;
 }
@@ -120,7 +121,7 @@ void expect_like_the_reference(const Team& run, const MapCopy& map) {
 TEST(Withdrawn, MergeOfRobotsWithTagsPartsThemWheneverItComes) {
   ASSERT_TRUE(robots_together(tags().reference).empty());
   ASSERT_GT(depending_on(tags().plain, tags().merge), 100U);
-  for (const double at_s : {tags().merged_s + 0.5, tags().merged_s + 20, tags().end_s - 0.2})
+  for (const double at_s : {tags().merge_s + 0.5, tags().merge_s + 20, tags().end_s - 0.2})
     expect_like_the_reference(
         tags(), map_events(with_command(tags().run.events, at_s, Verb::withdraw, tags().merge)));
 }
@@ -138,7 +139,7 @@ TEST(Withdrawn, BothJoinsOfRobotsWithTagsLeaveNoRelationBetweenThem) {
 
 TEST(Withdrawn, MergeOfRobotsWithoutALaserPartsThemToTheEnd) {
   ASSERT_TRUE(robots_together(blind().reference).empty());
-  for (const double at_s : {blind().merged_s + 0.5, blind().merged_s + 20, blind().end_s - 0.2}) {
+  for (const double at_s : {blind().merge_s + 0.5, blind().merge_s + 20, blind().end_s - 0.2}) {
     const Events events = with_command(blind().run.events, at_s, Verb::withdraw, blind().merge);
     Engine engine;
     std::int64_t look_utime = after_s(events, at_s);
@@ -163,7 +164,7 @@ TEST(Withdrawn, LoopTakesWhatRestedOnItAlong) {
 }
 
 TEST(Withdrawn, StaysSoAfterARestartFromASnapshot) {
-  const double at_s = blind().merged_s + 20;
+  const double at_s = blind().merge_s + 20;
   const Events events = with_command(blind().run.events, at_s, Verb::withdraw, blind().merge);
   Engine uninterrupted;
   Engine restarted;
@@ -196,7 +197,7 @@ TEST(Withdrawn, StaysSoAfterARestartFromASnapshot) {
 
 TEST(Withdrawn, AndAllowedAgainComesBack) {
   for (const Team* run : {&tags(), &blind()}) {
-    const double at_s = run->merged_s + 5;
+    const double at_s = run->merge_s + 5;
     Events events = with_command(run->run.events, at_s, Verb::withdraw, run->merge);
     events = with_command(events, at_s + 5, Verb::allow, run->merge);
     const MapCopy map = map_events(events);
@@ -209,7 +210,7 @@ TEST(Withdrawn, AndAllowedAgainComesBack) {
 
 // Four robots, three merges: the others' go on as in the reference.
 TEST(Withdrawn, MergeAmongFourRobotsLeavesTheIslandsOfTheReference) {
-  for (const double at_s : {office().merged_s + 20, office().end_s - 0.2})
+  for (const double at_s : {office().merge_s + 20, office().end_s - 0.2})
     expect_like_the_reference(
         office(), map_events(with_command(office().run.events, at_s, Verb::withdraw, office().merge)));
 }
@@ -228,8 +229,7 @@ TEST(Forbidden, MergeOfRobotsWithoutALaserStaysSoHoweverItIsFoundAgain) {
 }
 
 Events events_of_set(const std::string& name, int robots) {
-  const char* given = std::getenv("ISTHMUS_DATA");
-  const std::string set = std::string(given != nullptr ? given : "../shared/data") + "/multi/" + name + "/";
+  const std::string set = data_directory() + "/multi/" + name + "/";
   if (!std::filesystem::exists(set)) return {};
   CarmenImport what;
   for (int i = 1; i <= robots; ++i)
@@ -250,9 +250,9 @@ TEST(Withdrawn, MergeOfARecordedTeamLeavesTheIslandsOfTheReference) {
   const MapCopy reference = forbidden_from_the_beginning(events, merge);
   ASSERT_TRUE(robots_together(reference).empty());
   const double end_s = seconds_of(events, events.back().receive_utime);
-  const double merged_s = seconds_of(events, closure_of(plain, merge.value).end_utime);
+  const double merge_s = seconds_of(events, closure_of(plain, merge.value).end_utime);
   // In the end much of what R2 drove on is mapped by R1 alone, and its own patches have less to hold them.
-  for (const auto& [at_s, max_m] : {std::pair(merged_s + 60, 0.1), std::pair(end_s - 1, 1.0)}) {
+  for (const auto& [at_s, max_m] : {std::pair(merge_s + 60, 0.1), std::pair(end_s - 1, 1.0)}) {
     const MapCopy map = map_events(with_command(events, at_s, Verb::withdraw, merge));
     EXPECT_EQ(robots_together(map), robots_together(reference)) << at_s;
     EXPECT_EQ(relations_between_robots(map), 0U) << at_s;

@@ -18,7 +18,7 @@ struct Replayed {
   std::map<DropReason, std::int64_t> dropped = {};  ///< messages, and why
 };
 
-inline Replayed replay(const std::string& journal) {
+inline Replayed replay_of(const std::string& journal) {
   Engine engine;
   const LogContent content = read_log(journal);
   for (const Message& message : content.messages) {

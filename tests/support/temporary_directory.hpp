@@ -5,6 +5,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 
 namespace isthmus {
@@ -37,6 +39,15 @@ class TemporaryDirectory {
  private:
   std::filesystem::path path_;
 };
+
+/// All that is in a file.
+inline std::string content(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw std::runtime_error(file + " is not there");
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
 
 /// The message of the exception that `act` throws; empty where it throws none.
 template <class Act>

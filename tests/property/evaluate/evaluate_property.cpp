@@ -10,7 +10,7 @@ namespace isthmus {
 namespace {
 
 double random_number() { return *rc::gen::inRange(-1000000, 1000000) * 1e-5; }
-Pose random_pose() { return {random_number(), random_number(), wrap_angle(random_number())}; }
+Pose drawn_pose() { return {random_number(), random_number(), wrap_angle(random_number())}; }
 
 TEST(EvaluateProperty, TheNearestRowIsTheOneAFullSearchFinds) {
   EXPECT_TRUE(rc::check([] {
@@ -30,7 +30,7 @@ TEST(EvaluateProperty, TheNearestRowIsTheOneAFullSearchFinds) {
 
 TEST(EvaluateProperty, AlignmentUndoesAnyMotion) {
   EXPECT_TRUE(rc::check([] {
-    const Pose truth_from_map = random_pose();
+    const Pose truth_from_map = drawn_pose();
     std::vector<PosePair> pairs;
     const int count = *rc::gen::inRange(2, 20);
     for (int i = 0; i < count; ++i) {
@@ -49,7 +49,7 @@ TEST(EvaluateProperty, AlignmentUndoesAnyMotion) {
 TEST(EvaluateProperty, NoOtherMotionAlignsNoisyPairsBetter) {
   EXPECT_TRUE(rc::check([] {
     std::vector<PosePair> pairs;
-    for (int i = 0; i < 8; ++i) pairs.push_back({random_pose(), random_pose()});
+    for (int i = 0; i < 8; ++i) pairs.push_back({drawn_pose(), drawn_pose()});
     const auto squares = [&](const Pose& truth_from_map) {
       double sum = 0;
       for (const PosePair& pair : pairs) {

@@ -6,14 +6,13 @@
 
 #include "server/feature_maps/feature_estimator.hpp"
 #include "server/feature_maps/feature_files.hpp"
+#include "tests/property/drawn.hpp"
 #include "tests/support/feature_events.hpp"
 
 namespace isthmus {
 namespace {
 
-double between(double low, double high) {
-  return low + (high - low) * *rc::gen::inRange(0, 1 << 20) / (1 << 20);
-}
+using testing::between;
 
 /// Mostly plain numbers, sometimes none.
 double number_of_any_kind(double reach) {

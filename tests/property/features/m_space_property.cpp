@@ -5,13 +5,13 @@
 #include <numbers>
 
 #include "patches/features/m_space.hpp"
+#include "tests/property/drawn.hpp"
 
 namespace isthmus {
 namespace {
 
-double between(double low, double high) {
-  return low + (high - low) * *rc::gen::inRange(0, 100001) / 100000.0;
-}
+using testing::any_pose;
+using testing::between;
 
 Eigen::Vector2d any_point(double reach_m) { return {between(-reach_m, reach_m), between(-reach_m, reach_m)}; }
 
@@ -34,8 +34,6 @@ Feature any_feature() {
       return point_feature(place);
   }
 }
-
-Pose any_pose() { return {between(-50, 50), between(-50, 50), between(-3, 3)}; }
 
 TEST(MSpaceProperty, BIsTheInverseOfBTildeOnWhatIsKnown) {
   EXPECT_TRUE(rc::check([] {
@@ -90,7 +88,7 @@ TEST(MSpaceProperty, LocalCoordinatesDoNotDependOnTheFrameOfTheMap) {
     const Feature feature = any_feature();
     RC_PRE(point_count(feature.kind) == 2);  // those of points and poles have the axes of the map
     const Feature frame = Pose{between(-1, 1), between(-1, 1), between(-1, 1)} * feature;
-    const Pose motion = any_pose();
+    const Pose motion = any_pose(50);
     RC_ASSERT(local_coordinates(motion * frame, motion * feature)
                   .isApprox(local_coordinates(frame, feature), 1e-8));
     RC_ASSERT(std::abs(project_to_local(motion * feature).norm() - project_to_local(feature).norm()) < 1e-9);

@@ -5,18 +5,16 @@
 
 #include "server/output/vector_plan/plan_files.hpp"
 #include "server/output/vector_plan/wall_fit.hpp"
+#include "tests/property/drawn.hpp"
 #include "tests/support/plan_scenes.hpp"
 
 namespace isthmus {
 namespace {
 
+using testing::between;
 using testing::fan;
 using testing::pole_seen;
 using testing::wall_seen;
-
-double between(double low, double high) {
-  return low + (high - low) * *rc::gen::inRange(0, 1 << 20) / (1 << 20);
-}
 
 Eigen::Vector2d arbitrary_point() { return {between(-20, 20), between(-20, 20)}; }
 

@@ -2,6 +2,7 @@
 
 #include "patches/star.hpp"
 #include "random_solids.hpp"
+#include "tests/property/drawn.hpp"
 
 namespace isthmus {
 namespace {

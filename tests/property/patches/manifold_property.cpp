@@ -4,6 +4,7 @@
 
 #include "patches/manifold.hpp"
 #include "random_solids.hpp"
+#include "tests/property/drawn.hpp"
 
 namespace isthmus {
 namespace {

@@ -2,6 +2,7 @@
 
 #include "patches/point_index.hpp"
 #include "random_solids.hpp"
+#include "tests/property/drawn.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "random_solids.hpp"
+#include "tests/property/drawn.hpp"
 #include "tests/support/solids.hpp"
 
 namespace isthmus {

@@ -8,17 +8,10 @@
 #include <numbers>
 
 #include "patches/polysolid.hpp"
+#include "tests/property/drawn.hpp"
 #include "tests/support/solids.hpp"
 
 namespace isthmus::testing {
-
-inline double between(double low, double high) {
-  return low + (high - low) * (*rc::gen::inRange(0, 1'000'001)) / 1e6;
-}
-
-inline Pose any_pose(double reach_m) {
-  return {between(-reach_m, reach_m), between(-reach_m, reach_m), between(-3.1, 3.1)};
-}
 
 /// A scan as a laser might send it, hostile values included.
 inline Scan any_scan(int max_beams = 120) {

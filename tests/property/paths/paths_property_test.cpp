@@ -10,11 +10,13 @@
 #include "server/paths/questions/relative_pose.hpp"
 #include "server/paths/roads/pull.hpp"
 #include "server/paths/roads/route.hpp"
+#include "tests/property/drawn.hpp"
 #include "tests/support/ground_scenes.hpp"
 
 namespace isthmus {
 namespace {
 
+using testing::any_pose;
 using testing::node_at;
 using testing::Seen;
 
@@ -143,11 +145,6 @@ RC_GTEST_PROP(GroundKeeperProperty, KeepingUpGivesWhatStartingAnewGives, ()) {
   anew.update(testing::copy_of(map));
   for (const auto& island : map.graph().islands())
     RC_ASSERT(same_ground(*kept.ground(island.front()), *anew.ground(island.front())));
-}
-
-Pose any_pose(double reach_m) {
-  const auto share = [] { return 0.001 * *rc::gen::inRange(-1000, 1001); };
-  return {reach_m * share(), reach_m * share(), std::numbers::pi * share()};
 }
 
 RC_GTEST_PROP(RelativePoseProperty, TheOtherWayRoundIsTheInverseWithItsCovariance, ()) {

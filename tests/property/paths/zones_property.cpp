@@ -41,10 +41,10 @@ RC_GTEST_PROP(ZonesProperty, KeptOutCellsAreThoseThatADiscComesIntoTheZoneAt, ()
 }
 
 /// A hall 20 m long and 6 m wide, and a planner that knows its ground.
-struct Hall {
+struct MappedHall {
   Map map;
   Planner planner;
-  Hall() {
+  MappedHall() {
     Walls walls;
     add_box(walls, -2, -3, 18, 3);
     std::vector<Pose> poses;
@@ -55,7 +55,7 @@ struct Hall {
 
 // Whatever is drawn in a hall, and from wherever to wherever: a robot whose way begins outside stays outside.
 RC_GTEST_PROP(ZonesProperty, NoPathComesIntoAKeepOutZone, ()) {
-  static Hall hall;
+  static MappedHall hall;
   constexpr Footprint footprint{0.2, 0.1};
   std::vector<Eigen::Vector2d> ring;
   const Eigen::Vector2d middle(number(2, 14), number(-2, 2));

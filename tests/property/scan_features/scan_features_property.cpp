@@ -4,14 +4,13 @@
 #include <Eigen/Cholesky>
 
 #include "scanmatch/features/scan_features.hpp"
+#include "tests/property/drawn.hpp"
 #include "tests/support/noisy_scan.hpp"
 
 namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
-
-double between(double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 10001) / 10000.0; }
 
 ScanFeatureOptions options_of(const NoisyLaser& laser) {
   ScanFeatureOptions options;

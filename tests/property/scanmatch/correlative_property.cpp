@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
-#include "random_numbers.hpp"
 #include "scanmatch/correlative.hpp"
+#include "tests/property/drawn.hpp"
 
 namespace isthmus {
 namespace {

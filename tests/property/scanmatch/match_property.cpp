@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "random_numbers.hpp"
 #include "scanmatch/match.hpp"
+#include "tests/property/drawn.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "server/output/grid/grid_files.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -50,12 +48,6 @@ ErrorPictures pictures_of(const TemporaryDirectory& directory) {
   pictures.what = "positions";
   pictures.errors = errors_of_poses(one_robot_off_by(0.25));
   return pictures;
-}
-
-std::string content(const std::string& file) {
-  std::ostringstream bytes;
-  bytes << std::ifstream(file, std::ios::binary).rdbuf();
-  return bytes.str();
 }
 
 /// Width and height of a PNG file.

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -12,13 +11,6 @@
 
 namespace isthmus {
 namespace {
-
-std::string content(const std::string& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 /// One robot with a wall before it that it sees whole, and a landmark that is told of.
 FeatureMaps small_map(FeatureMapKind kind) {

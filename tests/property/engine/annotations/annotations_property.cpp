@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/engine/annotations/polygon_check.hpp"
+#include "tests/property/drawn.hpp"
 #include "tests/support/zones.hpp"
 
 namespace isthmus {
@@ -12,16 +13,16 @@ namespace {
 
 using namespace isthmus::testing;
 
-double number(int low, int high) { return 0.01 * *rc::gen::inRange(100 * low, 100 * high); }
+double hundredths(int low, int high) { return 0.01 * *rc::gen::inRange(100 * low, 100 * high); }
 
 /// A ring around a point: simple, whatever its radii.
 std::vector<Eigen::Vector2d> any_ring() {
   const int corners = *rc::gen::inRange(3, 12);
-  const Eigen::Vector2d middle(number(0, 9), number(-2, 2));
+  const Eigen::Vector2d middle(hundredths(0, 9), hundredths(-2, 2));
   std::vector<Eigen::Vector2d> ring;
   for (int i = 0; i < corners; ++i) {
     const double angle = 2 * std::numbers::pi * i / corners;
-    ring.emplace_back(middle + number(1, 4) * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    ring.emplace_back(middle + hundredths(1, 4) * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
   }
   return ring;
 }
@@ -43,13 +44,13 @@ struct AnyZone {
 RC_GTEST_PROP(AnnotationsProperty, ShapeStaysWithTheMapUnderRefits, ()) {
   AnyZone zone;
   std::vector<Pose> fitted(zone.map.manifold().poses().begin(), zone.map.manifold().poses().end());
-  const Pose moved{number(-20, 20), number(-20, 20), number(-3, 3)};
+  const Pose moved{hundredths(-20, 20), hundredths(-20, 20), hundredths(-3, 3)};
   constexpr double most_m = 0.1, most_rad = 0.01, arm_m = 16;
   for (Pose& pose : fitted) {
     pose = moved * pose;
-    pose.x += most_m * number(-1, 1);
-    pose.y += most_m * number(-1, 1);
-    pose.yaw += most_rad * number(-1, 1);
+    pose.x += most_m * hundredths(-1, 1);
+    pose.y += most_m * hundredths(-1, 1);
+    pose.yaw += most_rad * hundredths(-1, 1);
   }
   zone.map.adopt(zone.line, fitted);
   const std::vector<Eigen::Vector2d> now = placed(zone.map, zone.record());
@@ -63,8 +64,8 @@ RC_GTEST_PROP(AnnotationsProperty, ShapeStaysWhereTheIslandParts, ()) {
   AnyZone zone;
   const auto cut = static_cast<std::size_t>(*rc::gen::inRange(1, 10));
   zone.map.remove(zone.map.graph().between(zone.line[cut - 1], zone.line[cut]));
-  zone.map.move_island(zone.line[cut], {number(-50, 50), number(-50, 50), number(-3, 3)});
-  zone.map.move_island(zone.line[0], {number(-50, 50), number(-50, 50), number(-3, 3)});
+  zone.map.move_island(zone.line[cut], {hundredths(-50, 50), hundredths(-50, 50), hundredths(-3, 3)});
+  zone.map.move_island(zone.line[0], {hundredths(-50, 50), hundredths(-50, 50), hundredths(-3, 3)});
   const AnnotationRecord record = zone.record();
   RC_ASSERT(!record.lost);
   for (const ManifoldPose& point : record.points)

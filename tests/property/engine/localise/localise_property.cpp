@@ -6,6 +6,7 @@
 
 #include "server/engine/localise/extend.hpp"
 #include "server/engine/localise/follow.hpp"
+#include "tests/property/drawn.hpp"
 #include "tests/support/localised.hpp"
 #include "tests/support/ways.hpp"
 
@@ -13,12 +14,6 @@ namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
-
-double between(double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 10001) / 10000.0; }
-
-Pose any_pose(double reach_m) {
-  return {between(-reach_m, reach_m), between(-reach_m, reach_m), between(-3, 3)};
-}
 
 void assert_near(const Pose& a, const Pose& b) {
   RC_ASSERT(std::abs(a.x - b.x) < 1e-6);

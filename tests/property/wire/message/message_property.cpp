@@ -37,9 +37,9 @@ RobotEvent robot_event() {
 }
 
 float any_range_m() {
-  const float infinity = std::numeric_limits<float>::infinity();
+  const float none = std::numeric_limits<float>::infinity();
   return *rc::gen::oneOf(
-      rc::gen::element(infinity, -infinity, 0.0F, -1.0F),
+      rc::gen::element(none, -none, 0.0F, -1.0F),
       rc::gen::map(inRange(0, 100'000), [](int mm) { return static_cast<float>(mm) / 1000; }));
 }
 

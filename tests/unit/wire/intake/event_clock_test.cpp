@@ -112,7 +112,7 @@ TEST_F(StepsOfTheWallClock, ForwardAndBackByFiveHoursTheMapIsTheSame) {
   EXPECT_EQ(map_sha256(stepped), map_sha256(steady));
   EXPECT_EQ(stepped.counters.last_receive_utime, steady.counters.last_receive_utime);
   EXPECT_TRUE(stepped.counters.dropped.empty());
-  EXPECT_EQ(replay(directory_ / "stepped").sha256, map_sha256(steady));
+  EXPECT_EQ(replay_of(directory_ / "stepped").sha256, map_sha256(steady));
 }
 
 TEST_F(StepsOfTheWallClock, EventTimePassesBetweenAllMessages) {
@@ -132,7 +132,7 @@ TEST_F(StepsOfTheWallClock, AWallClockBehindTheJournalGoesOnFromItsEnd) {
   const std::int64_t last = read_log(directory_ / "journal").messages.back().utime;
   EXPECT_GE(last, ended + 49 * 100'000) << "time stands still";
   EXPECT_LE(last, ended + 51 * 100'000);
-  EXPECT_EQ(replay(directory_ / "journal").sha256, map_sha256(map));
+  EXPECT_EQ(replay_of(directory_ / "journal").sha256, map_sha256(map));
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ TEST(Recovery, GoesOnToTheMapThatAReplayOfTheWholeJournalMakes) {
     tear(journal, torn);
     const std::size_t before = read_log(journal).messages.size();
     const std::string map = serve(journalled(journal), 100, 160, false);
-    const Replayed replayed = replay(journal);
+    const Replayed replayed = replay_of(journal);
     EXPECT_EQ(replayed.sha256, map) << torn << " bytes torn off";
     EXPECT_GE(replayed.events, before + 2 * 2 * 60);
     EXPECT_EQ(read_log(journal).skipped, 0);

@@ -46,7 +46,7 @@ TEST(FrozenServer, TellsPosesInTheJournalsMapAndLeavesBothAsTheyWere) {
   const std::string journal = directory / "journal";
   Published before;
   serve(with_journal(journal, false), before, 0, 100);
-  const std::string map = replay(journal).sha256;
+  const std::string map = replay_of(journal).sha256;
   const auto files = files_of(journal);
   Published published;
   EXPECT_EQ(serve(with_journal(journal, true), published, 100, 160), map);
@@ -60,7 +60,7 @@ TEST(FrozenServer, NeedsNoJournalOfItsOwn) {
   Published published;
   serve(with_journal(journal, false), published, 0, 100);
   const JournalDirectory held_by_another(journal);
-  EXPECT_EQ(serve(with_journal(journal, true), published, 100, 110), replay(journal).sha256);
+  EXPECT_EQ(serve(with_journal(journal, true), published, 100, 110), replay_of(journal).sha256);
 }
 
 TEST(FrozenServer, WantsAMap) {

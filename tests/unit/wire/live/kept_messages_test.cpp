@@ -10,7 +10,6 @@
 #include <fstream>
 #include <functional>
 #include <set>
-#include <sstream>
 #include <thread>
 
 #include "isthmus/received_t.hpp"
@@ -124,7 +123,7 @@ void expect_each_once(const std::string& journal, std::size_t count) {
 void expect_kept(const std::string& journal, std::size_t rounds) {
   const std::string map = map_sha256(serve(journalled(journal)));
   expect_each_once(journal, 1 + 2 * rounds);
-  EXPECT_EQ(replay(journal).sha256, map);
+  EXPECT_EQ(replay_of(journal).sha256, map);
 }
 
 TEST(KeptMessages, OutliveAKillWhileTheEngineIsFarBehind) {
@@ -176,7 +175,9 @@ TEST(KeptMessages, AreCountedAsDroppedAfterAKillWhereTheInboxWasFull) {
   ASSERT_TRUE(happens([&] { return server.brake.holds(); }));
   drive(server.inbox, 1, 100);
   server.brake.let_go();
-  const auto recorded = [&] { return replay(directory / "journal").dropped[DropReason::queue_full] >= 170; };
+  const auto recorded = [&] {
+    return replay_of(directory / "journal").dropped[DropReason::queue_full] >= 170;
+  };
   ASSERT_TRUE(happens(recorded));
   copy_as_if_killed(directory / "journal", directory / "killed");
   server.end();
@@ -184,7 +185,7 @@ TEST(KeptMessages, AreCountedAsDroppedAfterAKillWhereTheInboxWasFull) {
   const MapCopy map = serve(journalled(directory / "killed"));
   const auto dropped = static_cast<std::size_t>(map.counters.dropped.at(DropReason::queue_full));
   expect_each_once(directory / "killed", 1 + 2 * 100 - dropped);
-  EXPECT_EQ(replay(directory / "killed").dropped, map.counters.dropped);
+  EXPECT_EQ(replay_of(directory / "killed").dropped, map.counters.dropped);
 }
 
 TEST(KeptMessages, StayForTheNextStartWhereTheServerStopsFirst) {
@@ -306,13 +307,6 @@ int live_in_a_process(const std::string& journal, int from, int to, int fatal, b
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-std::string content(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 TEST(AFatalEvent, IsSetAsideAfterItsSecondCrashAndReplayPassesItOverToo) {
   for (const bool throws : {false, true}) {
     TemporaryDirectory directory;
@@ -332,7 +326,7 @@ TEST(AFatalEvent, IsSetAsideAfterItsSecondCrashAndReplayPassesItOverToo) {
     const MapCopy map = serve(journalled(journal));
     EXPECT_EQ(map.counters.dropped.at(DropReason::set_aside), 1);
     EXPECT_EQ(map.counters.scans, 79);
-    const Replayed replayed = replay(journal);
+    const Replayed replayed = replay_of(journal);
     EXPECT_EQ(replayed.sha256, map_sha256(map));
     EXPECT_EQ(replayed.dropped.at(DropReason::set_aside), 1);
     EXPECT_EQ(live_in_a_process(journal, 80, 90, 20, throws), 0) << "and again";

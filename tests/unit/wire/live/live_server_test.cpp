@@ -64,7 +64,7 @@ TEST(LiveServer, MakesTheMapThatAReplayOfItsJournalMakes) {
   const MapCopy map = server.engine().copy();
   EXPECT_GE(map.patches.size(), 4U);
   EXPECT_EQ(map.counters.scans, 300);
-  const Replayed replayed = replay(directory / "journal");
+  const Replayed replayed = replay_of(directory / "journal");
   EXPECT_EQ(replayed.sha256, map_sha256(map));
   EXPECT_GE(replayed.events, 1U + 2U + 600U);
   EXPECT_TRUE(std::filesystem::exists(directory / "out/report.json"));
@@ -263,7 +263,7 @@ TEST(LiveServer, CountsBadMessagesAndKeepsThemOutOfTheJournal) {
   EXPECT_EQ(map.counters.dropped, expected);
   EXPECT_FALSE(server.engine().configuration().any_tag);
   EXPECT_EQ(events_in(directory / "journal"), 4U) << "configuration, robot, odometry, scan";
-  EXPECT_EQ(replay(directory / "journal").dropped, expected);
+  EXPECT_EQ(replay_of(directory / "journal").dropped, expected);
 }
 
 TEST(LiveServer, RefusesAStrangersMessagesBeforeTheJournal) {
@@ -280,7 +280,7 @@ TEST(LiveServer, RefusesAStrangersMessagesBeforeTheJournal) {
   EXPECT_EQ(map.counters.dropped.at(DropReason::unknown_robot), 2);
   EXPECT_TRUE(map.patches.empty());
   EXPECT_EQ(events_in(directory / "journal"), 1U) << "the configuration";
-  EXPECT_EQ(replay(directory / "journal").sha256, map_sha256(map));
+  EXPECT_EQ(replay_of(directory / "journal").sha256, map_sha256(map));
 }
 
 // What comes before a robot's first introduction is lost, and no more than that.
@@ -395,7 +395,7 @@ TEST_F(LiveServerOnFailingDisk, LosesNothingToADiskThatIsFullForAWhile) {
   engine_thread.join();
   const MapCopy map = server->engine().copy();
   EXPECT_TRUE(map.counters.dropped.empty());
-  const Replayed replayed = replay(directory_ / "journal");
+  const Replayed replayed = replay_of(directory_ / "journal");
   EXPECT_GE(replayed.events, 2U + 300U);
   EXPECT_EQ(replayed.sha256, map_sha256(map));
 }
@@ -417,7 +417,7 @@ TEST_F(LiveServerOnFailingDisk, RefusesEventsBeforeTheEngineHasThemWhereNoMoreCa
   ASSERT_EQ(status.robots.size(), 1U);
   ASSERT_EQ(status.robots[0].dropped.size(), 1U);
   EXPECT_EQ(status.robots[0].dropped[0].reason, "journal_full");
-  const Replayed replayed = replay(directory_ / "journal");
+  const Replayed replayed = replay_of(directory_ / "journal");
   EXPECT_GE(replayed.events + static_cast<std::size_t>(refused), 2U + 400U);
   EXPECT_EQ(replayed.sha256, map_sha256(map));
 }

@@ -50,7 +50,7 @@ TEST_F(Stop, InGoodTimeTheMapIsFinished) {
   server.run();
   EXPECT_EQ(report().at("finished"), true);
   EXPECT_EQ(report().at("scans"), 50);
-  EXPECT_EQ(report().at("map_sha256"), replay(directory_ / "journal").sha256);
+  EXPECT_EQ(report().at("map_sha256"), replay_of(directory_ / "journal").sha256);
 }
 
 TEST_F(Stop, WithoutTimeThereAreResultsAndWhatWasLeftIsCounted) {
