@@ -12,7 +12,6 @@ namespace {
 using testing::any_laser;
 using testing::any_pose;
 using testing::any_scan;
-using testing::between;
 
 Manifold any_manifold() {
   Manifold manifold;

@@ -5,12 +5,8 @@
 
 #include <algorithm>
 
-#include "tests/property/drawn.hpp"
-
 namespace isthmus {
 namespace {
-
-using testing::between;
 
 AgreementTable any_table(std::size_t size) {
   AgreementTable table;
