@@ -41,7 +41,7 @@ inline constexpr std::size_t way_styles = 4 * robot_colour_count;
 /// Robots side by side differ in colour and in dashes; the colours are those that the colour-blind tell apart
 /// too (Okabe and Ito 2008), without black, which walls have, and yellow, which is hard to see on white. Ten
 /// more were searched for that lie as far as can be from all others and from walls, in OKLab (Ottosson 2020)
-/// as seen by everybody, by protanopes and by deuteranopes.
+/// as seen by everybody, by protanopes and by deuteranopes. The operators' page has the same.
 WayStyle way_style(std::size_t robot);
 
 /// A colour for a share from 0 to 1, dark blue to yellow; its lightness grows evenly, also for the

@@ -1,7 +1,11 @@
 // Colours that people tell apart however they see them (Okabe and Ito, Color Universal Design, 2008). Nothing is
 // told by colour alone: robots have names, verdicts have marks and dashes.
 
-const OF_ROBOTS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#3a9bd5", "#6b4c9a"];
+// As in pictures of maps (server/output/pictures).
+const OF_ROBOTS = [
+  "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#550099", "#882200",
+  "#6644ff", "#0000dd", "#776666", "#9977ee", "#22cc77", "#882266", "#cc1133", "#cc11aa",
+];
 
 export const OF_VERDICTS = { accepted: "#0072b2", waiting: "#b07500", refused: "#c03c00" };
 export const DASHES = { accepted: [], waiting: [7, 4], refused: [2, 4] };
