@@ -77,12 +77,12 @@ class ExplorationRun {
       const ExplorationOrder& order = orders_[i] = found->second;
       if (order.reason != OrderReason::finished) busy_s_ = robots().time_s();
       served_.obey(i, order);
-      if (watch_orders_) show_order(i);
+      if (watch_orders_) tell_order(i);
     }
     score_.plan_cpu_ms = std::max(score_.plan_cpu_ms, cpu_now_ms() - begin_ms);
   }
 
-  void show_order(std::size_t i) const {
+  void tell_order(std::size_t i) const {
     const LiveTeam::Member& member = robots()[i];
     watch_orders_({robots().time_s(), served_.planner(), member.name(), member.robot.world_from_robot(),
                    served_.answer(i)->pose, orders_[i], member.pilot.stuck_s()});
@@ -134,12 +134,20 @@ class ExplorationRun {
     for (std::size_t i = 0; i < robots().size(); ++i) {
       const std::string& name = robots()[i].name();
       view.trails[name] = robots()[i].trail;
-      const auto& goal = orders_[i].goal;
-      if (goal && view.team.contains(name) &&
-          check(served_.planner().map(), goal->viewpoint) == Refusal::none)
-        view.team[name].goal = goal->viewpoint;
+      if (view.team.contains(name)) show_order(orders_[i], view.team[name]);
     }
     watch_(view);
+  }
+
+  /// What of an order is on the robot's island: the map may have parted since.
+  void show_order(const ExplorationOrder& order, ExploringRobot& robot) const {
+    const MapCopy& map = served_.planner().map();
+    const auto is_there = [&](const ManifoldPose& pose) {
+      return check(map, pose) == Refusal::none &&
+             map.graph.island(pose.patch) == map.graph.island(robot.pose.patch);
+    };
+    if (order.goal && is_there(order.goal->viewpoint)) robot.goal = order.goal->viewpoint;
+    if (std::ranges::all_of(order.path, is_there)) robot.way = order.path;
   }
 
   const ExplorationRunOptions& options_;

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,11 +42,20 @@ struct ExplorationScore {
   double plan_cpu_ms = 0;  ///< of the dearest look at goals and paths, the ground's update included
 };
 
+/// A robot while the map is explored; all of it on one island of the planner's map.
+struct ExploringRobot {
+  ManifoldPose pose;
+  std::optional<ManifoldPose> goal;  ///< from where it is to look
+  /// That it drives now, its poses a metre apart at most: towards the goal as far as others let it, or out of
+  /// their way. Empty: it stands.
+  std::vector<ManifoldPose> way;
+};
+
 /// The map while it is explored, for those who draw it.
 struct ExplorationView {
   double time_s = 0;
   const Planner& planner;
-  std::map<std::string, Explorer> team;
+  std::map<std::string, ExploringRobot> team;
   std::map<std::string, std::vector<Eigen::Vector2d>> trails;  ///< true, from the start on
 };
 using WatchExploration = std::function<void(const ExplorationView&)>;

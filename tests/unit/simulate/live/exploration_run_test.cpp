@@ -82,6 +82,32 @@ TEST(ExplorationRun, NarrowCorridorsThatRobotsSeeNoEndOfAreExplored) {
   }
 }
 
+double length_m(const Planner& planner, const std::vector<ManifoldPose>& way) {
+  double length = 0;
+  for (std::size_t i = 1; i < way.size(); ++i)
+    length += (position(planner.project(way[i])) - position(planner.project(way[i - 1]))).norm();
+  return length;
+}
+
+TEST(ExplorationRun, ViewsHaveTheWaysThatRobotsDrive) {
+  ExplorationRunOptions options;
+  options.max_s = 60;
+  options.measure_period_s = 1;
+  std::size_t ways = 0, bent = 0;
+  explore(two_rooms(1), 1, options, [&](const ExplorationView& view) {
+    const auto found = view.team.find("R1");
+    if (found == view.team.end() || found->second.way.size() < 2 || !found->second.goal) return;
+    const ExploringRobot& robot = found->second;
+    ++ways;
+    const auto at = [&](const ManifoldPose& pose) { return position(view.planner.project(pose)); };
+    EXPECT_LT((at(robot.way.front()) - at(robot.pose)).norm(), 0.3) << view.time_s;
+    EXPECT_LT((at(robot.way.back()) - at(*robot.goal)).norm(), 0.6) << view.time_s;
+    bent += length_m(view.planner, robot.way) > (at(robot.way.back()) - at(robot.way.front())).norm() + 0.05;
+  });
+  EXPECT_GT(ways, 5U);
+  EXPECT_GT(bent, 0U);
+}
+
 TEST(ExplorationRun, TheSameRunIsTheSameToTheLastBit) {
   ExplorationRunOptions options;
   options.robots = 2;

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -7,12 +6,9 @@
 #include <vector>
 
 #include "server/output/format/atomic_file.hpp"
-#include "server/output/format/number.hpp"
-#include "server/output/pictures/map_sheet.hpp"
-#include "server/output/pictures/marks.hpp"
-#include "server/output/tables/islands.hpp"
 #include "server/program/finite_number.hpp"
 #include "tools/simulate/campaigns/command.hpp"
+#include "tools/simulate/campaigns/explore/exploration_picture.hpp"
 #include "tools/simulate/campaigns/explore/order_table.hpp"
 #include "tools/simulate/live/exploration_run.hpp"
 
@@ -46,34 +42,6 @@ void print(const std::string& what, std::size_t robots, Sharing sharing, const E
   std::fflush(stdout);
 }
 
-SheetText text_of(const ExplorationView& view) {
-  return {"Island 0", "exploration after " + fixed(view.time_s, 0) + " s: robots, and lines to their goals"};
-}
-
-/// The largest island, each robot there with its heading and a line to its goal.
-void draw(const ExplorationView& view, const std::string& path) {
-  const RankedIslands islands = rank_islands(view.planner.map());
-  if (islands.patches.empty()) return;
-  const IslandId island = view.planner.map().graph.island(islands.patches[0].front());
-  Legend legend;
-  for (const auto& [name, explorer] : view.team) legend.push_back(way_entry(name, way_style(legend.size())));
-  MapSheet sheet(render_island(view.planner.map(), islands.patches[0]), text_of(view), legend);
-  for (std::size_t robot = 0; const auto& [name, explorer] : view.team) {
-    const WayStyle style = way_style(robot++);
-    if (view.planner.map().graph.island(explorer.pose.patch) != island) continue;
-    const Pose at = view.planner.project(explorer.pose);
-    if (explorer.goal) {
-      const Eigen::Vector2d goal = position(view.planner.project(*explorer.goal));
-      sheet.canvas().line(
-          std::array{sheet.window().pixels(position(at)), sheet.window().pixels(goal)},
-          {.colour = style.colour, .width_px = way_line_px(sheet.window().em), .dashes = style.dashes});
-      draw_patch(sheet.canvas(), sheet.window(), goal, style.colour);
-    }
-    draw_end(sheet.canvas(), sheet.window(), at, style);
-  }
-  sheet.write(path);
-}
-
 void explore_once(const ExploreArguments& arguments, const std::string& name, std::uint64_t seed,
                   std::size_t robots, Sharing sharing) {
   const Scenario scenario = arguments.load(name, seed);
@@ -90,7 +58,7 @@ void explore_once(const ExploreArguments& arguments, const std::string& name, st
     char file[96];
     std::snprintf(file, sizeof file, "/%s-%zu-%s-%05.0f.png", what.c_str(), robots, word_of(sharing),
                   view.time_s);
-    draw(view, arguments.pictures + file);
+    if (const auto sheet = exploration_sheet(view)) sheet->write(arguments.pictures + file);
   };
   print(what, robots, sharing,
         explore(scenario, seed, options, arguments.pictures.empty() ? WatchExploration{} : watch,
