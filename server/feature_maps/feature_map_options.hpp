@@ -6,7 +6,7 @@
 #include "server/feature_maps/merging/merging_options.hpp"
 #include "server/feature_maps/tracking/tracking_options.hpp"
 #include "server/feature_maps/twins.hpp"
-#include "server/features/fusion.hpp"
+#include "server/features/fusion/fusion.hpp"
 #include "server/features/options.hpp"
 
 namespace isthmus {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/features/state.hpp"
+#include "server/features/state/state.hpp"
 #include "server/output/vector_plan/plan_source.hpp"
 
 namespace isthmus {

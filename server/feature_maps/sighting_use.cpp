@@ -5,7 +5,7 @@
 #include "relations/chi_squared.hpp"
 #include "server/feature_maps/feature_mapper.hpp"
 #include "server/feature_maps/feature_record.hpp"
-#include "server/features/measurement.hpp"
+#include "server/features/state/measurement.hpp"
 
 namespace isthmus {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "relations/chi_squared.hpp"
-#include "server/features/measurement.hpp"
+#include "server/features/state/measurement.hpp"
 
 namespace isthmus {
 namespace {

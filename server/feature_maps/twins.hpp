@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <span>
 
-#include "server/features/fusion.hpp"
+#include "server/features/fusion/fusion.hpp"
 
 namespace isthmus {
 

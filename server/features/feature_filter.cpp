@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "server/features/growth.hpp"
+#include "server/features/state/growth.hpp"
 
 namespace isthmus {
 namespace {

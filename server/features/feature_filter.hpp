@@ -3,8 +3,8 @@
 #include <functional>
 #include <tuple>
 
-#include "server/features/association.hpp"
-#include "server/features/measurement.hpp"
+#include "server/features/association/association.hpp"
+#include "server/features/state/measurement.hpp"
 
 namespace isthmus {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "server/features/feature_filter.hpp"
-#include "server/features/fusion.hpp"
-#include "server/features/landmark_tree.hpp"
+#include "server/features/fusion/fusion.hpp"
+#include "server/features/fusion/landmark_tree.hpp"
 
 namespace isthmus {
 namespace {

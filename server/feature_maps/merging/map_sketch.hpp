@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/feature_maps/merging/free_ground.hpp"
-#include "server/features/state.hpp"
+#include "server/features/state/state.hpp"
 
 namespace isthmus {
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "server/features/feature_filter.hpp"
-#include "server/features/invariance.hpp"
+#include "server/features/state/invariance.hpp"
 
 namespace isthmus {
 namespace {

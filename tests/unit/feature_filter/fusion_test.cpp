@@ -1,4 +1,4 @@
-#include "server/features/fusion.hpp"
+#include "server/features/fusion/fusion.hpp"
 
 #include <gtest/gtest.h>
 

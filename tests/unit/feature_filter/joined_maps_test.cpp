@@ -1,4 +1,4 @@
-#include "server/features/joined_maps.hpp"
+#include "server/features/fusion/joined_maps.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <numbers>
 #include <random>
 
-#include "server/features/measurement.hpp"
-#include "server/features/tie.hpp"
-#include "server/features/tie_filter.hpp"
+#include "server/features/fusion/tie.hpp"
+#include "server/features/fusion/tie_filter.hpp"
+#include "server/features/state/measurement.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/features/landmark_tree.hpp"
+#include "server/features/fusion/landmark_tree.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/features/rendezvous.hpp"
+#include "server/features/fusion/rendezvous.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "server/features/feature_filter.hpp"
-#include "server/features/invariance.hpp"
+#include "server/features/state/invariance.hpp"
 
 namespace isthmus {
 namespace {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "scanmatch/features/scan_features.hpp"
-#include "server/features/fusion.hpp"
+#include "server/features/fusion/fusion.hpp"
 #include "server/features/unicycle_noise.hpp"
 #include "tools/simulate/campaigns/features/meeting.hpp"
 #include "tools/simulate/plan/random.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/features/rendezvous.hpp"
+#include "server/features/fusion/rendezvous.hpp"
 #include "tools/simulate/plan/random.hpp"
 
 namespace isthmus {

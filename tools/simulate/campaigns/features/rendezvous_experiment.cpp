@@ -6,9 +6,9 @@
 #include <ctime>
 #include <numbers>
 
-#include "server/features/correction.hpp"
 #include "server/features/feature_filter.hpp"
-#include "server/features/measurement.hpp"
+#include "server/features/state/correction.hpp"
+#include "server/features/state/measurement.hpp"
 #include "server/features/unicycle_noise.hpp"
 #include "tools/simulate/campaigns/features/meeting.hpp"
 #include "tools/simulate/plan/random.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/features/fusion.hpp"
+#include "server/features/fusion/fusion.hpp"
 
 namespace isthmus {
 

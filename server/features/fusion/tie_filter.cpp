@@ -1,4 +1,4 @@
-#include "server/features/tie_filter.hpp"
+#include "server/features/fusion/tie_filter.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

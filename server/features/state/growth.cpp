@@ -1,4 +1,4 @@
-#include "server/features/growth.hpp"
+#include "server/features/state/growth.hpp"
 
 #include <algorithm>
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "server/features/correction.hpp"
+#include "server/features/state/correction.hpp"
 
 namespace isthmus {
 

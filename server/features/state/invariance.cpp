@@ -1,4 +1,4 @@
-#include "server/features/invariance.hpp"
+#include "server/features/state/invariance.hpp"
 
 #include <cmath>
 #include <vector>

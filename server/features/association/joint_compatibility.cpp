@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "server/features/association.hpp"
-#include "server/features/joint_factor.hpp"
+#include "server/features/association/association.hpp"
+#include "server/features/association/joint_factor.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/features/rendezvous.hpp"
+#include "server/features/fusion/rendezvous.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/features/tie.hpp"
+#include "server/features/fusion/tie.hpp"
 
 namespace isthmus {
 

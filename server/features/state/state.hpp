@@ -38,7 +38,7 @@ inline Eigen::Vector2d quarter_turn(const Eigen::Vector2d& v) { return {-v.y(), 
 /// it. The invariant form's errors ξ are e = ξ + J l̂ ξ_θ for a position l̂, J a quarter turn, ξ_θ that of the
 /// robot which made it (Barrau and Bonnabel); at a given estimate one is linear in the other, so the
 /// covariance of e serves both forms, if it is carried over to the new estimate after each correction
-/// (server/features/correction.hpp).
+/// (server/features/state/correction.hpp).
 struct FeatureState {
   FilterForm form = FilterForm::invariant;
   std::vector<RobotInState> robots;

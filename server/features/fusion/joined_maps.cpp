@@ -1,9 +1,9 @@
-#include "server/features/joined_maps.hpp"
+#include "server/features/fusion/joined_maps.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "server/features/invariance.hpp"
+#include "server/features/state/invariance.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,10 +1,10 @@
-#include "server/features/correction.hpp"
+#include "server/features/state/correction.hpp"
 
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
-#include "server/features/invariance.hpp"
+#include "server/features/state/invariance.hpp"
 
 namespace isthmus {
 namespace {

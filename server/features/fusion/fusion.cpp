@@ -1,4 +1,4 @@
-#include "server/features/fusion.hpp"
+#include "server/features/fusion/fusion.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -7,9 +7,9 @@
 #include <set>
 #include <utility>
 
-#include "server/features/growth.hpp"
-#include "server/features/joined_maps.hpp"
-#include "server/features/twin_search.hpp"
+#include "server/features/fusion/joined_maps.hpp"
+#include "server/features/fusion/twin_search.hpp"
+#include "server/features/state/growth.hpp"
 
 namespace isthmus {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/features/correction.hpp"
+#include "server/features/state/correction.hpp"
 
 namespace isthmus {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/features/tie_filter.hpp"
+#include "server/features/fusion/tie_filter.hpp"
 
 namespace isthmus {
 

@@ -1,4 +1,4 @@
-#include "server/features/tie.hpp"
+#include "server/features/fusion/tie.hpp"
 
 #include <algorithm>
 #include <cmath>

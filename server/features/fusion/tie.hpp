@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "server/features/rendezvous.hpp"
+#include "server/features/fusion/rendezvous.hpp"
 
 namespace isthmus {
 

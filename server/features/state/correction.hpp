@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "server/features/state.hpp"
+#include "server/features/state/state.hpp"
 
 namespace isthmus {
 

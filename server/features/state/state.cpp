@@ -1,4 +1,4 @@
-#include "server/features/state.hpp"
+#include "server/features/state/state.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

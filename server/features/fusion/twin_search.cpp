@@ -1,4 +1,4 @@
-#include "server/features/twin_search.hpp"
+#include "server/features/fusion/twin_search.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <span>
 
-#include "server/features/joint_factor.hpp"
+#include "server/features/association/joint_factor.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,11 +1,11 @@
-#include "server/features/association.hpp"
+#include "server/features/association/association.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "relations/chi_squared.hpp"
-#include "server/features/measurement.hpp"
+#include "server/features/state/measurement.hpp"
 
 namespace isthmus {
 namespace {

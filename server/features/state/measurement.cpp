@@ -1,4 +1,4 @@
-#include "server/features/measurement.hpp"
+#include "server/features/state/measurement.hpp"
 
 #include <cmath>
 

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "server/features/fusion.hpp"
-#include "server/features/landmark_tree.hpp"
-#include "server/features/tie_filter.hpp"
+#include "server/features/fusion/fusion.hpp"
+#include "server/features/fusion/landmark_tree.hpp"
+#include "server/features/fusion/tie_filter.hpp"
 
 namespace isthmus {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "server/features/association.hpp"
-#include "server/features/rendezvous.hpp"
+#include "server/features/association/association.hpp"
+#include "server/features/fusion/rendezvous.hpp"
 
 namespace isthmus {
 
@@ -41,11 +41,11 @@ struct Fusion {
 /// Two maps become one at a rendezvous: aligned; duplicates found from the rendezvous outwards, for what the
 /// alignment errs grows with the distance from it (Zhou and Roumeliotis 2006, III-E and algorithm 1). A few
 /// at a time: what may be each one's twin comes from a kd-tree, within what both may be off; the likeliest
-/// account of the group decides (server/features/twin_search.hpp), and what it leaves open waits for the
-/// others. Each pair is measured to be one (eq. 20), which tells where the second map lies; where that turns
-/// it, all is taken anew about its new place, so that nothing is compared by an alignment that is degrees
-/// off. Until then both maps stay as they are (server/features/tie_filter.hpp): the joint covariance is made
-/// once, of what is kept. A pair that all others contradict goes.
+/// account of the group decides (server/features/fusion/twin_search.hpp), and what it leaves open waits for
+/// the others. Each pair is measured to be one (eq. 20), which tells where the second map lies; where that
+/// turns it, all is taken anew about its new place, so that nothing is compared by an alignment that is
+/// degrees off. Until then both maps stay as they are (server/features/fusion/tie_filter.hpp): the joint
+/// covariance is made once, of what is kept. A pair that all others contradict goes.
 ///
 /// Afterwards there is one state for all robots: further meetings are measurements in it
 /// (FeatureFilter::observe_robot), and nothing is counted twice. The inputs are unchanged: a fusion that

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "server/features/correction.hpp"
+#include "server/features/state/correction.hpp"
 
 namespace isthmus {
 
