@@ -51,13 +51,15 @@ Bound bound_of(const Map& map, const Find& find, const HypothesisOptions& option
 }
 
 /// Among how many places that look alike this is one: so few finds as agree could be of those that are found
-/// most surely. That a place is found once only is not confirmed by one find: it may well be one of two.
-int look_alikes_of(const std::vector<const Find*>& finds, std::size_t needed) {
-  if (finds.size() == 1) return std::max(2, finds.front()->look_alikes);
+/// most surely. That a place is found once only is not confirmed by one find: it may well be one of two. What
+/// one find says, more that agree with it do not make less sure.
+int look_alikes_of(const std::vector<const Find*>& finds, const Bound& bound) {
   std::vector<int> fewest_first;
   for (const Find* find : finds) fewest_first.push_back(find->look_alikes);
   std::ranges::sort(fewest_first);
-  return fewest_first[std::min(needed, fewest_first.size()) - 1];
+  const std::size_t agreeing = std::max<std::size_t>(2, bound.finds);
+  const int of_one = bound.finds == 1 ? std::max(2, fewest_first.front()) : std::numeric_limits<int>::max();
+  return finds.size() < agreeing ? of_one : std::min(of_one, fewest_first[agreeing - 1]);
 }
 
 /// What finds that agree say together.
@@ -83,8 +85,7 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
     robots.insert(map.manifold().patch(find->query).robot);
     robots.insert(map.manifold().patch(find->anchor).robot);
   }
-  proposal.look_alikes =
-      look_alikes_of(finds, std::max<std::size_t>(2, bound_of(map, first, options.hypotheses).finds));
+  proposal.look_alikes = look_alikes_of(finds, bound_of(map, first, options.hypotheses));
   proposal.robots.assign(robots.begin(), robots.end());
   return proposal;
 }

@@ -1,8 +1,10 @@
 #include "server/engine/localise/extend.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "scanmatch/match_relations.hpp"
@@ -19,6 +21,35 @@ Relation odometry_relation(PatchId previous, PatchId next, const OdometryPath& p
   relation.kind = RelationKind::odometry;
   relation.measurement = RelativePose{path.start_from_end, covariance.inverse()};
   relation.origin = {OriginKind::odometry, {}};
+  return relation;
+}
+
+// In the direction in which a scan tells least, a robot on known ground is where it was tracked to: from the
+// patch that it stood on, as surely as that is known beyond what odometry since its last patch says. Nothing
+// where the scan tells of all directions, or the robot stands on that last patch.
+std::optional<Relation> ground_relation(const Map& map, const Robot& robot, const Placement& placement,
+                                        const Relation& odometry, const EngineOptions& options) {
+  const PatchId ground = robot.surroundings.reference();
+  if (ground == odometry.a || placement.match.direction_trust.determinant() > options.follow.well_seen)
+    return std::nullopt;
+  const Eigen::JacobiSVD<Eigen::Matrix2d> trust(placement.match.direction_trust, Eigen::ComputeFullV);
+  const Eigen::Vector2d along = trust.matrixV().col(1);
+  const double left_to_odometry = 1 - trust.singularValues()(1);
+  const Eigen::Matrix2d known = placement.covariance.inverse().topLeftCorner<2, 2>();
+  const Eigen::Vector2d in_previous = rotate(-map.relative_pose(ground, odometry.a).yaw, along);
+  const Eigen::Matrix2d by_odometry =
+      std::get<RelativePose>(odometry.measurement).information.inverse().topLeftCorner<2, 2>();
+  const double information = left_to_odometry * left_to_odometry * along.dot(known * along) -
+                             1 / in_previous.dot(by_odometry * in_previous);
+  if (!(information > 0)) return std::nullopt;
+  Relation relation;
+  relation.a = ground;
+  relation.b = odometry.b;
+  relation.kind = RelationKind::relative_pose;
+  RelativePose measured{placement.local_from_robot, Eigen::Matrix3d::Zero()};
+  measured.information.topLeftCorner<2, 2>() = information * along * along.transpose();
+  relation.measurement = measured;
+  relation.origin = {OriginKind::match, {}};
   return relation;
 }
 
@@ -178,7 +209,12 @@ bool extend(Map& map, Robot& robot, Observation observation, const Placement& pl
                 placement.match.direction_trust.determinant() > options.follow.well_seen,
                 options.odometry_noise)
           : path.covariance;
-  map.relate(odometry_relation(previous, id, path, covariance));
+  const Relation odometry = odometry_relation(previous, id, path, covariance);
+  if (placement.matched) {
+    if (std::optional<Relation> ground = ground_relation(map, robot, placement, odometry, options))
+      relations.push_back(*std::move(ground));
+  }
+  map.relate(odometry);
   for (const Relation& relation : relations) map.relate(relation);
   for (const Relation& relation : loop) map.relate(relation);
   put_robot_on(robot, id);

@@ -111,6 +111,8 @@ class BestFit {
       try_from(expectation_.local_from_robot, its_.loose_gain);
       try_from(was * place_.last_step, its_.other_start_gain);
       try_from(was, its_.other_start_gain);
+    } else if (could_fit_better()) {
+      try_from(expectation_.local_from_robot, its_.loose_gain);
     }
     // Odometry that stood still and then jumps may well be right about where it jumps to: where the laser
     // cannot tell, as in a corridor, it is believed.
@@ -129,6 +131,11 @@ class BestFit {
  private:
   // Where odometry cannot be believed, a match needs more to be.
   bool fits(const Match& match) const { return match.ok && match.quality.score >= min_score_; }
+
+  // Whether a slip of the wheels might let the scan fit so much better that it would be believed.
+  bool could_fit_better() const {
+    return options_.weak_direction.sharpness * (1 - best_.quality.score) > its_.slip_log_odds;
+  }
 
   // Other beginnings hold the prediction loosely, and must fit better by so much to be preferred.
   void try_from(const Pose& start, double better_by) {

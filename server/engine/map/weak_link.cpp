@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "server/engine/map/dependencies.hpp"
 #include "server/engine/map/slip_density.hpp"
 
 namespace isthmus {
 namespace {
+
+constexpr double sure = 1e6;  // log-odds of what is not in question
 
 /// Tells which relations a patch was placed by: those that follow its odometry, each with it as its newer
 /// end.
@@ -59,34 +60,53 @@ struct Contradicted {
   IslandId island() const { return before.island(loop.first.front()); }
 };
 
-// Log-odds that the link is right, by how far it would have to be off: that another place looks alike just
-// there, rather than that it slipped so far. Nothing for small slips, as what looks alike is often near, too.
-double by_size_of_slip(const Contradicted& map, const WeakestCut& link, const WeakLinkOptions& options) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const RelationId id : link.relations) {
-    const Relation& relation = *map.before.find(id);
-    const Pose &a = map.poses_before[index(relation.a)], &b = map.poses_before[index(relation.b)];
-    const bool b_is_beyond = std::ranges::binary_search(link.beyond, relation.b);
-    const Pose& moves = map.loop.first_from_second;
-    const Pose moved = b_is_beyond ? ominus(moves * b, a) : ominus(b, moves * a);
-    const double size = -map.log_window - log_slip_density(wrapped_difference(moved, ominus(b, a)), options);
-    least = std::min(least, std::max(0.0, size));
+double log_density_of_no_slip(const WeakLinkOptions& options) {
+  return log_slip_density(Eigen::Vector3d::Zero(), options);
+}
+
+// Log-odds against a link's being off by so much as it would have to if one side of it moved as the loop has
+// it, rather than by little. Where the move turns the map, that is least at the pole of the rotation.
+double against_slip(const Contradicted& map, const Relation& link, const WeakLinkOptions& options) {
+  const Pose &a = map.poses_before[index(link.a)], &b = map.poses_before[index(link.b)];
+  const auto* measured = std::get_if<RelativePose>(&link.measurement);
+  const Pose a_from_b = measured ? measured->a_from_b : ominus(b, a);
+  const auto log_density = [&](const Pose& moved) {
+    return log_slip_density(wrapped_difference(moved, a_from_b), options);
+  };
+  const Pose& moves = map.loop.first_from_second;
+  return log_density_of_no_slip(options) -
+         std::max(log_density(ominus(moves * b, a)), log_density(ominus(b, moves * a)));
+}
+
+// The links that are least sure by where they are and by how far they would have to be off. Against the
+// closure there is only that another place looks alike just there: nothing for small slips, as what looks
+// alike is often near, too.
+std::optional<WeakestCut> least_sure(const Contradicted& map, const WeakLinkOptions& options) {
+  std::vector<UncertainLink> links = uncertain_links(map.before, map.island(), map.poses_before, options);
+  std::vector<double> slips;
+  for (UncertainLink& link : links) {
+    slips.push_back(against_slip(map, *map.before.find(link.relation), options));
+    link.log_odds += slips.back();
   }
-  return least;
+  std::optional<WeakestCut> cut = weakest_cut(links, map.loop.first, map.loop.second);
+  if (!cut) return std::nullopt;
+  const double look_alike = std::max(0.0, map.log_window + log_density_of_no_slip(options));
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const bool is_cut = std::ranges::binary_search(cut->relations, links[i].relation);
+    links[i].log_odds = is_cut ? links[i].log_odds - std::min(slips[i], look_alike) : sure;
+  }
+  return weakest_cut(links, map.loop.first, map.loop.second);
 }
 
 std::optional<Blame> weakest_link(const Contradicted& map, const WeakLinkOptions& options) {
-  std::optional<WeakestCut> link = weakest_cut(
-      uncertain_links(map.before, map.island(), map.poses_before, options), map.loop.first, map.loop.second);
+  std::optional<WeakestCut> link = least_sure(map, options);
   if (!link || link->log_odds > map.max_log_odds) return std::nullopt;
-  const double log_odds = link->log_odds + by_size_of_slip(map, *link, options);
-  if (log_odds > map.max_log_odds) return std::nullopt;
   std::vector<Pose> poses(map.poses_before.begin(), map.poses_before.end());
   for (const PatchId id : link->beyond) poses[index(id)] = map.loop.first_from_second * poses[index(id)];
   RelationGraph without = map.fitted;
   without.remove(link->relations);
   FitReport report = fit_island(without, map.island(), poses);
-  if (!report.ok || map.cost - report.cost_after < log_odds) return std::nullopt;
+  if (!report.ok || map.cost - report.cost_after < link->log_odds) return std::nullopt;
   std::vector<RelationId> wrong = link->relations;
   std::erase_if(wrong, [&](RelationId id) { return agrees(*map.fitted.find(id), poses, options); });
   if (wrong.size() < link->relations.size()) {
@@ -95,6 +115,7 @@ std::optional<Blame> weakest_link(const Contradicted& map, const WeakLinkOptions
     report = fit_island(without, map.island(), poses);
     if (!report.ok) return std::nullopt;
   }
+  const double log_odds = link->log_odds;
   return Blame{log_odds, *std::move(link), {}, std::move(wrong), report.cost_after, std::move(poses)};
 }
 
@@ -129,9 +150,9 @@ std::vector<UncertainLink> uncertain_links(const RelationGraph& graph, IslandId 
     const bool of_placing = placings.has(relation);
     if (graph.island(relation.a) != island) continue;
     const bool odometry = relation.origin.kind == OriginKind::odometry;
-    const double sure = odometry ? options.odometry_log_odds : options.match_log_odds;
+    const double right = odometry ? options.odometry_log_odds : options.match_log_odds;
     links.push_back({id, std::min(relation.a, relation.b), std::max(relation.a, relation.b),
-                     std::max(0.0, sure - 0.5 * misfit(relation, poses)), of_placing});
+                     std::max(0.0, right - 0.5 * misfit(relation, poses)), of_placing});
   }
   return links;
 }

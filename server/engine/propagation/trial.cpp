@@ -234,13 +234,15 @@ double Trial::sighting_cost() const {
   return rows > 0 ? sum / rows : 0;
 }
 
+// The median: where the map is crooked by itself, as at a patch of a scan that was placed badly, a few
+// relations cost much whether the closure is true or not.
 double Trial::find_cost() const {
-  double sum = 0;
-  for (const Relation& relation : proposal_.relations) {
-    const Pose a_from_b = map_.relative_pose(relation.a, relation.b);
-    sum += std::min(chi_squared(relation.measurement, a_from_b), options_.trial.max_relation_cost);
-  }
-  return sum / static_cast<double>(proposal_.relations.size());
+  std::vector<double> costs;
+  for (const Relation& relation : proposal_.relations)
+    costs.push_back(chi_squared(relation.measurement, map_.relative_pose(relation.a, relation.b)));
+  const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
+  std::ranges::nth_element(costs, middle);
+  return *middle;
 }
 
 void Trial::judge() {

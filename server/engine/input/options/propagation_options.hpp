@@ -103,8 +103,9 @@ struct TrialOptions {
     option(log_odds_per_sighting_cost, "log_odds_per_sighting_cost", "log-odds",
            "against a closure whose sightings cost one more: those of true ones whose clock or mounting is "
            "off come to 4, those of false ones nearly always to 25");
-    option(max_find_cost, "max_find_cost", "χ² of 3", "mean over the finds' relations after the fit");
-    option(max_relation_cost, "max_relation_cost", "χ²", "of one relation that counts for these means");
+    option(max_find_cost, "max_find_cost", "χ² of 3", "median over the finds' relations after the fit");
+    option(max_relation_cost, "max_relation_cost", "χ²",
+           "of one relation that counts for the mean over sightings");
     visit_scan_options(option);
   }
 
@@ -131,7 +132,7 @@ struct TrialOptions {
            "of each sighting beyond two that agrees: of false ones that agree by chance, or as one misread "
            "barcode leads to another, one more does so in one of five sets or fewer");
     option(even_find_cost, "even_find_cost", "χ² of 3",
-           "mean over the finds' relations that does not speak against a loop: the median of true ones");
+           "that of finds that do not speak against a loop: the usual one of true ones");
     option(log_odds_per_find_cost, "log_odds_per_find_cost", "log-odds",
            "against a loop whose finds pull at one another by one more than that");
     option(log_odds_per_contradiction, "log_odds_per_contradiction", "log-odds",

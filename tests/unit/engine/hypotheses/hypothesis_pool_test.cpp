@@ -127,6 +127,17 @@ TEST(HypothesisPool, CountsThePlacesThatLookAlikeByTheFindsItNeeds) {
   EXPECT_EQ(its.closures.closures()[0].account.look_alikes, 4);
 }
 
+// What a find says by itself, others that agree with it do not make less sure.
+TEST(HypothesisPool, IsNoLessSureOfALoopForFindsThatAgree) {
+  Pooling its;
+  its.scene.join();
+  its.find(0, {0, 1.5, 0}, 1);
+  its.find(4, {0, 1.5, 0}, 21);
+  ASSERT_TRUE(its.propose());
+  its.take_outcomes();
+  EXPECT_EQ(its.closures.closures().at(0).account.look_alikes, 2);
+}
+
 // Half a metre further on, whichever of the two asks.
 TEST(HypothesisPool, SaysWhereToLookForWhatIsNearAFindThatWaits) {
   Pooling its;

@@ -144,6 +144,49 @@ TEST(Extend, RelatesAnUnmatchedScanByOdometryAlone) {
                   .information.isApprox(in.robot.noise.covariance(said, {}).inverse(), 1e-6));
 }
 
+// A robot in a corridor that has come back on its first patch, after a second one a metre ahead; its odometry
+// since then is a metre wrong.
+struct BackInACorridor : InARoom {
+  explicit BackInACorridor(Walls seen = corridor()) : InARoom(std::move(seen)) {
+    const Pose ahead{1, 0, 0};
+    robot.place->since_last_patch.append(ahead, robot.noise.covariance(ahead, {}));
+    extended_by(ahead, matched(ahead));
+    robot.place->pose = {PatchId{0}, {}};
+    robot.place->since_last_patch = {{-0.6, 0, 0}, Eigen::Vector3d(1, 1, 0.1).asDiagonal()};
+  }
+  const Relation* ground_of_patch_2() const {
+    for (const Relation* relation : relations_between(map, 0, 2))
+      if (relation->kind == RelationKind::relative_pose) return relation;
+    return nullptr;
+  }
+  const Pose back{-0.6, 0, 0};
+};
+
+// Along a bare corridor neither the scan nor odometry since the last patch says where it is: the way that was
+// tracked does.
+TEST(Extend, KeepsAScanWhereItWasTrackedToInTheDirectionThatItDoesNotTell) {
+  BackInACorridor in;
+  in.extended_by(in.back, in.matched(in.back));
+  expect_near(in.map.manifold().pose(PatchId{2}), in.back, 0.03);
+  const Relation* ground = in.ground_of_patch_2();
+  ASSERT_TRUE(ground);
+  EXPECT_EQ(ground->origin.kind, OriginKind::match) << "a part of the scan's placing";
+  const Eigen::Matrix3d& information = std::get<RelativePose>(ground->measurement).information;
+  EXPECT_NEAR(information(0, 0), 1 / 0.01 - 1 / 1.0, 5) << "beyond what odometry says";
+  EXPECT_NEAR(information(1, 1), 0, 1e-3) << "which walls tell";
+  EXPECT_EQ(information(2, 2), 0);
+}
+
+TEST(Extend, KeepsAScanByNothingElseWhereItTellsOrOdometryDoes) {
+  BackInACorridor in_a_room(furnished_room());
+  in_a_room.extended_by(in_a_room.back, in_a_room.matched(in_a_room.back));
+  EXPECT_FALSE(in_a_room.ground_of_patch_2()) << "the scan tells";
+  BackInACorridor in;
+  in.robot.place->since_last_patch = {{-1.6, 0, 0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()};
+  in.extended_by(in.back, in.matched(in.back));
+  EXPECT_FALSE(in.ground_of_patch_2()) << "odometry tells more";
+}
+
 // Eq. 16 around the new patch: two relations that disagree meet between.
 TEST(Extend, RefitsTheMapAroundTheNewPatch) {
   InARoom in;

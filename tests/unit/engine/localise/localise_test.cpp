@@ -45,6 +45,16 @@ TEST(Place, BelievesOdometryWhereWallsSayNothing) {
   EXPECT_LT(placement.tracking_covariance(1, 1) / expectation.tracking_covariance(1, 1), 0.01);
 }
 
+// Odometry that was right for long and tells a turn late: held as surely as that, a scan may fit well enough.
+TEST(Place, TriesWhetherAScanFitsSoMuchBetterElsewhereThatWheelsMustHaveSlipped) {
+  const Pose truth{0.4, -0.3, 0.12};
+  const Expectation expectation = expecting({0.4, -0.3, 0}, 0.01, 0.002);
+  const Placement placement =
+      placed(robot_at({}), expectation, local_map_of(furnished_room()), furnished_room(), truth);
+  ASSERT_TRUE(placement.matched);
+  expect_near(placement.local_from_robot, truth, 0.02, 0.006);
+}
+
 // Independent pieces of information about one pose add up. The beams', which errs less with many patches
 // than its nominal noise says, is trusted by `match_trust` from scan to scan.
 TEST(Place, AddsTheInformationOfTheBeamsToThatOfOdometry) {

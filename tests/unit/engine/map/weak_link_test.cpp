@@ -24,8 +24,8 @@ struct Square {
   RelationGraph graph;
   std::vector<Pose> poses;  ///< as the map has them, without the loop
 
-  /// The scan of patch `slipped` was placed so far from where it was.
-  explicit Square(int slipped = -1, const Pose& slip = {}, const Pose& drift = {}) {
+  /// The scan of patch `slipped` was placed so far from where it was, odometry or not.
+  explicit Square(int slipped = -1, const Pose& slip = {}, const Pose& drift = {}, bool wheels_too = false) {
     for (int side = 0; side < 4; ++side)
       for (int i = 0; i < 4; ++i) {
         const Pose corner =
@@ -37,7 +37,8 @@ struct Square {
       poses.push_back(i == 0 ? Pose{}
                              : poses.back() * step(i - 1, i) * (i == slipped ? slip : Pose{}) * drift);
       if (i == 0) continue;
-      graph.add(odometry_relation(PatchId{i - 1}, PatchId{i}, step(i - 1, i), {10, 10, 10}));
+      const Pose told = wheels_too ? ominus(poses[at(i)], poses[at(i - 1)]) : step(i - 1, i);
+      graph.add(odometry_relation(PatchId{i - 1}, PatchId{i}, told, {10, 10, 10}));
       graph.add(match(i - 1, i));
       if (i > 1 && i != slipped && i != slipped + 1) graph.add(match(i - 2, i));
     }
@@ -128,16 +129,31 @@ TEST(WeakLink, IsNoneThatIsSurerThanWhatTheLoopCosts) {
 // By Cauchy's distribution in the plane (1 m) and around the circle (0.3 rad), of which the window is 1,000
 // m² rad.
 TEST(WeakLink, IsTheSurerTheFartherOffItWouldHaveToBe) {
+  const WeakLinkOptions options;
   const auto near = Square(6, {0.3, 0.2, 0.6}).closed(1e9);
   ASSERT_TRUE(near);
-  EXPECT_EQ(near->log_odds, near->link.log_odds) << "slips of a metre are as likely as anything";
+  const double of_odometry = options.odometry_log_odds - 0.5 * 10 * (0.09 + 0.04 + 0.36);
+  EXPECT_NEAR(near->log_odds, options.match_log_odds + of_odometry, 0.01)
+      << "slips of a metre are as likely as anything";
   const Square square(6, {300, 400, 0});
   const auto far = square.closed(1e9);
   ASSERT_TRUE(far);
   const double in_plane = 1 / (2 * std::numbers::pi * std::pow(500, 3));
   const double of_yaw = std::sinh(0.3) / (2 * std::numbers::pi * (std::cosh(0.3) - 1));
-  EXPECT_NEAR(far->log_odds - far->link.log_odds, -std::log(1000 * in_plane * of_yaw), 0.01);
-  EXPECT_FALSE(square.closed(far->link.log_odds + 1)) << "though the link by itself is no surer";
+  EXPECT_NEAR(far->log_odds, options.match_log_odds - std::log(1000 * in_plane * of_yaw), 0.01)
+      << "odometry, which would be right then, says nothing against it";
+  EXPECT_FALSE(square.closed(options.match_log_odds + 1)) << "though the link by itself is no surer";
+}
+
+// Where nothing else tells the links of a way apart, that is to blame which has to move least: at the pole of
+// the rotation that closes the loop it only has to turn.
+TEST(WeakLink, IsWhereTheMapOnlyHasToTurn) {
+  for (const int slipped : {3, 7, 11}) {
+    const auto found = Square(slipped, {0, 0, 0.6}, {}, true).closed(1e9);
+    ASSERT_TRUE(found) << slipped;
+    EXPECT_EQ(found->link.beyond.front(), PatchId{slipped});
+    EXPECT_EQ(found->link.beyond.size(), static_cast<std::size_t>(16 - slipped));
+  }
 }
 
 TEST(WeakLink, TellsThePlacingOfAScanFromWhatWasMatchedLater) {

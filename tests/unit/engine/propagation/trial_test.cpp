@@ -385,6 +385,19 @@ TEST(TrialByScans, WhoseFindsPullAtOneAnotherNeedsMoreThatSpeaksForIt) {
   }
 }
 
+// A few relations may cost much because a patch lies crooked by itself: what most of them cost tells.
+TEST(TrialByScans, WithAFewRelationsThatFitBadlyIsAsGoodAsTheMostOfThem) {
+  for (const int crooked : {1, 4}) {
+    Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0), long_corridor(), along(0.3, 11, 0.1)));
+    for (int i = 0; i < 5; ++i)
+      its.say(PatchId{2 + 2 * i}, PatchId{14 + 2 * i},
+              {i < crooked ? 0.15 * (i % 2 == 0 ? 1 : -1) : 0, 0, 0});
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.account().cost < TrialOptions{}.even_find_cost, crooked == 1) << trial.account().cost;
+    EXPECT_EQ(trial.accepted(), crooked == 1) << word(trial.refusal());
+  }
+}
+
 // |===================|    Ten metres of one corridor, driven twice: corridors look alike.
 //    1  2  3 ... 10
 // |===================|
