@@ -202,13 +202,12 @@ bool extend(Map& map, Robot& robot, Observation observation, const Placement& pl
   map.add(make_patch(id, robot.declaration.robot, std::move(observation), options.patch), map_from_robot);
   const OdometryPath& path = robot.place->since_last_patch;
   const PatchId previous = robot.place->last_patch;
-  const Eigen::Matrix3d covariance =
-      placement.matched
-          ? robot.noise.path_covariance(
-                path.start_from_end, path.covariance, ominus(map_from_robot, map.manifold().pose(previous)),
-                placement.match.direction_trust.determinant() > options.follow.well_seen,
-                options.odometry_noise)
-          : path.covariance;
+  const bool well_seen =
+      placement.matched && placement.match.direction_trust.determinant() > options.follow.well_seen;
+  const Pose previous_from_robot =
+      placement.matched ? ominus(map_from_robot, map.manifold().pose(previous)) : path.start_from_end;
+  const Eigen::Matrix3d covariance = robot.noise.path_covariance(
+      path.start_from_end, path.covariance, previous_from_robot, well_seen, options.odometry_noise);
   const Relation odometry = odometry_relation(previous, id, path, covariance);
   if (placement.matched) {
     if (std::optional<Relation> ground = ground_relation(map, robot, placement, odometry, options))

@@ -61,6 +61,19 @@ TEST(Expect, AddsTheNoiseOfOdometryInTheRobotsOwnDirections) {
 }
 
 // Odometry froze while the robot turned by 60 degrees, which scans showed: then it tells them all at once.
+// Wheels that slip in a turn do so to its end: of n scans that are not matched the error is n times that of
+// one.
+TEST(Expect, AddsUpWhatOdometryErrsByWhileNoScanIsMatched) {
+  const EngineOptions options;
+  Robot robot = robot_at({});
+  const Pose step{0.1, 0, 0.2};
+  const auto noise = [&] { return expect(robot, step, 200'000, options).step_covariance; };
+  const Eigen::Matrix3d of_one = noise();
+  Eigen::Matrix3d sum = of_one;
+  for (robot.place->lost_scans = 1; robot.place->lost_scans < 5; ++robot.place->lost_scans) sum += noise();
+  EXPECT_TRUE(sum.isApprox(5 * 5 * of_one, 1e-9));
+}
+
 TEST(Expect, TakesWhatOdometryHadNotToldOutOfAStepThatTellsIt) {
   Robot robot = robot_at({1, 0, 0.2});
   robot.place->untold = {0.1, 0, 1.05};

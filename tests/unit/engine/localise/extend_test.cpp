@@ -140,8 +140,11 @@ TEST(Extend, RelatesAnUnmatchedScanByOdometryAlone) {
   const std::vector<const Relation*> relations = relations_between(in.map, 0, 1);
   ASSERT_EQ(relations.size(), 1U);
   EXPECT_EQ(relations[0]->kind, RelationKind::odometry);
-  EXPECT_TRUE(std::get<RelativePose>(relations[0]->measurement)
-                  .information.isApprox(in.robot.noise.covariance(said, {}).inverse(), 1e-6));
+  const Eigen::Matrix3d covariance =
+      in.robot.noise.path_covariance(said, in.robot.noise.covariance(said, {}), said, false, {});
+  EXPECT_TRUE(
+      std::get<RelativePose>(relations[0]->measurement).information.isApprox(covariance.inverse(), 1e-6))
+      << "as far as paths of odometry err";
 }
 
 // A robot in a corridor that has come back on its first patch, after a second one a metre ahead; its odometry
