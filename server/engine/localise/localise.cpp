@@ -112,7 +112,7 @@ class BestFit {
       try_from(was * place_.last_step, its_.other_start_gain);
       try_from(was, its_.other_start_gain);
     } else if (could_fit_better()) {
-      try_from(expectation_.local_from_robot, its_.loose_gain);
+      try_slipped();
     }
     // Odometry that stood still and then jumps may well be right about where it jumps to: where the laser
     // cannot tell, as in a corridor, it is believed.
@@ -143,6 +143,18 @@ class BestFit {
         match_scan(local_map_, points_, {start, its_.loose_share * information_}, match_options_);
     if (fits(match) && (!is_good() || match.quality.score > best_.quality.score + better_by)) best_ = match;
   }
+
+  // Wheels that slip, or tell motion late, are wrong by no more than they told, or the robot went before.
+  void try_slipped() {
+    const Match held = best_;
+    try_from(expectation_.local_from_robot, its_.loose_gain);
+    const Pose off = ominus(best_.local_from_robot, held.local_from_robot);
+    const double most = way_m(expectation_.claimed_step) + way_m(place_.last_step) +
+                        its_.window_sigmas * std::sqrt(its_.match_variance_m2);
+    if (way_m(off) > most) best_ = held;
+  }
+
+  static double way_m(const Pose& step) { return std::hypot(step.x, step.y); }
 
   void weigh() {
     std::optional<Match> held =

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "tests/support/localised.hpp"
 #include "tests/support/poses.hpp"
@@ -53,6 +54,20 @@ TEST(Place, TriesWhetherAScanFitsSoMuchBetterElsewhereThatWheelsMustHaveSlipped)
       placed(robot_at({}), expectation, local_map_of(furnished_room()), furnished_room(), truth);
   ASSERT_TRUE(placement.matched);
   expect_near(placement.local_from_robot, truth, 0.02, 0.006);
+}
+
+// Where it fits better than wheels can have slipped to, it is another place that looks alike.
+TEST(Place, IsNoFartherFromWhatOdometrySaysThanWheelsSlip) {
+  for (const double told_m : {0.0, 0.12}) {
+    const Pose truth{0.4, -0.3, 0.03};
+    Expectation expectation = expecting({0.52, -0.3, 0}, 0.0015, 0.0006);
+    expectation.claimed_step = {told_m, 0, 0};
+    const Placement placement =
+        placed(robot_at({}), expectation, local_map_of(furnished_room()), furnished_room(), truth);
+    ASSERT_TRUE(placement.matched);
+    EXPECT_EQ(std::abs(placement.local_from_robot.x - truth.x) < 0.03, told_m > 0)
+        << placement.local_from_robot.x;
+  }
 }
 
 // Independent pieces of information about one pose add up. The beams', which errs less with many patches
