@@ -9,8 +9,6 @@
 namespace isthmus {
 namespace {
 
-constexpr double sure = 1e6;  // log-odds of what is not in question
-
 /// Tells which relations a patch was placed by: those that follow its odometry, each with it as its newer
 /// end.
 class Placings {
@@ -91,10 +89,9 @@ std::optional<WeakestCut> least_sure(const Contradicted& map, const WeakLinkOpti
   std::optional<WeakestCut> cut = weakest_cut(links, map.loop.first, map.loop.second);
   if (!cut) return std::nullopt;
   const double look_alike = std::max(0.0, map.log_window + log_density_of_no_slip(options));
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    const bool is_cut = std::ranges::binary_search(cut->relations, links[i].relation);
-    links[i].log_odds = is_cut ? links[i].log_odds - std::min(slips[i], look_alike) : sure;
-  }
+  for (std::size_t i = 0; i < links.size(); ++i)
+    if (std::ranges::binary_search(cut->relations, links[i].relation))
+      links[i].log_odds -= std::min(slips[i], look_alike);
   return weakest_cut(links, map.loop.first, map.loop.second);
 }
 
