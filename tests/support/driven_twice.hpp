@@ -12,7 +12,7 @@ namespace isthmus::testing {
 ///
 ///     0 --> 1 --> ... 11
 ///    12 --> ...       23       0.3 m beside it
-inline MapCopy hall_driven_twice(const Pose& off, const std::string& second_robot = "R1") {
+inline Map map_of_hall_driven_twice(const Pose& off, const std::string& second_robot = "R1") {
   Map map;
   std::vector<Pose> there;
   std::vector<Pose> back;
@@ -23,6 +23,11 @@ inline MapCopy hall_driven_twice(const Pose& off, const std::string& second_robo
   const std::vector<PatchId> first = add_way(map, niched_hall(), there);
   const std::vector<PatchId> second = add_way(map, niched_hall(), back, off, second_robot);
   map.relate(odometry_relation(first.back(), second.back(), map.relative_pose(first.back(), second.back())));
+  return map;
+}
+
+inline MapCopy hall_driven_twice(const Pose& off, const std::string& second_robot = "R1") {
+  const Map map = map_of_hall_driven_twice(off, second_robot);
   MapCopy copy;
   copy.patches.assign(map.manifold().patches().begin(), map.manifold().patches().end());
   copy.poses.assign(map.manifold().poses().begin(), map.manifold().poses().end());

@@ -7,6 +7,7 @@
 
 #include "server/engine/closures/closure_draft.hpp"
 #include "server/engine/closures/merge_account.hpp"
+#include "server/engine/closures/rival_merge.hpp"
 #include "server/engine/closures/taking_back.hpp"
 
 namespace isthmus {
@@ -135,12 +136,15 @@ void Closures::end_trial(World world) {
   closure.record.work_steps = trial->work_steps();
   closure.record.account = trial->account();
   closure.record.end_utime = world.now_utime;
-  if (trial->undecided())
-    return ledger_.decide(closure, ClosureState::waiting, trial->refusal(), trial->patches_touched());
+  if (trial->undecided()) {
+    ledger_.decide(closure, ClosureState::waiting, trial->refusal(), trial->patches_touched());
+    return withdraw_what_it_rivals(world, closure);
+  }
   if (!trial->accepted()) {
     ledger_.decide(closure, ClosureState::refused, trial->refusal());
     observations_.put_back(closure.evidence, trial->refusal(), closure.record.id);
     withdraw_what_it_contradicts(world, closure);
+    withdraw_what_it_rivals(world, closure);
   } else if (trial->proposal().measured || !refuse_if_forbidden(world, closure, trial->map())) {
     accept(world, *trial, closure);
   }
@@ -185,6 +189,11 @@ void Closures::withdraw_what_it_contradicts(World world, const Entry& refused) {
   observations_.reopen(world, tags_.patches(),
                        observations_.refused_by_map(world.options.closures.max_reopened));
   proposer_.forget();
+}
+
+// Of two ways in which scans lay two maps over one another, one is wrong.
+void Closures::withdraw_what_it_rivals(World world, const Entry& closure) {
+  if (const auto rivalled = rivalled_merge(world, ledger_, closure)) withdraw(world, rivalled->merge);
 }
 
 // Neither accepted nor refused: as if it had not been proposed yet. Its sightings wait for more.

@@ -78,6 +78,7 @@ class Closures {
   void accept(World world, const Trial& trial, Entry& closure);
   void withdraw(World world, ClosureId contradicted);
   void withdraw_what_it_contradicts(World world, const Entry& refused);
+  void withdraw_what_it_rivals(World world, const Entry& closure);
   void put_off(Entry& closure);
   void put_off_trial();
   bool refuse_if_forbidden(World world, Entry& closure, const Map& tried);

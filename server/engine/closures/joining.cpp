@@ -7,6 +7,8 @@
 #include <span>
 
 #include "relations/confidence.hpp"
+#include "server/engine/input/engine_options.hpp"
+#include "server/engine/map/map.hpp"
 
 namespace isthmus {
 namespace {

@@ -19,15 +19,6 @@ bool is_refused_by_trial(const Entry& entry, ClosureKind kind) {
 
 bool is_contradiction(const Entry& entry) { return is_refused_by_trial(entry, ClosureKind::loop); }
 
-RelationGraph without(const RelationGraph& graph, const Dependencies& dependencies, ClosureId closure) {
-  std::vector<RelationId> out;
-  for (const auto& [id, relation] : graph.relations())
-    if (dependencies.has(id, closure)) out.push_back(id);
-  RelationGraph rest = graph;
-  rest.remove(out);
-  return rest;
-}
-
 bool parted(const RelationGraph& graph, PatchId a, PatchId b) { return graph.island(a) != graph.island(b); }
 
 bool parted(const RelationGraph& graph, const Evidence& evidence) {

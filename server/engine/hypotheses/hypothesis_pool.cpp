@@ -259,14 +259,16 @@ void HypothesisPool::conclude(const Map& map, const ClosureOutcome& outcome, con
     gone[i] = true;
     if (comes_back) {
       parked_[outcome.id].push_back(pool_[i]);
-    } else if (!on_one_island(map, pool_[i].find)) {
-      refused_merges_.push_back(pool_[i]);
+    } else {
+      (on_one_island(map, pool_[i].find) ? refused_loops_ : refused_merges_).push_back(pool_[i]);
     }
   }
   remove(gone);
   hypotheses_.erase(found);
-  const std::size_t kept = std::min(refused_merges_.size(), options.hypotheses.max_finds);
-  refused_merges_.erase(refused_merges_.begin(), refused_merges_.end() - static_cast<std::ptrdiff_t>(kept));
+  for (std::vector<Waiting>* refused : {&refused_merges_, &refused_loops_}) {
+    const std::size_t kept = std::min(refused->size(), options.hypotheses.max_finds);
+    refused->erase(refused->begin(), refused->end() - static_cast<std::ptrdiff_t>(kept));
+  }
 }
 
 // What agrees with the map that an accepted closure has made belongs to it, and goes with it: whatever says
@@ -287,7 +289,8 @@ void HypothesisPool::take_in(World world, ClosureId closure) {
   changed_ = true;
 }
 
-// What only agreed with a closure that is withdrawn is as true as before.
+// What only agreed with a closure that is withdrawn is as true as before, and what was refused on a map that
+// was wrong may fit now.
 void HypothesisPool::let_go(World world, ClosureId withdrawn, HypothesisCounts& counts) {
   std::vector<Waiting> free;
   std::erase_if(parked_[withdrawn], [&](const Waiting& waiting) {
@@ -296,6 +299,8 @@ void HypothesisPool::let_go(World world, ClosureId withdrawn, HypothesisCounts& 
     return true;
   });
   for (Waiting& waiting : free) take(world, waiting.robot, std::move(waiting.find), counts);
+  for (Waiting& waiting : std::exchange(refused_loops_, {}))
+    take(world, waiting.robot, std::move(waiting.find), counts);
 }
 
 // Finds of a merge that was refused say something else once their islands have merged otherwise: how a loop
@@ -324,6 +329,7 @@ void HypothesisPool::forget_robot(const Map& map, const std::string& robot) {
   remove(gone);
   for (auto& [id, finds] : parked_) std::erase_if(finds, is_its);
   std::erase_if(refused_merges_, is_its);
+  std::erase_if(refused_loops_, is_its);
 }
 
 std::vector<PlaceHint> HypothesisPool::hints(const Map& map, PatchId patch,

@@ -41,7 +41,8 @@ class HypothesisPool {
   std::size_t waiting() const { return pool_.size(); }
 
   auto members() {
-    return std::tie(pool_, agreements_, changed_, hypotheses_, parked_, refused_merges_, refuted_);
+    return std::tie(pool_, agreements_, changed_, hypotheses_, parked_, refused_merges_, refused_loops_,
+                    refuted_);
   }
 
  private:
@@ -81,7 +82,8 @@ class HypothesisPool {
   bool changed_ = false;
   std::map<ClosureId, Hypothesis> hypotheses_;
   std::map<ClosureId, std::vector<Waiting>> parked_;  ///< finds of closures that may be withdrawn or allowed
-  std::vector<Waiting> refused_merges_;  ///< the newest finds of two islands whose merge was refused
+  std::vector<Waiting> refused_merges_;  ///< the newest finds of two islands whose merge was refused,
+  std::vector<Waiting> refused_loops_;   ///< and of loops that were
   std::vector<Refutation> refuted_;
 };
 

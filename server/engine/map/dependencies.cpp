@@ -115,6 +115,15 @@ bool Dependencies::has(RelationId id, ClosureId closure) const {
   return std::ranges::binary_search(of(id), closure);
 }
 
+RelationGraph without(const RelationGraph& graph, const Dependencies& dependencies, ClosureId closure) {
+  std::vector<RelationId> out;
+  for (const auto& [id, relation] : graph.relations())
+    if (dependencies.has(id, closure)) out.push_back(id);
+  RelationGraph rest = graph;
+  rest.remove(out);
+  return rest;
+}
+
 std::vector<ClosureId> closures_between(const RelationGraph& graph, PatchId a, PatchId b) {
   Relation newest;
   newest.id = RelationId{std::numeric_limits<std::int32_t>::max()};

@@ -39,6 +39,9 @@ class Dependencies {
   std::vector<std::uint32_t> set_of_;         ///< by relation id
 };
 
+/// A graph but for what depends on a closure.
+RelationGraph without(const RelationGraph& graph, const Dependencies& dependencies, ClosureId closure);
+
 /// The closures by which a map knows how two of its patches lie to one another: those on which the shortest
 /// way between them depends. By id; none where they are not connected.
 std::vector<ClosureId> closures_between(const RelationGraph& graph, PatchId a, PatchId b);

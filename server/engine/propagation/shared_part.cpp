@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "server/engine/map/contradiction.hpp"
@@ -14,16 +16,46 @@ namespace {
 
 Eigen::Vector2d position(const Map& map, PatchId id) { return position(map.manifold().pose(id)); }
 
-bool any_near(const Map& map, std::span<const PatchId> others, const Eigen::Vector2d& at, double radius_m) {
-  return std::ranges::any_of(others,
-                             [&](PatchId other) { return (position(map, other) - at).norm() < radius_m; });
-}
+// Where patches lie, by cells of the distance that is asked for.
+class NearbyPlaces {
+ public:
+  explicit NearbyPlaces(double radius_m) : radius_m_(radius_m) {}
+  NearbyPlaces(const Map& map, std::span<const PatchId> patches, double radius_m) : radius_m_(radius_m) {
+    for (const PatchId id : patches) add(position(map, id));
+  }
+
+  void add(const Eigen::Vector2d& at) { cells_[cell(at)].push_back(at); }
+
+  bool any_near(const Eigen::Vector2d& at) const {
+    const auto [x, y] = cell(at);
+    for (int i = x - 1; i <= x + 1; ++i) {
+      for (int k = y - 1; k <= y + 1; ++k) {
+        const auto found = cells_.find({i, k});
+        if (found != cells_.end() && std::ranges::any_of(found->second, [&](const Eigen::Vector2d& its) {
+              return (its - at).norm() < radius_m_;
+            }))
+          return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  std::pair<int, int> cell(const Eigen::Vector2d& at) const {
+    return {static_cast<int>(std::floor(at.x() / radius_m_)),
+            static_cast<int>(std::floor(at.y() / radius_m_))};
+  }
+
+  double radius_m_;
+  std::map<std::pair<int, int>, std::vector<Eigen::Vector2d>> cells_;
+};
 
 double own_way_m(const Map& map, std::span<const PatchId> its, std::span<const PatchId> others,
                  const SharedPartOptions& options) {
+  const NearbyPlaces nearby(map, others, options.near_m);
   std::vector<PatchId> alone;
   for (const PatchId id : its)
-    if (!any_near(map, others, position(map, id), options.near_m)) alone.push_back(id);
+    if (!nearby.any_near(position(map, id))) alone.push_back(id);
   return way_m(map, alone, options);
 }
 
@@ -53,10 +85,27 @@ double border_contradiction(const Map& map, std::span<const PatchId> first, std:
 }  // namespace
 
 double way_m(const Map& map, std::span<const PatchId> patches, const SharedPartOptions& options) {
-  std::vector<PatchId> apart;
-  for (const PatchId id : patches)
-    if (!any_near(map, apart, position(map, id), options.stride_m)) apart.push_back(id);
-  return options.stride_m * static_cast<double>(apart.size());
+  NearbyPlaces apart(options.stride_m);
+  std::size_t strides = 0;
+  for (const PatchId id : patches) {
+    if (apart.any_near(position(map, id))) continue;
+    apart.add(position(map, id));
+    ++strides;
+  }
+  return options.stride_m * static_cast<double>(strides);
+}
+
+std::vector<PatchId> overlapping(const Map& map, std::span<const PatchId> first,
+                                 std::span<const PatchId> second, const SharedPartOptions& options) {
+  std::vector<PatchId> near;
+  const auto add_near = [&](std::span<const PatchId> its, std::span<const PatchId> others) {
+    const NearbyPlaces nearby(map, others, options.near_m);
+    for (const PatchId id : its)
+      if (nearby.any_near(position(map, id))) near.push_back(id);
+  };
+  add_near(first, second);
+  add_near(second, first);
+  return near;
 }
 
 double width_m(const Map& map, std::span<const PatchId> patches) {

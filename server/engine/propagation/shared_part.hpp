@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "server/engine/input/engine_options.hpp"
 #include "server/engine/map/map.hpp"
@@ -20,6 +21,10 @@ double way_m(const Map& map, std::span<const PatchId> patches, const SharedPartO
 
 /// How wide patches lie across their length: next to nothing along one corridor.
 double width_m(const Map& map, std::span<const PatchId> patches);
+
+/// Patches of either of two maps, laid over one another, that lie near one of the other.
+std::vector<PatchId> overlapping(const Map& map, std::span<const PatchId> first,
+                                 std::span<const PatchId> second, const SharedPartOptions& options);
 
 /// `second` says of a patch of the island to which of the two maps it belongs; `matched` are those of
 /// either that were found in the other.

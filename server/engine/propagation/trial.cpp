@@ -26,7 +26,8 @@ Trial::Trial(const Map& map, Proposal proposal, const EngineOptions& options, st
       map_(map),
       patches_at_start_(map.manifold().size()),
       first_relation_(next_relation(map.graph())),
-      propagation_(map.graph(), {OriginKind::propagation, proposal_.id}) {
+      propagation_(map.graph(), {OriginKind::propagation, proposal_.id}),
+      poses_before_(map.manifold().poses().begin(), map.manifold().poses().end()) {
   if (proposal_.merge) {
     map_.move_island(proposal_.younger, proposal_.older_from_younger);
   } else {
@@ -129,12 +130,13 @@ void Trial::take_out(const FitJob::Result& wrong) {
 
 void Trial::advance(std::int64_t now_utime) {
   if (job_ && job_->advance(now_utime)) end_fit();
+  if (stage_ == Stage::look_for_layers && layers_->is_due(now_utime)) judge_layers();
 }
 
 bool Trial::step(std::int64_t now_utime) {
-  if (job_ || stage_ == Stage::done) return false;
+  if (job_ || stage_ == Stage::look_for_layers || stage_ == Stage::done) return false;
   if (stage_ == Stage::judge) {
-    judge();
+    judge(now_utime);
   } else {
     propagate(now_utime);
   }
@@ -176,6 +178,7 @@ void Trial::propagate(std::int64_t now_utime) {
 
 void Trial::finish_step(std::int64_t now_utime) {
   if (job_) end_fit();
+  if (stage_ == Stage::look_for_layers) return judge_layers();
   step(now_utime);
 }
 
@@ -245,7 +248,7 @@ double Trial::find_cost() const {
   return *middle;
 }
 
-void Trial::judge() {
+void Trial::judge(std::int64_t now_utime) {
   stage_ = Stage::done;
   account_.prior_log_odds = proposal_.prior_log_odds;
   account_.supporters = proposal_.supporters;
@@ -260,8 +263,9 @@ void Trial::judge() {
   account_.cost = proposal_.from_scans ? find_cost() : sighting_cost();
   account_.contradiction = mean_contradiction();
   account_.own_contradiction = own_contradiction();
-  if (proposal_.from_scans) return judge_scans();
-  judge_sightings();
+  if (!proposal_.from_scans) return judge_sightings();
+  judge_scans();
+  if (layers_would_tell()) look_for_layers(now_utime);
 }
 
 // Sightings may outweigh walls in free space, what the map was sure of, and that they disagree among
@@ -324,7 +328,7 @@ void Trial::judge_scans() {
     refusal_ = Reason::walls_in_free_space;
   } else if (scans_disagree()) {
     refusal_ = Reason::scans_disagree;
-  } else if (account_.matched < its.few_matched_scans) {
+  } else if (account_.matched < its.few_matched_scans && (proposal_.merge || account_.compared > 0)) {
     leave_undecided(Reason::too_little_support);
   } else {
     const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
@@ -347,6 +351,35 @@ void Trial::judge_loop() {
   } else if (account_.log_odds() < its.min_loop_log_odds) {
     leave_undecided(account_.width_m < its.min_width_m ? Reason::one_corridor : Reason::too_little_support);
   }
+}
+
+// Whether it is undecided for want of no more than what drawing once what was drawn twice says.
+bool Trial::layers_would_tell() const {
+  const TrialOptions& its = options_.trial;
+  return undecided_ && !proposal_.merge && account_.matched + account_.compared > 0 &&
+         account_.log_odds() < its.min_loop_log_odds &&
+         account_.log_odds() + its.max_layers_log_odds >= its.min_loop_log_odds;
+}
+
+void Trial::look_for_layers(std::int64_t now_utime) {
+  stage_ = Stage::look_for_layers;
+  layers_.emplace(map_, map_.graph().island(proposal_.older), propagation_.before(), poses_before_, now_utime,
+                  options_.map_fit);
+}
+
+// A map that is right hardly contradicts itself: a few pairs more or less, of people, doors and glass, say
+// nothing (record/self_check.hpp).
+void Trial::judge_layers() {
+  const TrialOptions& its = options_.trial;
+  stage_ = Stage::done;
+  account_.layers_before = layers_->pairs().before;
+  account_.layers_after = layers_->pairs().after;
+  layers_.reset();
+  const int fewer = account_.layers_before - account_.layers_after - its.even_layered_pairs;
+  account_.layers_log_odds = std::clamp(its.log_odds_per_layered_pair * fewer, 0.0, its.max_layers_log_odds);
+  if (account_.log_odds() < its.min_loop_log_odds) return;
+  undecided_ = false;
+  refusal_ = Reason::none;
 }
 
 void Trial::judge_merge(const SharedPart& shared) {

@@ -7,6 +7,7 @@
 
 #include "server/engine/map/fit_job.hpp"
 #include "server/engine/map/reason.hpp"
+#include "server/engine/propagation/layers_job.hpp"
 #include "server/engine/propagation/propagation.hpp"
 #include "server/engine/propagation/trial_account.hpp"
 
@@ -94,11 +95,12 @@ class Trial {
 
   auto members() {
     return std::tie(options_, proposal_, map_, patches_at_start_, first_relation_, blamed_, gate_before_,
-                    propagation_, job_, stage_, fits_, matched_at_fit_, refusal_, undecided_, account_);
+                    propagation_, poses_before_, job_, layers_, stage_, fits_, matched_at_fit_, refusal_,
+                    undecided_, account_);
   }
 
  private:
-  enum class Stage { start, propagate, last_propagate, judge, done };
+  enum class Stage { start, propagate, last_propagate, judge, look_for_layers, done };
 
   /// Of the first relation, or where scans found a loop to close: by these the map before is held against it.
   std::pair<PatchId, PatchId> ends() const;
@@ -112,12 +114,15 @@ class Trial {
   bool tells_enough() const;
   /// Whether the map is fitted anew while more and more of it matches.
   bool refits() const;
-  void judge();
+  void judge(std::int64_t now_utime);
   void judge_sightings();
   /// Why sightings are refused that `disagree` by more than their noise or do not; `none` if they are not.
   Reason refusal_of_sightings(bool disagree) const;
   void judge_scans();
   void judge_loop();
+  bool layers_would_tell() const;
+  void look_for_layers(std::int64_t now_utime);
+  void judge_layers();
   void judge_merge(const SharedPart& shared);
   void leave_undecided(Reason why);
   bool scans_disagree() const;
@@ -145,7 +150,9 @@ class Trial {
   std::vector<RelationId> blamed_;
   std::optional<Pose> gate_before_;  ///< of a loop: of its second end in its first, as the map had it
   Propagation propagation_;
+  std::vector<Pose> poses_before_;  ///< by patch id
   std::unique_ptr<FitJob> job_;
+  std::optional<LayersJob> layers_;
   Stage stage_ = Stage::start;
   int fits_ = 0;
   std::size_t matched_at_fit_ = 0;

@@ -27,6 +27,9 @@ struct TrialAccount {
   double revisit_log_odds = 0;      ///< rather than a look-alike: by where the map had its ends,
   double shared_log_odds = 0;       ///< by how much matches,
   double fit_log_odds = 0;          ///< and by how badly finds and scans fit: none speaks for it
+  int layers_before = 0;            ///< pairs of patches that contradict one another without it,
+  int layers_after = 0;             ///< and with it, where nothing else decided;
+  double layers_log_odds = 0;       ///< by their difference
 
   std::vector<ClosureId>
       rests_on;                ///< loops closed before by which the map had its ends where they were found
@@ -38,15 +41,15 @@ struct TrialAccount {
   double confirmed_log_odds() const { return blamed > 0 || revisit_log_odds < 0 ? 0 : revisit_log_odds; }
   /// By all of them.
   double log_odds() const {
-    return prior_log_odds + sighting_log_odds + revisit_log_odds + shared_log_odds + fit_log_odds -
-           blamed_log_odds;
+    return prior_log_odds + sighting_log_odds + revisit_log_odds + shared_log_odds + fit_log_odds +
+           layers_log_odds - blamed_log_odds;
   }
 
   auto members() {
     return std::tie(supporters, two_way, compared, matched, cost, contradiction, own_contradiction, way_m,
                     width_m, own_m, border_contradiction, look_alikes, prior_log_odds, sighting_log_odds,
-                    revisit_log_odds, shared_log_odds, fit_log_odds, rests_on, blamed, blamed_closure,
-                    blamed_log_odds);
+                    revisit_log_odds, shared_log_odds, fit_log_odds, layers_before, layers_after,
+                    layers_log_odds, rests_on, blamed, blamed_closure, blamed_log_odds);
   }
 };
 

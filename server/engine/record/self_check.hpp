@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/engine/input/options/map_options.hpp"
+#include "server/engine/map/contradicting_pairs.hpp"
 #include "server/engine/record/map_copy.hpp"
 
 namespace isthmus {
@@ -22,11 +22,8 @@ struct SelfContradiction {
 /// Chosen on maps of four recorded buildings: where they are right, no more than 5 pairs hang together
 /// (people, doors, glass); in one drawn twice, 179.
 struct SelfCheckOptions {
-  double reach_m = 6;             ///< between patches that are compared
-  std::size_t max_compared = 40;  ///< with one patch, the nearest
-  double min_share = 0.6;         ///< of hits in the other's free space, of a pair that contradicts itself
-  int min_pairs = 10;             ///< that hang together
-  ContradictionOptions contradiction;
+  ContradictingPairsOptions compared;
+  int min_pairs = 10;  ///< that hang together
 };
 
 /// Compares the patches of a map with what lies around them and is not related to them, each in its turn: a

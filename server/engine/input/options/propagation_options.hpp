@@ -66,12 +66,16 @@ struct TrialOptions {
   int few_matched_scans = 4;
   double min_way_m = 15;
   double log_odds_per_way_m = 0.4;
+  double log_odds_per_unmatched_m = 0.6;
   double repeats_probability = 0.01;
   double log_odds_per_width_m = 1;
   double log_odds_per_sighting = 1.5;
   double even_find_cost = 0.7;
   double log_odds_per_find_cost = 5;
   double log_odds_per_contradiction = 33;
+  int even_layered_pairs = 10;
+  double log_odds_per_layered_pair = 0.2;
+  double max_layers_log_odds = 3;
   double agreed_log_odds = 3;
   double lone_log_odds = 2;
   double min_loop_log_odds = 7;
@@ -124,6 +128,9 @@ struct TrialOptions {
     option(min_way_m, "min_way_m", "m", "of way that a merge must share");
     option(log_odds_per_way_m, "log_odds_per_way_m", "log-odds/m",
            "that a loop or merge is true, of way that matches: ground looks alike for a few metres,");
+    option(log_odds_per_unmatched_m, "log_odds_per_unmatched_m", "log-odds/m",
+           "of way that both of two maps know and that does not match: against their merge, where another is "
+           "possible");
     option(repeats_probability, "repeats_probability", "probability",
            "and so seldom a corridor repeats itself as far as it goes: the most that way says for a loop");
     option(log_odds_per_width_m, "log_odds_per_width_m", "log-odds/m",
@@ -138,6 +145,11 @@ struct TrialOptions {
     option(log_odds_per_contradiction, "log_odds_per_contradiction", "log-odds",
            "against a loop that puts all hits deep in free space, beyond what either side does itself: true "
            "ones put three in a hundred there, or fewer");
+    option(even_layered_pairs, "even_layered_pairs", "count",
+           "of patches that contradict one another: so many fewer say nothing");
+    option(log_odds_per_layered_pair, "log_odds_per_layered_pair", "log-odds",
+           "for a loop, of each more that contradict one another without it and not with it");
+    option(max_layers_log_odds, "max_layers_log_odds", "log-odds", "of that");
     option(agreed_log_odds, "agreed_log_odds", "log-odds",
            "that what several finds, or sightings, say alike is true, before it is tried: 95 in 100 (281 of "
            "296 loops in simulated and recorded buildings)");

@@ -225,6 +225,23 @@ TEST(HypothesisPool, ReopensFindsOfARefusedMergeOnceTheyAreOfOneIsland) {
   EXPECT_EQ(its.pool.waiting(), 3U) << "the question is another one now";
 }
 
+TEST(HypothesisPool, ReopensFindsOfARefusedLoopOnceTheMapThatRefusedItIsNoMore) {
+  Pooling its;
+  its.believe_little();
+  const auto decided = [&](std::initializer_list<std::size_t> of, const Pose& first_from_second) {
+    for (const std::size_t i : of) its.find(i, first_from_second);
+    EXPECT_TRUE(its.propose());
+    its.take_outcomes();
+    return its.closures.closures().back().state;
+  };
+  ASSERT_EQ(decided({0, 2, 4}, {0, 1.5, 0}), ClosureState::accepted);
+  ASSERT_EQ(decided({1, 3, 5}, {1.2, 0.6, 0}), ClosureState::refused);
+  EXPECT_EQ(its.pool.waiting(), 0U);
+  its.closures.forbid(its.world(), ClosureId{0}, true);
+  its.take_outcomes();
+  EXPECT_EQ(its.pool.waiting(), 3U);
+}
+
 TEST(HypothesisPool, KeepsAFindOnceHoweverOftenItIsMade) {
   Pooling its;
   its.find(0);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/ways.hpp"
 #include "tests/unit/relations/small_maps.hpp"
 
@@ -60,6 +62,18 @@ TEST(SharedPartWidth, IsAcrossTheLength) {
 }
 
 // Ten metres of the first, of which the second is within 4 m of the first seven.
+TEST(SharedPartOverlap, IsOfPatchesOfEitherNearTheOthers) {
+  Placed placed;
+  const std::vector<PatchId> first = placed.add(row(0, 20));
+  const std::vector<PatchId> second = placed.add(row(18, 40));
+  const std::vector<PatchId> near = overlapping(placed.map, first, second, {});
+  const double near_m = SharedPartOptions{}.near_m;
+  for (const PatchId id : first)
+    EXPECT_EQ(std::ranges::count(near, id), placed.map.manifold().pose(id).x > 18 - near_m ? 1 : 0);
+  for (const PatchId id : second)
+    EXPECT_EQ(std::ranges::count(near, id), placed.map.manifold().pose(id).x < 20 + near_m ? 1 : 0);
+}
+
 TEST(SharedPartOwnWay, IsNowhereNearTheOthers) {
   Placed placed;
   placed.add(row(0, 9));

@@ -312,11 +312,25 @@ TEST(TrialByScans, WhoseFindsPullAtOneAnotherIsRefused) {
 }
 
 TEST(TrialByScans, WithFewMatchedPatchesWaits) {
-  Case its = by_scans(loop_of(crooked_room(), {outward[1]}, crooked_room(), {homeward[1]}));
-  its.say(PatchId{0}, PatchId{1});
+  Case its = by_scans(loop_of(crooked_room(), {outward[0], outward[1]}, crooked_room(), {homeward[1]}));
+  its.say(PatchId{1}, PatchId{2});
   const Trial trial = its.tried();
+  EXPECT_GT(trial.account().compared, 0);
   EXPECT_TRUE(trial.undecided());
   EXPECT_EQ(trial.refusal(), Reason::too_little_support);
+}
+
+// One patch of either side: nothing of the map is new to the other but what the finds say.
+TEST(TrialByScans, WithNothingToCompareIsJudgedByTheRestOfItsOdds) {
+  for (const double off_m : {0.0, 200.0}) {
+    Case its = by_scans(loop_of(crooked_room(), {outward[1]}, crooked_room(), {homeward[1]}));
+    found(its, off_m);
+    its.say(PatchId{0}, PatchId{1});
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.account().compared, 0);
+    EXPECT_EQ(trial.accepted(), off_m == 0) << word(trial.refusal());
+    EXPECT_EQ(trial.undecided(), off_m != 0);
+  }
 }
 
 TEST(TrialByScans, WhoseScansDoNotMatchIsRefused) {
@@ -436,6 +450,26 @@ TEST(TrialByScans, OfALoopNeedsAsMuchMoreAsItWasLessSureBefore) {
     const Trial trial = its.tried();
     EXPECT_EQ(trial.accepted(), more > 0) << word(trial.refusal());
     EXPECT_EQ(trial.undecided(), more < 0);
+  }
+}
+
+// A hall that the map has twice, the second time turned aside.
+TEST(TrialByScans, OfALoopThatIsNearlySureEnoughIsAcceptedWhereTheMapHadOnePlaceTwice) {
+  for (const bool twice : {false, true}) {
+    Case its = by_scans(loop_of(niched_hall(), along(0, 11, 0), niched_hall(), along(0.3, 11, 0.3)));
+    its.say(PatchId{5}, PatchId{17});
+    std::vector<Pose> poses(its.map.manifold().poses().begin(), its.map.manifold().poses().end());
+    if (twice)
+      for (const PatchId id : its.second) poses[index(id)] = Pose{5, -5, 1.57} * poses[index(id)];
+    its.map.adopt(its.second, poses);
+    its.proposal.beyond_covariance = {100, 100, 10};
+    const double sum = its.tried().account().log_odds() - its.tried().account().layers_log_odds;
+    its.proposal.prior_log_odds += TrialOptions{}.min_loop_log_odds - 1 - sum;
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.accepted(), twice) << word(trial.refusal());
+    EXPECT_EQ(trial.undecided(), !twice);
+    EXPECT_EQ(trial.account().layers_before >= 10, twice) << trial.account().layers_before;
+    EXPECT_LE(trial.account().layers_after, 2);
   }
 }
 
