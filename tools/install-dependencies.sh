@@ -11,7 +11,7 @@ packages=(
   libeigen3-dev libceres-dev libsuitesparse-dev libcgal-dev libboost-dev libboost-graph-dev libnanoflann-dev
   liblcm-dev liblcm-bin libcpp-httplib-dev libjs-leaflet libcereal-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libpng-dev libcairo2-dev libssl-dev zlib1g-dev libzstd-dev
-  libgtest-dev libbenchmark-dev librapidcheck-dev python3
+  libgtest-dev libbenchmark-dev librapidcheck-dev python3 dpkg-dev file
 )
 if [[ "${1:-}" == "--ci" ]]; then
   packages+=(clang clang-format clang-tidy libclang-rt-14-dev)
