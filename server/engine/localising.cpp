@@ -26,8 +26,11 @@ void Localising::take_scan(Robot& robot, const Scan& scan, const Pose& odom_from
   state_.keep_pose(robot, std::move(*done), odom_from_robot, outcome);
 }
 
-DropReason Localising::take_sighting(const SightingEvent&, const std::string&, bool) {
-  return DropReason::frozen;
+// It changes nothing of the map, but may tell where a robot is.
+DropReason Localising::take_sighting(const SightingEvent& event, const std::string& target, bool is_tag) {
+  const bool tells = frozen_.take_sighting(state_.map, state_.robots, event, target, is_tag,
+                                           state_.configuration.engine.frozen);
+  return tells ? DropReason::none : DropReason::frozen;
 }
 
 DropReason Localising::obey(const CommandEvent&) { return DropReason::frozen; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/engine/frozen/sighted_pose.hpp"
 #include "server/engine/localise/follow.hpp"
 
 namespace isthmus {
@@ -70,8 +71,36 @@ DropReason Frozen::take_given(const Map& map, const Robot& robot, const InitialP
   if (!reading.pose) return reading.refusal;
   Given& given = given_[robot.declaration.robot];
   given = {};
-  given.trial = GivenPose{*reading.pose, event.sigma_m, event.sigma_rad, std::nullopt, options.max_tries};
+  given.trial = GivenPose{*reading.pose, {}, event.sigma_m, event.sigma_rad, std::nullopt, options.max_tries};
   return DropReason::none;
+}
+
+bool Frozen::take_sighting(const Map& map, const std::map<std::string, Robot>& robots,
+                           const SightingEvent& event, const std::string& target, bool is_tag,
+                           const FrozenOptions& options) {
+  const Robot& observer = robots.at(event.robot);
+  const auto seen = robots.find(target);
+  std::optional<GivenPose> trial;
+  std::string lost = event.robot;
+  if (is_tag && !is_found(observer)) {
+    trial = where_it_sees(event, place_of_tag(map, event.barcode), map, options);
+  } else if (!is_tag && is_found(observer) && !is_found(seen->second)) {
+    lost = target;
+    trial = where_it_is_seen(event, place_at(observer, event.utime), map, options);
+  } else if (!is_tag && !is_found(observer) && is_found(seen->second)) {
+    trial = where_it_sees(event, place_at(seen->second, event.utime), map, options);
+  }
+  if (!trial) return false;
+  Given& given = given_[lost];
+  // What operators say has its turn first, and a search that was in vain is not begun again at once.
+  if (given.trial || event.utime < given.sighted_utime + options.sighting_every_us) return false;
+  trial->odom_from_robot = robots.at(lost).odometry.at(event.utime);
+  trial->tries_left = options.max_tries;
+  given = {};
+  given.trial = std::move(trial);
+  given.sighted_utime = event.utime;
+  given.by_sighting = true;
+  return true;
 }
 
 std::optional<ScanOutcome> Frozen::try_given(const Map& map, Robot& robot, Given& given,
@@ -79,9 +108,7 @@ std::optional<ScanOutcome> Frozen::try_given(const Map& map, Robot& robot, Given
                                              const EngineOptions& options) {
   if (!given.trial) return std::nullopt;
   GivenPose& trial = *given.trial;
-  if (trial.odom_from_robot)
-    trial.pose.patch_from_object =
-        trial.pose.patch_from_object * ominus(odom_from_robot, *trial.odom_from_robot);
+  if (trial.odom_from_robot) trial.move(ominus(odom_from_robot, *trial.odom_from_robot));
   trial.odom_from_robot = odom_from_robot;
   const std::int64_t utime = given.utime = observation.scan.utime;
   if (const auto found = search_about(trial, map, observation.points, options, given.why)) {
@@ -176,9 +203,9 @@ std::vector<LostRobot> Frozen::lost(const std::function<bool(const std::string& 
                                     const EngineOptions& options) const {
   std::vector<LostRobot> lost;
   for (const auto& [name, given] : given_)
-    if (!given.trial) lost.push_back({name, given.why, 0, 0, is_placed(name)});
+    if (is_told(given)) lost.push_back({name, given.why, 0, 0, is_placed(name)});
   for (const auto& [name, lookout] : lookouts_) {
-    if (const auto given = given_.find(name); given != given_.end() && !given->second.trial) continue;
+    if (const auto given = given_.find(name); given != given_.end() && is_told(given->second)) continue;
     const NotFound why = is_placed(name) ? NotFound::trying_a_place : lookout.finder.why(options.finder);
     lost.push_back({name, why, lookout.finder.way_m(), options.finder.min_piece_way_m, false});
   }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -33,6 +34,11 @@ class Frozen {
   DropReason take_given(const Map& map, const Robot& robot, const InitialPoseEvent& event,
                         const FrozenOptions& options);
 
+  /// Somebody who is found sees a robot that is not, or that one sees him or a fixed tag: it is looked for
+  /// there as where it is said to be. Returns whether it is.
+  bool take_sighting(const Map& map, const std::map<std::string, Robot>& robots, const SightingEvent& event,
+                     const std::string& target, bool is_tag, const FrozenOptions& options);
+
   /// The robot's odometry begins anew, where it was or elsewhere.
   void restart(Robot& robot);
 
@@ -60,8 +66,12 @@ class Frozen {
     std::optional<GivenPose> trial;
     NotFound why = NotFound::trying_a_place;  ///< it did not fit, at its last trial
     std::int64_t utime = 0;                   ///< of the scan of that
+    /// Of the newest by a sighting.
+    std::int64_t sighted_utime = std::numeric_limits<std::int64_t>::min() / 2;
+    bool by_sighting = false;  ///< of which nobody need be told
   };
 
+  static bool is_told(const Given& given) { return !given.trial && !given.by_sighting; }
   std::optional<ScanOutcome> try_given(const Map& map, Robot& robot, Given& given,
                                        const Observation& observation, const Pose& odom_from_robot,
                                        const EngineOptions& options);

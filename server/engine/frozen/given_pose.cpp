@@ -26,6 +26,26 @@ std::vector<Eigen::Vector2d> points_around(const Map& map, const ManifoldPose& p
   return found;
 }
 
+/// Of several windows, which may overlap.
+struct BestFit {
+  Pose pose;
+  double score = 0;
+  double second_score = 0;  ///< of what fits best well apart from it
+  bool exhausted = false;
+
+  void take(const CorrelativeResult& found, const PlaceSearchOptions& options) {
+    const Pose off = ominus(found.local_from_robot, pose);
+    const bool is_another =
+        std::hypot(off.x, off.y) > options.apart_m || std::abs(off.yaw) > options.apart_rad;
+    const double lesser = is_another ? std::min(score, found.score) : 0;
+    second_score = std::max({second_score, found.second_score, lesser});
+    exhausted = exhausted || found.exhausted;
+    if (found.score <= score) return;
+    pose = found.local_from_robot;
+    score = found.score;
+  }
+};
+
 }  // namespace
 
 GivenPoseReading read_given_pose(const InitialPoseEvent& event, const Map& map) {
@@ -48,6 +68,11 @@ GivenPoseReading read_given_pose(const InitialPoseEvent& event, const Map& map) 
   return {ManifoldPose{*nearest, ominus(meant, map.manifold().pose(*nearest))}, DropReason::none};
 }
 
+void GivenPose::move(const Pose& step) {
+  pose.patch_from_object = pose.patch_from_object * step;
+  for (Pose& at : or_at) at = at * step;
+}
+
 std::optional<ManifoldPose> search_about(const GivenPose& given, const Map& map,
                                          std::span<const ScanPoint> points, const EngineOptions& options,
                                          NotFound& why) {
@@ -56,18 +81,22 @@ std::optional<ManifoldPose> search_about(const GivenPose& given, const Map& map,
   if (static_cast<int>(points.size()) < options.match.min_pairs) return std::nullopt;
   const double half_m = std::max(its.given_sigmas * given.sigma_m, options.correlative.cell_m);
   const double half_rad = std::min(its.given_sigmas * given.sigma_rad, std::numbers::pi);
-  const auto around = points_around(map, given.pose, half_m + options.correlative.reach_m);
   CorrelativeOptions search = options.correlative;
   search.max_evaluations = its.given_evaluations;
-  const CorrelativeResult found =
-      search_window(around, points, {given.pose.patch_from_object, half_m, half_m, half_rad}, search);
-  if (found.score < its.min_given_score) return std::nullopt;
+  BestFit best;
+  const auto look_about = [&](const Pose& at) {
+    const auto around = points_around(map, {given.pose.patch, at}, half_m + options.correlative.reach_m);
+    best.take(search_window(around, points, {at, half_m, half_m, half_rad}, search), options.place_search);
+  };
+  look_about(given.pose.patch_from_object);
+  for (const Pose& at : given.or_at) look_about(at);
+  if (best.score < its.min_given_score) return std::nullopt;
   // A search that was not ended may have missed another place that fits as well.
-  if (found.exhausted || found.second_score >= options.ambiguity.share * found.score) {
+  if (best.exhausted || best.second_score >= options.ambiguity.share * best.score) {
     why = NotFound::given_pose_ambiguous;
     return std::nullopt;
   }
-  return ManifoldPose{given.pose.patch, found.local_from_robot};
+  return ManifoldPose{given.pose.patch, best.pose};
 }
 
 }  // namespace isthmus

@@ -144,7 +144,8 @@ TEST(Localising, RefusesAsFrozenWhatWouldChangeTheMap) {
   room.engine.freeze();
   EXPECT_TRUE(room.engine.is_frozen());
   EXPECT_EQ(room.blind_odometry(), DropReason::frozen) << "its way would have to become a map";
-  EXPECT_EQ(room.see(2), DropReason::frozen);
+  EXPECT_EQ(room.see(2), DropReason::none) << "it says where the other is, who is not found";
+  EXPECT_EQ(room.see(2), DropReason::frozen) << "that it has said";
   EXPECT_EQ(room.see(77), DropReason::unknown_barcode) << "why it is of no use in any map comes first";
   for (const Verb verb : {Verb::withdraw, Verb::forbid, Verb::allow, Verb::drop, Verb::refine})
     EXPECT_EQ(room.order(verb), DropReason::frozen) << word(verb);

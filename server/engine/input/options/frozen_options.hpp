@@ -49,6 +49,7 @@ struct FrozenOptions {
   double min_given_score = 0.55;
   long given_evaluations = 100'000;
   std::int64_t given_told_us = 30'000'000;
+  std::int64_t sighting_every_us = 5'000'000;
   double work_share = 0.3;
   std::int64_t max_credit_us = 20'000;
 
@@ -68,6 +69,8 @@ struct FrozenOptions {
            "correlative.max_evaluations of that search, which is done once an order");
     option(given_told_us, "given_told_us", "µs",
            "of event time that it is told that a given pose does not fit");
+    option(sighting_every_us, "sighting_every_us", "µs",
+           "of event time between two sightings by which one robot is looked for");
     option(work_share, "work_share", share_unit, "of event time for the search: nothing else is to be done");
     option(max_credit_us, "max_credit_us", "µs", "of it that can be saved up");
   }

@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "server/engine/frozen/given_pose.hpp"
+#include "server/engine/frozen/sighted_pose.hpp"
+#include "server/engine/sightings/evidence.hpp"
 #include "tests/support/ways.hpp"
 
 namespace isthmus {
@@ -172,6 +177,92 @@ TEST(Frozen, CarriesAGivenPoseAlongWhereTheRobotDrives) {
   const auto outcome = on.scan({5.4, 0.3, 0}, {0.4, 0, 0});
   ASSERT_TRUE(outcome);
   EXPECT_NEAR(outcome->pose.map_from_robot.x, 5.4, 0.05);
+}
+
+// R8 is found and stands in the hall, R9 is lost; a fixed tag hangs on the wall.
+struct Sighted : Given {
+  Sighted() {
+    Map with_tag = mapped_hall();
+    const PatchId tag = with_tag.manifold().next_id();
+    with_tag.add(make_tag_patch(tag, barcode, 0), {7, 1, 0});
+    with_tag.relate(odometry_relation(PatchId{7}, tag, {0, 1, 0}));
+    sighted_map = with_tag;
+    robots["R8"] = robots["R9"] = robot;
+    robots["R8"].declaration.robot = "R8";
+    robots["R8"].place = Localisation{};
+    robots["R8"].place->pose = {PatchId{3}, {}};
+    for (const char* name : {"R8", "R9"}) robots[name].odometry.add(event_utime, {});
+  }
+  // As one sees the other, in the world.
+  static SightingEvent seen(const std::string& by, const Pose& from, const Eigen::Vector2d& at) {
+    const Eigen::Vector2d to = inverse(from) * at;
+    return {by, event_utime, barcode, to.norm(), 0.05, std::atan2(to.y(), to.x()), 0.03};
+  }
+  bool take(const SightingEvent& event, const std::string& target, bool is_tag) {
+    return frozen.take_sighting(sighted_map, robots, event, target, is_tag, options.frozen);
+  }
+  void expect_found_at(const Pose& truth) {
+    const auto outcome = scan(truth, {});
+    ASSERT_TRUE(outcome);
+    EXPECT_NEAR(outcome->pose.map_from_robot.x, truth.x, 0.15);
+    EXPECT_NEAR(outcome->pose.map_from_robot.y, truth.y, 0.15);
+    EXPECT_NEAR(wrap_angle(outcome->pose.map_from_robot.yaw - truth.yaw), 0, 0.03);
+  }
+
+  static constexpr std::int32_t barcode = 5;
+  static constexpr std::int64_t event_utime = 50'000;
+  Map sighted_map;
+  std::map<std::string, Robot> robots;
+};
+
+TEST(Frozen, FindsARobotThatOneSeesWhoIsFound) {
+  Sighted on;
+  const Pose truth{5, 0.3, 2.2};
+  EXPECT_FALSE(on.scan(truth, {}));
+  EXPECT_TRUE(on.take(Sighted::seen("R8", {3, 0, 0}, {5, 0.3}), "R9", false));
+  on.expect_found_at(truth);
+}
+
+TEST(Frozen, FindsARobotThatSeesOneWhoIsFound) {
+  Sighted on;
+  const Pose truth{5, 0.3, 2.2};
+  EXPECT_FALSE(on.scan(truth, {}));
+  EXPECT_TRUE(on.take(Sighted::seen("R9", truth, {3, 0}), "R8", false));
+  on.expect_found_at(truth);
+}
+
+TEST(Frozen, FindsARobotThatSeesAFixedTagOfTheMap) {
+  Sighted on;
+  const Pose truth{5.5, -0.2, -1};
+  EXPECT_FALSE(on.scan(truth, {}));
+  SightingEvent unknown = Sighted::seen("R9", truth, {7, 1});
+  unknown.barcode = 6;
+  EXPECT_FALSE(on.take(unknown, "TAG 6", true));
+  EXPECT_TRUE(on.take(Sighted::seen("R9", truth, {7, 1}), "TAG 5", true));
+  on.expect_found_at(truth);
+}
+
+TEST(Frozen, BelievesNoSightingWhereTheScanDoesNotFitAndTellsNobody) {
+  Sighted on;
+  EXPECT_TRUE(on.take(Sighted::seen("R8", {3, 0, 0}, {12, 0.3}), "R9", false));
+  for (int i = 0; i < 8; ++i) EXPECT_FALSE(on.scan({5, 0.3, 2.2}, {})) << i;
+  for (const LostRobot& lost : on.lost()) EXPECT_NE(lost.why, NotFound::given_pose_misfits);
+}
+
+TEST(Frozen, LooksForARobotBySightingsOnlyWhereOneOfTwoIsFoundAndNotAtEach) {
+  Sighted on;
+  SightingEvent event = Sighted::seen("R8", {3, 0, 0}, {5, 0.3});
+  event.bearing_sigma_rad = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(on.take(event, "R9", false));
+  event.bearing_sigma_rad = 0.03;
+  EXPECT_TRUE(on.take(event, "R9", false));
+  EXPECT_FALSE(on.take(event, "R9", false));
+  Sighted both;
+  both.robots["R9"].place = both.robots["R8"].place;
+  EXPECT_FALSE(both.take(event, "R9", false));
+  both.robots["R8"].place.reset();
+  both.robots["R9"].place.reset();
+  EXPECT_FALSE(both.take(event, "R9", false));
 }
 
 TEST(GivenPose, MustBeOnTheMap) {
