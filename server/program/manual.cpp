@@ -3,6 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "server/program/option_tree.hpp"
+#include "server/program/values.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -22,40 +25,59 @@ std::string roff(const std::string& text) {
   return escaped;
 }
 
-bool is_shown(const CLI::Option& option) { return !option.get_group().empty(); }
-
 std::string entry_of(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
+  const std::string value = value_text(option);
   const std::string name = option.get_positional() ? option.get_single_name() : option.get_name(false, true);
   std::string text = ".TP\n\\fB" + roff(name) + "\\fR";
-  if (!type.empty() && option.get_type_size() != 0) text += " \\fI" + roff(type) + "\\fR";
+  if (!value.empty()) text += " \\fI" + roff(value) + "\\fR";
   if (!option.get_default_str().empty()) text += " [" + roff(option.get_default_str()) + "]";
   return text + "\n" + roff(option.get_description()) + (option.get_required() ? " (required)" : "") + "\n";
 }
 
+/// Options that a program's page or --help tells of; --help itself stands under the program only.
+std::vector<const CLI::Option*> shown_options(const CLI::App& app) {
+  std::vector<const CLI::Option*> options = options_of(app);
+  std::erase_if(options, [&app](const CLI::Option* option) {
+    return !is_shown(*option) || (app.get_parent() != nullptr && option == app.get_help_ptr());
+  });
+  return options;
+}
+
 std::string entries_of(const CLI::App& app) {
   std::string text;
-  for (const CLI::Option* option : app.get_options())
-    if (is_shown(*option)) text += entry_of(*option);
+  for (const CLI::Option* option : shown_options(app)) text += entry_of(*option);
   return text;
 }
 
+std::vector<std::string> names_of(const CLI::Option& option) {
+  std::vector<std::string> names;
+  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+  for (const std::string& name : option.get_snames()) names.push_back("-" + name);
+  return names;
+}
+
 /// The names that bash may complete, with spaces between.
-std::string words_of(const CLI::App& app) {
+std::string option_words(const CLI::App& app) {
   std::string words;
-  for (const CLI::Option* option : app.get_options()) {
-    if (!is_shown(*option)) continue;
-    for (const std::string& name : option->get_lnames()) words += " --" + name;
-    for (const std::string& name : option->get_snames()) words += " -" + name;
-  }
+  for (const CLI::Option* option : shown_options(app))
+    for (const std::string& name : names_of(*option)) words += " " + name;
   return words;
 }
 
-}  // namespace
-
-std::vector<const CLI::App*> commands_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
+/// For each option that takes one of some words: a case of the word before, in which only they fit.
+std::string value_cases(const CLI::App& app) {
+  std::string cases;
+  for (const CLI::Option* option : shown_options(app)) {
+    std::string names, words;
+    for (const std::string& name : names_of(*option)) names += (names.empty() ? "" : "|") + name;
+    for (const std::string& word : allowed_words(*option)) words += (words.empty() ? "" : " ") + word;
+    if (!words.empty()) cases += "    " + names + ") words=\"" + words + "\" ;;\n";
+  }
+  for (const CLI::App* command : commands_of(app)) cases += value_cases(*command);
+  return cases;
 }
+
+}  // namespace
 
 std::string man_page(const CLI::App& app, const std::string& version) {
   const std::string& name = app.get_name();
@@ -81,12 +103,19 @@ std::string bash_completion(const CLI::App& app) {
   std::string cases;
   for (const CLI::App* command : commands_of(app)) {
     commands += " " + command->get_name();
-    cases += "      " + command->get_name() + ") words+=\"" + words_of(*command) + "\" ;;\n";
+    cases += "      " + command->get_name() + ") words+=\"" + option_words(*command) + "\" ;;\n";
   }
-  std::string text = function + "()\n{\n  local word words=\"" + words_of(app) + commands + "\"\n";
+  std::string text = function + "()\n{\n  local word words=\"" + option_words(app) + commands + "\"\n";
   if (!cases.empty())
     text += "  for word in \"${COMP_WORDS[@]}\"; do\n    case $word in\n" + cases + "    esac\n  done\n";
-  text += "  COMPREPLY=($(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\"))\n}\n";
+  text += "  local at=$COMP_CWORD typed=${COMP_WORDS[COMP_CWORD]}\n";
+  if (const std::string values = value_cases(app); !values.empty()) {
+    // Bash takes "--option=value" for three words.
+    text += "  [ \"$typed\" = = ] && { typed=; at=$((at + 1)); }\n";
+    text += "  [ \"${COMP_WORDS[at - 1]}\" = = ] && at=$((at - 1))\n";
+    text += "  case ${COMP_WORDS[at - 1]} in\n" + values + "  esac\n";
+  }
+  text += "  COMPREPLY=($(compgen -W \"$words\" -- \"$typed\"))\n}\n";
   return text + "complete -o default -F " + function + " " + app.get_name() + "\n";
 }
 

@@ -14,8 +14,8 @@
 
 #include "server/output/output.hpp"
 #include "server/program/command_line.hpp"
-#include "server/program/finite_number.hpp"
 #include "server/program/new_output.hpp"
+#include "server/program/values.hpp"
 #include "server/wire/file/text_file.hpp"
 #include "server/wire/foxglove/foxglove_server.hpp"
 #include "server/wire/journal/event_log.hpp"
@@ -65,7 +65,7 @@ void add_periods(CLI::App& app, Arguments& arguments) {
   const auto add = [&](const char* name, double& seconds, double least, const char* help) {
     app.add_option(name, seconds, help)
         ->type_name("SECONDS")
-        ->check(finite_number & CLI::Range(least, 86'400.0))
+        ->check(number_in(least, 86'400.0))
         ->capture_default_str();
   };
   add("--status-period", arguments.status_s, 0.1, "of ISTHMUS_STATUS, and of changes on ISTHMUS_MAP");
@@ -77,21 +77,21 @@ void add_journal_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--journal", arguments.journal_directory,
                  "directory for the record of all events; one that exists is continued");
   app.add_option("--segment-mb", arguments.segment_mb, "size of one file of the journal, such as 0.5")
-      ->check(finite_number & CLI::Range(0.01, 1e6))
+      ->check(number_in(0.01, 1e6))
       ->capture_default_str();
   app.add_flag("--no-snapshots", arguments.no_snapshots,
                "do not run isthmus-snapshot: a restart then maps the whole journal again");
   app.add_option("--keep-snapshots", arguments.keep_snapshots,
                  "number of snapshots to keep: the newest, and of what was before ever fewer")
-      ->check(CLI::Range(2, 1000))
+      ->check(integer_in(2, 1000))
       ->capture_default_str();
   app.add_option("--keep-segments", arguments.keep_segments,
                  "number of files of the journal to keep that snapshots already cover (default: all)")
-      ->check(CLI::Range(0, 1'000'000));
+      ->check(integer_in(0, 1'000'000));
   app.add_option(
          "--journal-waiting-mb", arguments.journal_waiting_mb,
          "megabytes of events kept in memory while the disk refuses writes; further ones are rejected")
-      ->check(CLI::Range(0, 1'000'000))
+      ->check(integer_in(0, 1'000'000))
       ->capture_default_str();
   app.add_flag("--frozen", arguments.frozen,
                "localise robots in the map of a journal, which is only read: neither changes")
@@ -101,13 +101,13 @@ void add_journal_options(CLI::App& app, Arguments& arguments) {
 void add_page_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--metrics-port", arguments.metrics_port,
                  "Prometheus metrics at http://127.0.0.1:PORT/metrics; 0: none")
-      ->check(CLI::Range(0, 65535));
+      ->check(integer_in(0, 65535));
   app.add_option("--http-port", arguments.http_port,
                  "a page to watch and overrule the map at http://127.0.0.1:PORT/; 0: none")
-      ->check(CLI::Range(0, 65535));
+      ->check(integer_in(0, 65535));
   app.add_option("--foxglove-port", arguments.foxglove_port,
                  "a WebSocket to watch the map with Foxglove or Lichtblick at ws://127.0.0.1:PORT; 0: none")
-      ->check(CLI::Range(0, 65535));
+      ->check(integer_in(0, 65535));
   const auto needs_port = [&arguments] {
     if (arguments.http_port == 0 && arguments.foxglove_port == 0)
       throw CLI::RequiresError("--http-bind and --http-token-file", "--http-port or --foxglove-port");
@@ -136,20 +136,20 @@ void add_options(CLI::App& app, Arguments& arguments) {
          [&arguments](const std::string& name) { arguments.estimator = value_of<EstimatorKind>(name); },
          "manifold, or maps of features: segments (walls in scans) or points (fixed barcodes); as estimator "
          "in the configuration")
-      ->check(CLI::IsMember({"manifold", "segments", "points"}));
+      ->check(one_of({"manifold", "segments", "points"}));
   add_periods(app, arguments);
   app.add_option(
          "--stop-timeout", arguments.stop_timeout_s,
          "time limit for stopping: results are written at once, and again when the map is finished or "
          "this time is over")
       ->type_name("SECONDS")
-      ->check(CLI::Range(1, 86'400))
+      ->check(integer_in(1, 86'400))
       ->capture_default_str();
   add_page_options(app, arguments);
   app.add_option("--check-config", arguments.checked_file,
                  "check this configuration, report errors, and exit");
   app.add_option("--log-level", arguments.log_level, "lowest level that is logged on stderr")
-      ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
+      ->check(one_of({"debug", "info", "warning", "error"}))
       ->capture_default_str();
 }
 

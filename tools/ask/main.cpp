@@ -8,7 +8,7 @@
 
 #include "server/client/ask.hpp"
 #include "server/program/command_line.hpp"
-#include "server/program/finite_number.hpp"
+#include "server/program/values.hpp"
 #include "server/wire/questions/question.hpp"
 #include "tools/ask/reply_text.hpp"
 #include "tools/command/send.hpp"
@@ -27,7 +27,7 @@ void add_target(CLI::App& command, request_t& request) {
   const auto set = [&request](const char* target) {
     return [&request, target](auto) { request.target = target; };
   };
-  CLI::Option_group* group = command.add_option_group("target", "one of them");
+  CLI::Option_group* group = command.add_option_group("target", "To where: one of them");
   group->require_option(1, 0);
   const std::array targets = {
       group->add_option("--to-patch", request.target_patch, "the origin of a patch")->each(set("patch")),
@@ -43,10 +43,10 @@ void add_target(CLI::App& command, request_t& request) {
 
 void add_footprint(CLI::App& command, request_t& request) {
   command.add_option("--radius", request.radius_m, "of the robot, m")
-      ->check(finite_number)
+      ->check(finite_number())
       ->capture_default_str();
   command.add_option("--clearance", request.clearance_m, "from walls, m")
-      ->check(finite_number)
+      ->check(finite_number())
       ->capture_default_str();
 }
 
@@ -54,7 +54,7 @@ void add_follow(CLI::App& command, request_t& request) {
   command
       .add_option("--follow", request.follow_s,
                   "so many seconds: prints also what becomes of it, until the robot is there")
-      ->check(finite_number & CLI::Range(0.0, max_follow_s));
+      ->check(number_in(0.0, max_follow_s));
 }
 
 CLI::App& add_kind(CLI::App& app, request_t& request, const char* kind, const char* help, bool of_a_robot) {
@@ -121,7 +121,7 @@ int main(int argc, char** argv) {
   app.fallthrough();
   app.add_option("--lcm-url", arguments.lcm_url, "LCM network")->capture_default_str();
   app.add_option("--wait", arguments.request.timeout_s, "seconds to wait for the answer")
-      ->check(finite_number & CLI::Range(0.01, 60.0))
+      ->check(number_in(0.01, 60.0))
       ->capture_default_str();
   app.add_option("--key", arguments.key_file,
                  "file with a name and key of the server's [auth], to sign with");

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "server/program/command_line.hpp"
-#include "server/program/finite_number.hpp"
+#include "server/program/values.hpp"
 #include "server/wire/live/lcm_link.hpp"
 #include "tools/command/order.hpp"
 #include "tools/command/send.hpp"
@@ -33,11 +33,11 @@ struct Arguments {
 
 /// Where coordinates are: in an island's plane, or in a patch's frame.
 void add_frame(CLI::App& command, Arguments& arguments) {
-  CLI::Option_group* group = command.add_option_group("frame", "one of them");
+  CLI::Option_group* group = command.add_option_group("frame", "Where coordinates are: one of them");
   group->require_option(1);
   group->add_option("--island", arguments.island, "in the plane of this island: the lowest patch id on it")
-      ->check(CLI::NonNegativeNumber);
-  group->add_option("--patch", arguments.patch, "in the frame of this patch")->check(CLI::NonNegativeNumber);
+      ->check(integer_from(0));
+  group->add_option("--patch", arguments.patch, "in the frame of this patch")->check(integer_from(0));
 }
 
 AnnotationEvent annotation_of(const Arguments& arguments, AnnotationKind kind,
@@ -98,15 +98,15 @@ void add_drawing(CLI::App& app, Arguments& arguments) {
             corners);
   CLI::App* speed = add("speed", "NAME: draw a zone in which robots are told to drive slowly", zone_order);
   add_drawn(speed, "--corners", corners);
-  speed->add_option("--max", arguments.max_speed_m_s, "m/s")->required()->check(CLI::Range(0.01, 100.0));
+  speed->add_option("--max", arguments.max_speed_m_s, "m/s")->required()->check(number_in(0.01, 100.0));
   add("erase", "NAME: take a place or zone away", erase_order);
   CLI::App* pose = add("pose", "ROBOT: say where it is on a finished map", initial_pose_order);
   pose->add_option("--at", arguments.at, "X,Y or X,Y,YAW: metres, degrees")->required();
   pose->add_option("--sigma", arguments.sigma_m, "standard deviation of x and of y, m")
-      ->check(finite_number & CLI::Range(0.01, 10.0))
+      ->check(number_in(0.01, 10.0))
       ->capture_default_str();
   pose->add_option("--sigma-yaw", arguments.sigma_deg, "of the yaw, degrees; 180: not known")
-      ->check(finite_number & CLI::Range(0.1, 180.0))
+      ->check(number_in(0.1, 180.0))
       ->capture_default_str();
   add_frame(*pose, arguments);
 }
@@ -197,8 +197,8 @@ int main(int argc, char** argv) {
   app.fallthrough();
   app.add_option("--lcm-url", arguments.lcm_url, "LCM network")->capture_default_str();
   app.add_option("--wait", arguments.wait_s, "to wait for the server's answer (5); 0: none")
-      ->option_text("SECONDS")
-      ->check(finite_number & CLI::Range(0.0, 3600.0));
+      ->type_name("SECONDS")
+      ->check(number_in(0.0, 3600.0));
   app.add_option("--key", arguments.key_file, "file with the operator's name and key, to sign with");
   add_verbs(app, arguments);
   add_drawing(app, arguments);

@@ -8,6 +8,7 @@
 #include "server/program/command_line.hpp"
 #include "server/program/new_output.hpp"
 #include "server/program/spelling.hpp"
+#include "server/program/values.hpp"
 #include "tools/evaluate/error_pictures.hpp"
 #include "tools/evaluate/failure.hpp"
 
@@ -124,13 +125,14 @@ CLI::Option* add_landmarks(CLI::App& app, LandmarkArguments& arguments) {
   auto* truth =
       app.add_option("--landmarks-truth", arguments.truth, "the same log without noise")->needs(file);
   app.add_option("--association", arguments.association, "which landmark is which: known, joint or nearest")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, LandmarkAssociation>{{"known", LandmarkAssociation::known},
-                                                     {"joint", LandmarkAssociation::joint},
-                                                     {"nearest", LandmarkAssociation::nearest}}))
+      ->transform(
+          one_of(std::map<std::string, LandmarkAssociation>{{"known", LandmarkAssociation::known},
+                                                            {"joint", LandmarkAssociation::joint},
+                                                            {"nearest", LandmarkAssociation::nearest}}))
       ->needs(file);
   app.add_option("--noises", arguments.noises, "runs with fresh noise on --landmarks-truth besides")
-      ->option_text("COUNT")
+      ->type_name("COUNT")
+      ->check(integer_from(0))
       ->needs(truth);
   return file;
 }

@@ -4,8 +4,8 @@
 
 #include "server/output/vector_plan/plan_files.hpp"
 #include "server/program/command_line.hpp"
-#include "server/program/finite_number.hpp"
 #include "server/program/new_output.hpp"
+#include "server/program/values.hpp"
 #include "server/wire/journal/snapshot.hpp"
 #include "tools/export/map_identification.hpp"
 #include "tools/export/mcap/map_mcap.hpp"
@@ -92,13 +92,13 @@ int main(int argc, char** argv) {
                  "Lichtblick")
       ->type_name("FILE");
   app.add_option("--resolution", arguments.resolution_m, "size of a grid cell in metres")
-      ->check(finite_number & CLI::Range(0.005, 10.0))
+      ->check(number_in(0.005, 10.0))
       ->capture_default_str();
   app.add_option("--align", arguments.align,
                  "X,Y,YAW (metres, radians): moves every island's frame by this before writing")
       ->delimiter(',')
       ->expected(3)
-      ->check(finite_number & CLI::Range(-1e6, 1e6));
+      ->check(number_in(-1e6, 1e6));
   app.add_flag("--floor-plan", arguments.floor_plan,
                "also write each island's walls, openings and poles as SVG, DXF and GeoJSON")
       ->needs(output);

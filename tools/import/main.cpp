@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "server/program/command_line.hpp"
-#include "server/program/finite_number.hpp"
 #include "server/program/new_output.hpp"
+#include "server/program/values.hpp"
 #include "server/wire/journal/event_log.hpp"
 #include "tools/import/import.hpp"
 #include "tools/import/mrclam.hpp"
@@ -89,15 +89,15 @@ Command mrclam_command(CLI::App& app, MrclamImport& what, std::string& output, s
   const auto number = [&](const char* name, double& value, const char* help, const CLI::Validator& check) {
     mrclam->add_option(name, value, help)->check(check)->capture_default_str();
   };
-  const CLI::Range sigma(1e-6, 1e3);
-  const CLI::Range seconds(0.0, 60.0);
+  const CLI::Validator sigma = number_in(1e-6, 1e3);
+  const CLI::Validator seconds = number_in(0.0, 60.0);
   mrclam->add_option("directory", what.directory, "the set's files, plain or gz")->required();
   mrclam->add_option("-o,--output", output, "the LCM event log to write")->required();
   add_force(*mrclam, force);
   mrclam->add_option("--truth", truth, "write the true ROBOT.tum and tags.csv into this directory");
   number("--range-std", what.range_std_m, "standard deviation of a range of 0 m, metres", sigma);
   number("--range-std-share", what.range_std_share, "standard deviation added per metre of range",
-         finite_number & CLI::Range(0.0, 1.0));
+         number_in(0.0, 1.0));
   number("--bearing-std", what.bearing_std_rad, "sigma of a bearing, rad", sigma);
   number("--odometry-lag", what.odometry_lag_s, "a robot moves so much after its odometry's stamp, s",
          seconds);

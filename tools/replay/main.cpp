@@ -7,8 +7,8 @@
 #include "server/engine/input/tuning.hpp"
 #include "server/output/format/csv.hpp"
 #include "server/program/command_line.hpp"
-#include "server/program/finite_number.hpp"
 #include "server/program/new_output.hpp"
+#include "server/program/values.hpp"
 #include "tools/replay/feature_replay.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/text/progress.hpp"
@@ -113,7 +113,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--until", arguments.until_s,
                  "read no further than so many seconds of event time after the log's first event")
       ->type_name("SECONDS")
-      ->check(finite_number & CLI::NonNegativeNumber);
+      ->check(number_from(0));
   app.add_option("--memory", arguments.memory_file,
                  "CSV file for the resident memory at every minute of event time")
       ->type_name("FILE");
@@ -127,7 +127,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
            arguments.estimator_given = true;
          },
          "manifold, or a map of features beside it: segments (walls in scans) or points (fixed barcodes)")
-      ->check(CLI::IsMember({"manifold", "segments", "points"}))
+      ->check(one_of({"manifold", "segments", "points"}))
       ->default_str("as the log says");
   app.add_flag("--json", arguments.json, "print the summary as JSON");
   add_force(app, arguments.force);

@@ -4,8 +4,8 @@
 #include <stdexcept>
 
 #include "server/program/command_line.hpp"
-#include "server/program/finite_number.hpp"
 #include "server/program/new_output.hpp"
+#include "server/program/values.hpp"
 #include "server/wire/journal/event_log.hpp"
 #include "tools/simulate/live/live_drive.hpp"
 #include "tools/simulate/run/simulation.hpp"
@@ -70,7 +70,7 @@ void drive(const Arguments& arguments) {
 
 void add_live_options(CLI::App& app, Arguments& arguments) {
   isthmus::LiveDriveOptions& drive = arguments.drive;
-  const CLI::Validator positive = (isthmus::finite_number & CLI::PositiveNumber).description("");
+  const CLI::Validator positive = isthmus::number_above(0);
   app.add_flag("--live", arguments.live,
                "Drive over LCM by the goals of a server with [exploration] instead:");
   app.add_option("--lcm-url", drive.lcm_url, "Its LCM network")->type_name("URL");
@@ -80,7 +80,9 @@ void add_live_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--max-time", drive.max_s, "The run is given up then (600)")
       ->type_name("S")
       ->check(positive);
-  app.add_option("--robots", drive.robots, "Only the scenario's first")->type_name("N");
+  app.add_option("--robots", drive.robots, "Only the scenario's first")
+      ->type_name("N")
+      ->check(isthmus::integer_from(1));
   app.add_flag("--side-by-side", drive.side_by_side, "They start beside the first one");
   app.add_option("--radio-range", drive.radio_range_m,
                  "Beyond it from there a robot is not heard and hears nothing")

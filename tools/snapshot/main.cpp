@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "server/program/command_line.hpp"
+#include "server/program/values.hpp"
 #include "server/wire/journal/recovery/snapshots.hpp"
 
 namespace {
@@ -44,11 +45,11 @@ int main(int argc, char** argv) {
   app.add_option("journal", arguments.journal, "a journal's directory")->required();
   app.add_option("--keep-snapshots", arguments.keep_snapshots,
                  "number of snapshots to keep: the newest, and of what was before ever fewer")
-      ->check(CLI::Range(2, 1000))
+      ->check(integer_in(2, 1000))
       ->capture_default_str();
   app.add_option("--keep-segments", arguments.keep_segments,
                  "number of closed segments to keep that snapshots already cover (default: all)")
-      ->check(CLI::Range(0, 1'000'000));
+      ->check(integer_in(0, 1'000'000));
   app.add_flag("--wait", arguments.wait,
                "where another process is making snapshots, wait for it to end and do the rest");
   return run_program(app, argc, argv, [&] { run(arguments); });

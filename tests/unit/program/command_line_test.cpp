@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "server/program/values.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -21,7 +23,16 @@ Result run(const std::vector<std::string>& arguments, const std::vector<std::str
   CLI::App app("A program.", "isthmus-test");
   std::string output;
   app.add_option("-o,--output", output, "a file");
-  for (const std::string& command : commands) app.add_subcommand(command, "does " + command);
+  int island = 0, patch = 0;
+  double speed = 0;
+  for (const std::string& command : commands) {
+    CLI::App* one = app.add_subcommand(command, "does " + command);
+    one->add_option("--speed", speed, "how fast")->check(number_in(0.01, 100));
+    CLI::Option_group* frame = one->add_option_group("frame", "One of them");
+    frame->require_option(1);
+    frame->add_option("--island", island, "an island");
+    frame->add_option("--patch", patch, "a patch");
+  }
   if (!commands.empty()) app.require_subcommand(1);
   std::vector<const char*> argv(arguments.size() + 1, "isthmus-test");
   for (std::size_t i = 0; i < arguments.size(); ++i) argv[i + 1] = arguments[i].c_str();
@@ -42,6 +53,36 @@ TEST(CommandLine, SuggestsTheOptionThatWasMeant) {
   EXPECT_EQ(result.exit_code, exit_usage);
   EXPECT_TRUE(result.err.starts_with("isthmus-test: there is no option --outptu; did you mean '--output'?"))
       << result.err;
+}
+
+TEST(CommandLine, KnowsOptionsOfGroups) {
+  const auto reason = [](const std::vector<std::string>& arguments) {
+    const Result result = run(arguments, {"zone"});
+    EXPECT_EQ(result.exit_code, exit_usage);
+    return result.err.substr(0, result.err.find('\n'));
+  };
+  EXPECT_EQ(reason({"zone", "--island", "0", "--speed", "0"}),
+            "isthmus-test: --speed: '0' is not a number from 0.01 to 100");
+  EXPECT_EQ(reason({"zone", "--ilsand", "0"}),
+            "isthmus-test: there is no option --ilsand; did you mean '--island'?");
+  EXPECT_EQ(reason({"zone", "--island", "x"}), "isthmus-test: --island: 'x' is not an integer");
+  EXPECT_EQ(reason({"zone", "--island", "0", "--patch", "1"}),
+            "isthmus-test: --island or --patch is needed, and only one");
+  EXPECT_EQ(reason({"zone", "--island"}), "isthmus-test: --island needs a value");
+}
+
+TEST(CommandLine, HelpTellsWhatOptionsTakeAsPeopleSayIt) {
+  const Result result = run({"zone", "--help"}, {"zone"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.out.find("--speed NUMBER (from 0.01 to 100)"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("\nOne of them:\n  --island INTEGER"), std::string::npos) << result.out;
+  EXPECT_EQ(result.out.find("FLOAT"), std::string::npos) << result.out;
+}
+
+TEST(CommandLine, UsageThatOnlyTheProgramKnowsToBeWrong) {
+  const Result result = run({}, {}, [] { throw UsageError("laps must be an integer"); });
+  EXPECT_EQ(result.exit_code, exit_usage);
+  EXPECT_TRUE(result.err.starts_with("isthmus-test: laps must be an integer\n")) << result.err;
 }
 
 TEST(CommandLine, AnOptionsValueIsNoOption) { EXPECT_EQ(run({"--output=--outptu"}).exit_code, 0); }

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string_view>
 
+#include "server/program/values.hpp"
 #include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
@@ -19,7 +20,7 @@ Scenario CampaignRuns::load(const std::string& name, std::uint64_t seed) const {
 
 void CampaignRuns::add_seeds(CLI::App& command) {
   command.add_option("--seeds", seeds, "Runs, of each scenario")
-      ->check(CLI::PositiveNumber)
+      ->check(integer_from(1))
       ->capture_default_str();
   command.add_option("--first-seed,--from", first_seed, "Seed of the first run")->capture_default_str();
 }

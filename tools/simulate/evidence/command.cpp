@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/program/finite_number.hpp"
+#include "server/program/values.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/evidence/evidence.hpp"
@@ -81,7 +81,7 @@ void add_evidence_command(CLI::App& app) {
   arguments->add_runs(*evidence);
   evidence->add_flag("--wild", arguments->wild, "Run buildings drawn from the seeds, too");
   evidence->add_option("--false", arguments->false_share, "Share of false sightings in the scenarios")
-      ->check(finite_number & CLI::Range(0.0, 0.95));
+      ->check(number_in(0.0, 0.95));
   evidence->add_option("--output", arguments->output, "Table to write, a row for each closure")
       ->type_name("FILE")
       ->required();

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/program/values.hpp"
 #include "tools/simulate/wild/campaign.hpp"
 #include "tools/simulate/wild/command.hpp"
 
@@ -106,11 +107,11 @@ void add_wild_command(CLI::App& app) {
       "team\n"
       "are drawn from the seed. Tells which maps have a relation over 1 m off, a wrong merge, a true merge\n"
       "missed, and what the runs that failed have in common.");
-  wild->add_option("--seeds", arguments->seeds, "Runs")->check(CLI::PositiveNumber)->capture_default_str();
+  wild->add_option("--seeds", arguments->seeds, "Runs")->check(integer_from(1))->capture_default_str();
   wild->add_option("--first-seed,--from", arguments->first_seed, "Seed of the first run")
       ->capture_default_str();
   wild->add_option("--jobs", arguments->jobs, "Runs at a time")
-      ->check(CLI::PositiveNumber)
+      ->check(integer_from(1))
       ->capture_default_str();
   CLI::Option* output =
       wild->add_option("--output", arguments->output, "Where to write wild.csv, a row for each seed")

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/output/format/atomic_file.hpp"
-#include "server/program/finite_number.hpp"
+#include "server/program/values.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/explore/exploration_picture.hpp"
 #include "tools/simulate/campaigns/explore/order_table.hpp"
@@ -92,20 +92,20 @@ void add_explore_command(CLI::App& app) {
   arguments->add_scenarios(*explore);
   arguments->add_runs(*explore);
   explore->add_option("--robots", arguments->robots, "of the scenario's, side by side; several numbers")
-      ->check(CLI::PositiveNumber)
+      ->check(integer_from(1))
       ->allow_extra_args(false);
   explore->add_flag("--apart", arguments->run.apart, "robots start where the scenario has them");
   explore->add_flag("--nearest", arguments->nearest, "instead: each to the frontier nearest to it");
   explore->add_flag("--both", arguments->both, "both ways, one after the other");
   explore->add_option("--clearance", arguments->run.clearance_m, "from walls, m")
-      ->check(finite_number & CLI::Range(0.0, 1.0))
+      ->check(number_in(0.0, 1.0))
       ->capture_default_str();
   explore->add_option("--max-time", arguments->run.max_s, "a run is given up then, s")
-      ->check(finite_number & CLI::PositiveNumber)
+      ->check(number_above(0))
       ->capture_default_str();
   explore->add_option("--pictures", arguments->pictures, "directory for pictures of each run");
   explore->add_option("--picture-time", arguments->picture_s, "between pictures, s")
-      ->check(finite_number & CLI::PositiveNumber)
+      ->check(number_above(0))
       ->capture_default_str();
   explore->add_option("--orders", arguments->orders,
                       "directory for a table of each run: who was told what when");

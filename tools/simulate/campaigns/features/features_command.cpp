@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/program/finite_number.hpp"
+#include "server/program/values.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/features/features.hpp"
 #include "tools/simulate/run/simulation.hpp"
@@ -64,15 +64,15 @@ void add_features_command(CLI::App& app) {
   features
       ->add_option("--surface-sigma", arguments->features.surface_sigma_m,
                    "How rough robots take walls to be, m")
-      ->check(finite_number & CLI::Range(0.0, 1.0))
+      ->check(number_in(0.0, 1.0))
       ->capture_default_str();
   features
       ->add_option("--form", arguments->features.form, "invariant or printed (the EKF as the paper has it)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, FilterForm>{
-          {"invariant", FilterForm::invariant}, {"printed", FilterForm::printed}}));
+      ->transform(one_of(std::map<std::string, FilterForm>{{"invariant", FilterForm::invariant},
+                                                           {"printed", FilterForm::printed}}));
   features->add_option("--pairing", arguments->features.pairing, "joint or nearest")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Pairing>{{"joint", Pairing::joint}, {"nearest", Pairing::nearest}}));
+      ->transform(
+          one_of(std::map<std::string, Pairing>{{"joint", Pairing::joint}, {"nearest", Pairing::nearest}}));
   features->callback([arguments] { features_campaign(*arguments); });
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/program/finite_number.hpp"
+#include "server/program/values.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/features/rendezvous_experiment.hpp"
 
@@ -46,11 +46,11 @@ void add_rendezvous_command(CLI::App& app) {
       ->add_option(
           "--corner-sigma", arguments->experiment.corner_sigma_m,
           "How a corner errs in a scan, in each axis, m; 0: as a laser's beams have it, by its range")
-      ->check(finite_number & CLI::Range(0.0, 1.0))
+      ->check(number_in(0.0, 1.0))
       ->capture_default_str();
   rendezvous
       ->add_option("--looks", arguments->experiment.looks_at_start, "Scans that a robot takes before it goes")
-      ->check(CLI::Range(1, 1000))
+      ->check(integer_in(1, 1000))
       ->capture_default_str();
   rendezvous->callback([arguments] { rendezvous_campaign(*arguments); });
 }

@@ -8,7 +8,7 @@
 #include "server/output/pictures/map_sheet.hpp"
 #include "server/output/pictures/marks.hpp"
 #include "server/output/pictures/way_pen.hpp"
-#include "server/program/finite_number.hpp"
+#include "server/program/values.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/live/home_run.hpp"
 #include "tools/simulate/truth/plan_picture.hpp"
@@ -86,10 +86,10 @@ void add_home_command(CLI::App& app) {
   arguments->add_scenarios(*home);
   arguments->add_runs(*home);
   home->add_option("--robots", arguments->run.robots, "the scenario's first")
-      ->check(CLI::PositiveNumber)
+      ->check(integer_from(1))
       ->capture_default_str();
   home->add_option("--out-time", arguments->run.out_s, "that they explore for, s")
-      ->check(finite_number & CLI::PositiveNumber)
+      ->check(number_above(0))
       ->capture_default_str();
   home->add_option("--pictures", arguments->pictures, "directory for a picture of each run");
   home->callback([arguments] { home_campaign(*arguments); });

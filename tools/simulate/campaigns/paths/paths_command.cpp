@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/output/format/atomic_file.hpp"
-#include "server/program/finite_number.hpp"
+#include "server/program/values.hpp"
 #include "tools/replay/read_map.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/confidence/confidence.hpp"
@@ -111,22 +111,22 @@ void add_paths_command(CLI::App& app) {
   paths->add_option("--scenario", arguments->scenarios, "scenario to run; several")->allow_extra_args(false);
   arguments->add_runs(*paths);
   paths->add_option("--until", arguments->until_s, "seconds of a run; several")
-      ->check(finite_number & CLI::NonNegativeNumber)
+      ->check(number_from(0))
       ->allow_extra_args(false);
   paths
       ->add_option(
           "--teammates", arguments->teammates_s,
           "instead: every so many seconds, how often the truth lies in the 95 % intervals of robots'\n"
           "relative poses")
-      ->check(finite_number & CLI::PositiveNumber);
+      ->check(number_above(0));
   paths->add_option("--pairs", arguments->pairs, "of each map")
-      ->check(CLI::PositiveNumber)
+      ->check(integer_from(1))
       ->capture_default_str();
   paths->add_option("--radius", arguments->footprint.radius_m, "of the robot, m")
-      ->check(finite_number & CLI::Range(0.0, 1.0))
+      ->check(number_in(0.0, 1.0))
       ->capture_default_str();
   paths->add_option("--clearance", arguments->footprint.clearance_m, "from walls, m")
-      ->check(finite_number & CLI::Range(0.0, 1.0))
+      ->check(number_in(0.0, 1.0))
       ->capture_default_str();
   paths->add_option("--pictures", arguments->pictures,
                     "directory for a picture of each map with eight paths");

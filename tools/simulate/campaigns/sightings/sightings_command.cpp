@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/program/finite_number.hpp"
+#include "server/program/values.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/sightings/sightings.hpp"
 
@@ -84,7 +84,7 @@ void add_sightings_command(CLI::App& app) {
   arguments->add_scenario(*sightings);
   arguments->add_runs(*sightings);
   sightings->add_option("--false", arguments->false_share, "Share of false sightings")
-      ->check(finite_number & CLI::Range(0.0, 0.95))
+      ->check(number_in(0.0, 0.95))
       ->capture_default_str();
   sightings->add_option("--output", arguments->output, "Table to write, a row for each seed")
       ->type_name("FILE");
