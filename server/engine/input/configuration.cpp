@@ -42,18 +42,18 @@ void read_laser(const Setting& table, Laser& laser) {
 MeasuredStart read_start(const Setting& table, const std::string& robot) {
   Fields fields(table, " in start");
   MeasuredStart start;
-  if (!fields.read("with", start.with))
-    fail_at(table.where, "start needs 'with', the robot it is measured from");
-  start.with = upper_case(start.with);
-  if (!is_robot_name(start.with)) fail_at(table.where, "start.with must be a robot's name");
-  if (start.with == robot) fail_at(table.where, "start.with must be another robot");
+  const bool has_with = fields.read("with", start.with);
   fields.read_within("x", start.with_from_robot.x, -1e5, 1e5);
   fields.read_within("y", start.with_from_robot.y, -1e5, 1e5);
   fields.read_within("yaw", start.with_from_robot.yaw, -6.3, 6.3);
   fields.read_within("sigma_x", start.sigma.x(), 1e-4, 1e3);
   fields.read_within("sigma_y", start.sigma.y(), 1e-4, 1e3);
   fields.read_within("sigma_yaw", start.sigma.z(), 1e-4, 3.2);
-  fields.finish();
+  fields.finish();  // first: a name that is nearly 'with' may stand there
+  if (!has_with) fail_at(table.where, "start needs 'with', the robot it is measured from");
+  start.with = upper_case(start.with);
+  if (!is_robot_name(start.with)) fail_at(table.where, "start.with must be a robot's name");
+  if (start.with == robot) fail_at(table.where, "start.with must be another robot");
   return start;
 }
 

@@ -7,6 +7,8 @@
 #include <sstream>
 #include <utility>
 
+#include "server/program/spelling.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -163,7 +165,8 @@ void Fields::finish() const {
     std::string known;
     for (const std::string& one : known_) known.append(known.empty() ? "" : ", ").append(one);
     std::string reason = "unknown key '";
-    reason.append(key).append("'").append(name_).append(" (known: ").append(known).append(")");
+    reason.append(key).append("'").append(name_).append(did_you_mean(key, {known_.begin(), known_.end()}));
+    reason.append(" (known: ").append(known).append(")");
     fail_at(setting.where, reason);
   }
 }

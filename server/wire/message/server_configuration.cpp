@@ -8,6 +8,7 @@
 
 #include "server/engine/input/robot_name.hpp"
 #include "server/engine/input/settings.hpp"
+#include "server/program/spelling.hpp"
 
 namespace isthmus {
 namespace {
@@ -102,7 +103,8 @@ void read_wire_parts(const Setting& root, ServerConfiguration& configuration) {
   if (const auto kind = value_of<EstimatorKind>(estimator))
     configuration.estimator = *kind;
   else
-    fail_at(fields.where("estimator"), "estimator is manifold, segments or points");
+    fail_at(fields.where("estimator"), "estimator is manifold, segments or points" +
+                                           did_you_mean(estimator, {"manifold", "segments", "points"}));
   if (configuration.exploration.enabled && configuration.estimator != EstimatorKind::manifold)
     fail_at(fields.where("exploration"), "robots are sent to explore on a manifold map only");
 }

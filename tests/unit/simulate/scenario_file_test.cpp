@@ -73,7 +73,7 @@ TEST(ScenarioFile, RobotsOwnSettingsLieOverThoseOfAll) {
 
 TEST(ScenarioFile, ErrorsNameFileLineAndReason) {
   EXPECT_EQ(error_with(replaced(small_scenario, "summary", "sumary")).substr(0, 31),
-            ":1: unknown key 'sumary' (known");
+            ":1: unknown key 'sumary'; did ");
   EXPECT_EQ(error_with(replaced(small_scenario, "wait_s", "wait")), ":6: 'carry_to' is missing");
   EXPECT_EQ(error_with(replaced(small_scenario, "[2, 3, 90]", "[2, 3]")),
             ":5: expected [x, y, yaw] in metres and degrees");
@@ -86,7 +86,7 @@ TEST(ScenarioFile, ErrorsNameFileLineAndReason) {
   EXPECT_EQ(error_with("building = {walls = []}\n").substr(0, 3), ":1:");
   EXPECT_EQ(error_with("tour = [[1,").substr(0, 3), ":1:");
   EXPECT_EQ(error_with(small_scenario, {"laps"}), "--set laps: expected key=value");
-  EXPECT_EQ(error_with(small_scenario, {"lap=2"}).substr(0, 32), "--set lap=2: unknown key 'lap' (");
+  EXPECT_EQ(error_with(small_scenario, {"lap=2"}).substr(0, 32), "--set lap=2: unknown key 'lap'; ");
   EXPECT_EQ(error_with(small_scenario, {"laps=1.5"}), "--set laps=1.5: laps must be an integer");
   EXPECT_EQ(error_with(small_scenario, {"summary=it's"}).substr(0, 20), "--set summary=it's: ");
 }

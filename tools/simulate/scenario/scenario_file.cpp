@@ -6,8 +6,10 @@
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <tuple>
 
+#include "server/program/command_line.hpp"
 #include "server/program/spelling.hpp"
 #include "tools/simulate/scenario/building_file.hpp"
 #include "tools/simulate/scenario/floor_file.hpp"
@@ -164,8 +166,13 @@ Scenario load_scenario(const std::string& name_or_file, const std::vector<std::s
     }
   }
   Setting root = read_toml(file.string());
-  for (const std::string& assignment : overrides) override_setting(root, assignment);
-  return read_scenario(root, file);
+  try {
+    for (const std::string& assignment : overrides) override_setting(root, assignment);
+    return read_scenario(root, file);
+  } catch (const SettingError& error) {
+    if (std::string_view(error.what()).starts_with(override_mark)) throw UsageError(error.what());
+    throw;
+  }
 }
 
 std::vector<ScenarioSummary> list_scenarios() {

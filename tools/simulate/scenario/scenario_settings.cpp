@@ -54,7 +54,7 @@ Setting read_toml(const std::string& file) {
 }
 
 void override_setting(Setting& root, const std::string& assignment) {
-  const std::string where = "--set " + assignment;
+  const std::string where = override_mark + assignment;
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos) fail_at(where, "expected key=value");
   Setting change = parse_override(assignment.substr(0, equals), assignment.substr(equals + 1), where);

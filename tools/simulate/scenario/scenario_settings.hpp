@@ -12,6 +12,9 @@ namespace isthmus {
 /// Reads a TOML file. Throws std::runtime_error "FILE:LINE: reason".
 Setting read_toml(const std::string& file);
 
+/// What the place of a setting begins with that stands on the command line.
+constexpr const char* override_mark = "--set ";
+
 /// Applies "key.path=value", the value in TOML's notation or a bare string, over what the file says.
 void override_setting(Setting& root, const std::string& assignment);
 

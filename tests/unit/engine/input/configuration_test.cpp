@@ -142,7 +142,7 @@ TEST(Configuration, AMaximumRangeOfZeroIsNoLaserWhateverTheMinimum) {
 
 TEST(Configuration, NamesFileLineAndReason) {
   EXPECT_EQ(error_in("\n[robots.R1]\nbarcod = 5").substr(0, 43),
-            "c.toml:3: unknown key 'barcod' of robot R1 ");
+            "c.toml:3: unknown key 'barcod' of robot R1;");
   EXPECT_EQ(error_in("tags = \"all\""), "c.toml:1: tags must be \"declared\" or \"any\"");
   EXPECT_EQ(error_in("tags = 5"), "c.toml:1: tags must be a string");
   EXPECT_EQ(error_in("[engine]\n\npatch_spacing_m = 0"),
@@ -159,6 +159,8 @@ TEST(Configuration, NamesFileLineAndReason) {
             "c.toml:1: range_min_m must be below range_max_m");
   EXPECT_EQ(error_in("[robots.R1]\nstart = {x = 1}"),
             "c.toml:2: start needs 'with', the robot it is measured from");
+  EXPECT_EQ(error_in("[robots.R1]\nstart = {wiht = \"R2\"}").substr(0, 63),
+            "c.toml:2: unknown key 'wiht' in start; did you mean 'with'? (kn");
   EXPECT_EQ(error_in("[robots.R1]\nstart = {with = \"r1\"}"), "c.toml:2: start.with must be another robot");
   EXPECT_EQ(error_in("[robots.R1]\n[robots.r1]"),
             "c.toml:2: robot R1 is given twice (names compare without case)");

@@ -93,7 +93,7 @@ TEST(Settings, ThatNobodyAskedForAreRefused) {
                        fields.read("number", number);
                        fields.find("other");
                      }),
-            "s.toml:2: unknown key 'numbr' in [tried] (known: number, other)");
+            "s.toml:2: unknown key 'numbr' in [tried]; did you mean 'number'? (known: number, other)");
 }
 
 TEST(Settings, ListsHaveTheirLength) {

@@ -45,12 +45,14 @@ TEST(ConfigurationChannels, AreReadByRobot) {
 }
 
 TEST(ConfigurationChannels, AreRefusedWithTheirLine) {
-  EXPECT_EQ(error_in("[robots.R1]\nchannels = {scn = \"A\"}"),
-            "c.toml:2: unknown key 'scn' in channels (known: odometry, scan, sighting)");
+  EXPECT_EQ(
+      error_in("[robots.R1]\nchannels = {scn = \"A\"}"),
+      "c.toml:2: unknown key 'scn' in channels; did you mean 'scan'? (known: odometry, scan, sighting)");
   EXPECT_EQ(error_in("[robots.R1]\nchannels = {scan = \"\"}"), "c.toml:2: a channel has 1 to 63 characters");
   EXPECT_EQ(error_in("[robots.R1]\nchannels = 5"), "c.toml:2: channels must be a table");
   EXPECT_EQ(error_in("[robots.R1]\nchannels = {scan = \"A\"}\n[robots.R2]\nchannels = {scan = \"A\"}"),
             "c.toml:3: channel 'A' of robot R2 is given already to R1");
+  EXPECT_TRUE(error_in("estimator = \"segmnts\"").ends_with("did you mean 'segments'?"));
   EXPECT_EQ(error_in("\nnonsense = 1").substr(0, 30), "c.toml:2: unknown key 'nonsens");
 }
 
