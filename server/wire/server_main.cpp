@@ -339,7 +339,7 @@ std::string checked_url(const std::string& lcm_url, const Log& log) {
 
 RefusedOrder teller_of_refused(const Publish& publish, const Log& log) {
   return [answers = Answers(publish, log)](const command_t& order, DropReason reason, std::int64_t utime) {
-    answers.tell(order, std::nullopt, reason, utime);
+    answers.tell(order, std::nullopt, reason, "", utime);
   };
 }
 

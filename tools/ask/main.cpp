@@ -11,6 +11,7 @@
 #include "server/program/values.hpp"
 #include "server/wire/questions/question.hpp"
 #include "tools/ask/reply_text.hpp"
+#include "tools/command/heard_server.hpp"
 #include "tools/command/send.hpp"
 
 namespace {
@@ -100,13 +101,16 @@ void ask_server(const Arguments& arguments) {
   }
   lcm::LCM lcm(arguments.lcm_url);
   if (!lcm.good()) throw std::runtime_error("cannot open LCM network " + arguments.lcm_url);
-  const std::runtime_error silent("no answer: is a server running on " + arguments.lcm_url + "?");
+  const HeardServer server(lcm);
+  const auto silent = [&] {
+    return std::runtime_error(silence_text(arguments.request.timeout_s, server.any(), arguments.lcm_url));
+  };
   if (arguments.request.follow_s > 0) {
-    if (!follow(lcm, arguments.request, print_update, key)) throw silent;
+    if (!follow(lcm, arguments.request, print_update, key)) throw silent();
     return;
   }
   const std::optional<reply_t> reply = ask(lcm, arguments.request, key);
-  if (!reply) throw silent;
+  if (!reply) throw silent();
   if (!reply->done) throw std::runtime_error("refused: " + reply->reason);
   std::fputs(to_text(*reply).c_str(), stdout);
 }

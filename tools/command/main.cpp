@@ -10,6 +10,8 @@
 #include "server/program/command_line.hpp"
 #include "server/program/values.hpp"
 #include "server/wire/live/lcm_link.hpp"
+#include "server/wire/message/answer_remark.hpp"
+#include "tools/command/heard_server.hpp"
 #include "tools/command/order.hpp"
 #include "tools/command/send.hpp"
 
@@ -140,7 +142,7 @@ Order read_order(const Arguments& arguments) {
   try {
     return order_of(arguments);
   } catch (const std::runtime_error& error) {
-    throw CLI::ValidationError(error.what());
+    throw UsageError(error.what());
   }
 }
 
@@ -149,16 +151,17 @@ std::int64_t wall_clock_utime() {
   return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
 }
 
-std::string no_answer(const Arguments& arguments, bool any_server) {
-  char seconds[32];
-  std::snprintf(seconds, sizeof seconds, "%g", arguments.wait_s);
-  return "no answer within " + std::string(seconds) + " s: " +
-         (any_server ? "the server is busy, or of an earlier version; the order may be carried out still"
-                     : "is a server running on " + arguments.lcm_url + "?");
+/// Of an order that is done, with what is to be known of it.
+std::string done_text(const Order& order, const answer_t& answer) {
+  std::string text = "done: " + to_text(order);
+  if (answer.reason != not_proposed_yet) return text;
+  return text + ": no closure " + std::to_string(answer.closure) +
+         " is known yet; it is forbidden should it be proposed";
 }
 
 void send(const Arguments& arguments) {
   Order order = read_order(arguments);
+  if (const std::string wrong = why_unreadable(order); !wrong.empty()) throw UsageError(wrong);
   std::visit([](auto& body) { body.utime = wall_clock_utime(); }, order);
   if (!log_file_of(arguments.lcm_url).empty()) {
     throw std::runtime_error(arguments.lcm_url + ": a log takes no commands");
@@ -172,19 +175,29 @@ void send(const Arguments& arguments) {
   const std::chrono::milliseconds wait(static_cast<int>(1e3 * arguments.wait_s));
   const OrderOutcome outcome = send_order(lcm, order, key, wait);
   if (outcome.answer && outcome.answer->done)
-    std::printf("done: %s\n", to_text(order).c_str());
+    std::printf("%s\n", done_text(order, *outcome.answer).c_str());
   else if (outcome.answer)
     throw std::runtime_error("refused: " + to_text(order) + ": " + outcome.answer->reason);
   else if (wait.count() == 0)
     std::printf("sent: %s\n", to_text(order).c_str());
   else
-    throw std::runtime_error(no_answer(arguments, outcome.any_server));
+    throw std::runtime_error(silence_text(arguments.wait_s, outcome.any_server, arguments.lcm_url) +
+                             "; the order may be carried out still");
 }
 
 /// "-3" is a wrong id and no option.
 bool is_negative_number(const std::string& argument) {
   return argument.size() > 1 && argument[0] == '-' &&
          std::all_of(argument.begin() + 1, argument.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// The first negative number that is no option's value: those have bounds of their own.
+std::optional<std::string> negative_id(const std::vector<std::string>& arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const bool is_value = i > 0 && arguments[i - 1].starts_with("--");
+    if (!is_value && is_negative_number(arguments[i])) return arguments[i];
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -202,9 +215,8 @@ int main(int argc, char** argv) {
   app.add_option("--key", arguments.key_file, "file with the operator's name and key, to sign with");
   add_verbs(app, arguments);
   add_drawing(app, arguments);
-  if (const auto negative = std::find_if(argv + 1, argv + argc, is_negative_number);
-      negative != argv + argc) {
-    std::fprintf(stderr, "isthmus-command: ids are not negative: %s\n", *negative);
+  if (const auto negative = negative_id({argv + 1, argv + argc})) {
+    std::fprintf(stderr, "isthmus-command: ids are not negative: %s\n", negative->c_str());
     return exit_usage;
   }
   return run_program(app, argc, argv, [&] { send(arguments); });

@@ -7,12 +7,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include "isthmus/status_t.hpp"
 #include "server/engine/input/robot_name.hpp"
 #include "server/wire/file/text_file.hpp"
 #include "server/wire/message/byte_check.hpp"
 #include "server/wire/message/message.hpp"
 #include "server/wire/trust/envelope.hpp"
+#include "tools/command/heard_server.hpp"
 
 namespace isthmus {
 namespace {
@@ -33,44 +33,32 @@ std::span<const std::uint8_t> bytes_of(const lcm_recv_buf_t* buffer) {
   return {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size};
 }
 
-/// Listens for what a server says, as long as it exists.
+/// Listens for the answer to an order, as long as it exists.
 class Listener {
  public:
   Listener(lcm_t* link, std::int64_t order_utime) : link_(link), order_utime_(order_utime) {
-    status_ = lcm_subscribe(link_, "ISTHMUS_STATUS", note_status, this);
-    answer_ = lcm_subscribe(link_, "ISTHMUS_ANSWER", note_answer, this);
+    subscription_ = lcm_subscribe(link_, "ISTHMUS_ANSWER", note_answer, this);
   }
-  ~Listener() {
-    lcm_unsubscribe(link_, status_);
-    lcm_unsubscribe(link_, answer_);
-  }
+  ~Listener() { lcm_unsubscribe(link_, subscription_); }
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
-  OrderOutcome outcome;
+  std::optional<answer_t> answer;
 
  private:
-  /// Looks at the type only: a message's counts are not to be trusted by a generated decoder.
-  static void note_status(const lcm_recv_buf_t* buffer, const char*, void* self) noexcept {
-    const auto bytes = bytes_of(buffer);
-    if (bytes.size() >= 8 && read_int64(bytes) == status_t::getHash())
-      static_cast<Listener*>(self)->outcome.any_server = true;
-  }
-
   static void note_answer(const lcm_recv_buf_t* buffer, const char*, void* self) noexcept {
     const auto bytes = bytes_of(buffer);
     if (check_bytes(answer_t::getHash(), answer_members, bytes) != DropReason::none) return;
     auto& listener = *static_cast<Listener*>(self);
-    answer_t answer;
+    answer_t heard;
     const int size = static_cast<int>(bytes.size());
-    if (answer.decode(bytes.data(), 0, size) != size || answer.order_utime != listener.order_utime_) return;
-    listener.outcome = {std::move(answer), true};
+    if (heard.decode(bytes.data(), 0, size) != size || heard.order_utime != listener.order_utime_) return;
+    listener.answer = std::move(heard);
   }
 
   lcm_t* link_;
   std::int64_t order_utime_;
-  lcm_subscription_t* status_ = nullptr;
-  lcm_subscription_t* answer_ = nullptr;
+  lcm_subscription_t* subscription_ = nullptr;
 };
 
 }  // namespace
@@ -86,14 +74,21 @@ OperatorKey read_operator_key(const std::string& file) {
   return {upper_case(name), *key, std::move(warning)};
 }
 
+std::string why_unreadable(const Order& order) {
+  // Any time will do: it is set when the order is sent.
+  const Message message = std::visit([](const auto& body) { return encode(Event{1, body}); }, order);
+  const Decoded decoded = decode({}, message.channel, message.bytes, 1);
+  return decoded.event ? "" : "no such order can be given: " + std::string(word(decoded.reason));
+}
+
 OrderOutcome send_order(lcm::LCM& lcm, const Order& order, const std::optional<OperatorKey>& key,
                         std::chrono::milliseconds wait) {
   const std::int64_t utime = std::visit([](const auto& body) { return body.utime; }, order);
+  const HeardServer server(lcm);
   Listener listener(lcm.getUnderlyingLCM(), utime);
   Message message = std::visit([&](const auto& body) { return encode(Event{utime, body}); }, order);
   // What no server would even read is not sent: nobody would answer.
-  if (const Decoded decoded = decode({}, message.channel, message.bytes, utime); !decoded.event)
-    throw std::runtime_error("no such order can be given: " + std::string(word(decoded.reason)));
+  if (const std::string wrong = why_unreadable(order); !wrong.empty()) throw std::runtime_error(wrong);
   // The clock counts on from one order to the next, in whatever process.
   if (key) message = seal(key->key, key->name, utime, message);
   const auto size = static_cast<unsigned>(message.bytes.size());
@@ -101,11 +96,12 @@ OrderOutcome send_order(lcm::LCM& lcm, const Order& order, const std::optional<O
     throw std::runtime_error("the network refused the message");
   }
   const Clock::time_point end = Clock::now() + wait;
-  while (!listener.outcome.answer) {
+  while (!listener.answer) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     if (left <= 0 || lcm.handleTimeout(static_cast<int>(left)) <= 0) break;
   }
-  return std::move(listener.outcome);
+  const bool any_server = listener.answer || server.any();
+  return {std::move(listener.answer), any_server};
 }
 
 }  // namespace isthmus

@@ -31,6 +31,9 @@ struct OrderOutcome {
   bool any_server = false;         ///< some server sent something
 };
 
+/// Why no server would read an order; empty: it would.
+std::string why_unreadable(const Order& order);
+
 /// Publishes an order on its channel, in an envelope where there is a key, and waits so long for the
 /// answer on ISTHMUS_ANSWER. Throws std::runtime_error where it is none that a server would read, or the
 /// network does not take the message.

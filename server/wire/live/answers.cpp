@@ -18,14 +18,14 @@ LogFields fields_of(const answer_t& answer) {
   const bool is_drawn = value_of<AnnotationKind>(answer.verb).has_value();  // a place or zone has a name
   if (!answer.robot.empty()) fields.push_back({is_drawn ? "name" : "robot", answer.robot});
   fields.push_back({"by", answer.sender.empty() ? "(unsigned)" : answer.sender});
-  if (!answer.done) fields.push_back({"reason", answer.reason});
+  if (!answer.reason.empty()) fields.push_back({answer.done ? "remark" : "reason", answer.reason});
   return fields;
 }
 
 }  // namespace
 
 void Answers::tell(const command_t& order, const std::optional<Signature>& signer, DropReason reason,
-                   std::int64_t utime) const {
+                   const std::string& remark, std::int64_t utime) const {
   answer_t answer{};
   answer.utime = utime;
   answer.order_utime = order.utime;
@@ -34,7 +34,7 @@ void Answers::tell(const command_t& order, const std::optional<Signature>& signe
   answer.robot = order.robot;
   answer.sender = name_of(signer);
   answer.done = reason == DropReason::none ? 1 : 0;
-  answer.reason = word(reason);
+  answer.reason = answer.done ? remark : std::string(word(reason));
   if (log_)
     log_(answer.done ? LogLevel::info : LogLevel::warning,
          answer.done ? "an order is carried out" : "an order is refused", fields_of(answer));

@@ -17,9 +17,10 @@ class Answers {
  public:
   Answers(Publish publish, Log log) : publish_(std::move(publish)), log_(std::move(log)) {}
 
-  /// `signer`: of the envelope that the order came in, if any. `reason` none: it is done.
+  /// `signer`: of the envelope that the order came in, if any. `reason` none: it is done. `remark`: what is
+  /// to be known of one that is done; may be empty.
   void tell(const command_t& order, const std::optional<Signature>& signer, DropReason reason,
-            std::int64_t utime) const;
+            const std::string& remark, std::int64_t utime) const;
 
  private:
   Publish publish_;

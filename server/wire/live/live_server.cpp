@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "server/wire/journal/drop_record.hpp"
+#include "server/wire/message/answer_remark.hpp"
 #include "server/wire/message/encoded.hpp"
 #include "server/wire/message/message.hpp"
 #include "server/wire/trust/order_in.hpp"
@@ -120,7 +121,16 @@ void LiveServer::tell_sender(const Message& message, const Decoded& decoded, Dro
   const std::optional<command_t> said = order_in(message.channel, message.bytes);
   if (!said) return;
   if (options_.viewers.order) options_.viewers.order(said->utime, reason);
-  answers_.tell(*said, message.signature, reason, message.utime);
+  answers_.tell(*said, message.signature, reason, reason == DropReason::none ? remark_on(decoded) : "",
+                message.utime);
+}
+
+/// Of an order that is done: whether it is about a closure that nobody has proposed.
+std::string LiveServer::remark_on(const Decoded& decoded) const {
+  const auto* order = decoded.event ? std::get_if<CommandEvent>(&decoded.event->body) : nullptr;
+  if (order == nullptr || order->verb != Verb::forbid) return "";
+  const auto is_it = [&](const ClosureRecord& closure) { return closure.id.value == order->closure; };
+  return std::ranges::any_of(map_.estimator().copy().closures, is_it) ? "" : not_proposed_yet;
 }
 
 /// Robots that the map knows; admission bounds their number.

@@ -122,6 +122,7 @@ class LiveServer {
   DropReason take(const Event& event);
   DropReason hand_on(const Message& message, const Decoded& decoded);
   void tell_sender(const Message& message, const Decoded& decoded, DropReason reason) const;
+  std::string remark_on(const Decoded& decoded) const;
   bool journal(const Message& message);
   void reserve_queue(const Event& event);
   std::string finish_journal();

@@ -6,6 +6,7 @@
 #include "server/wire/message/encoded.hpp"
 #include "server/wire/message/message.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tools/command/heard_server.hpp"
 #include "tools/command/order.hpp"
 #include "tools/command/send.hpp"
 
@@ -143,6 +144,28 @@ TEST(SendOrder, SaysWhetherAnyServerIsHeard) {
   const OrderOutcome outcome = heard();
   EXPECT_TRUE(outcome.any_server);
   EXPECT_FALSE(outcome.answer);
+}
+
+TEST(SendOrder, SilenceIsToldWithItsTimeAndWhatItMayMean) {
+  EXPECT_EQ(
+      silence_text(2.5, true, "udpm://x"),
+      "no answer within 2.5 s: a server runs on udpm://x, but has not answered in time: it is busy, or of "
+      "an earlier version (--wait gives it longer)");
+  EXPECT_EQ(
+      silence_text(5, false, "udpm://x"),
+      "no answer within 5 s: either no server runs on udpm://x, or it is too busy to answer in that time "
+      "(--wait gives it longer)");
+}
+
+TEST(SendOrder, NoServerWouldReadAZoneOfTwoCorners) {
+  AnnotationEvent zone;
+  zone.kind = AnnotationKind::keep_out;
+  zone.name = "Stairs";
+  zone.island = IslandId{0};
+  zone.points = {{PatchId{}, {1, 1}}, {PatchId{}, {2, 1}}};
+  EXPECT_EQ(why_unreadable(zone), "no such order can be given: bad_polygon");
+  zone.points.push_back({PatchId{}, {2, 2}});
+  EXPECT_EQ(why_unreadable(zone), "");
 }
 
 TEST(OperatorKey, IsReadFromAFileOfOneLine) {

@@ -214,11 +214,14 @@ TEST(LiveServer, AnswersAndLogsEachOrder) {
   erase.kind = AnnotationKind::erase;
   erase.name = "Dock 1";
   push(inbox, "", encode({1, erase}));
+  push(inbox, "", encode({1, CommandEvent{9, Verb::forbid, 99, ""}}));
   inbox.close();
   server.run();
 
   const auto answers = published.of<answer_t>("ISTHMUS_ANSWER");
-  ASSERT_EQ(answers.size(), 4U);
+  ASSERT_EQ(answers.size(), 5U);
+  EXPECT_TRUE(answers[4].done);
+  EXPECT_EQ(answers[4].reason, "not_proposed_yet");
   EXPECT_EQ(answers[0].order_utime, 5);
   EXPECT_EQ(answers[0].verb, "withdraw");
   EXPECT_EQ(answers[0].closure, 3);
@@ -229,7 +232,7 @@ TEST(LiveServer, AnswersAndLogsEachOrder) {
   EXPECT_EQ(answers[1].sender, "ALICE");
   EXPECT_EQ(answers[2].order_utime, 7);
   EXPECT_EQ(answers[2].reason, "unknown_command");
-  ASSERT_EQ(lines.size(), 4U);
+  ASSERT_EQ(lines.size(), 5U);
   EXPECT_EQ(lines[0],
             "level=warning msg=\"an order is refused\" order=withdraw closure=3 by=(unsigned) "
             "reason=no_such_closure");
