@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -42,6 +43,15 @@ void check_new_directory(const std::string& directory, bool force) {
   if (error) throw std::runtime_error(directory + ": cannot be made: " + error.message());
   if (!force && fs::exists(directory + "/report.json", error)) refuse(directory + " holds a map already");
   check_writable(directory);
+}
+
+void check_new_files_in(const std::string& directory, const std::vector<std::string>& extensions,
+                        bool force) {
+  std::error_code none;
+  if (force || !fs::is_directory(directory, none)) return;
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory))
+    if (std::ranges::find(extensions, entry.path().extension().string()) != extensions.end())
+      check_new_file(entry.path().string(), force);
 }
 
 }  // namespace isthmus

@@ -14,10 +14,12 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# Of each program: a command that writes something, and so takes -o and --output and does not write over it.
-WRITES = {"isthmus-replay": [], "isthmus-export": [], "isthmus-simulate": [], "isthmus-import": ["carmen"]}
-# What is handed on to ctest is not judged here.
-HANDS_ON = {"test.sh"}
+# Commands of programs that write what --output or --pictures says, and so do not write over it.
+WRITES = {"isthmus-replay": [[]], "isthmus-export": [[]], "isthmus-simulate": [[]], "isthmus-server": [[]],
+          "isthmus-import": [["carmen"], ["mrclam"]],
+          "isthmus-campaign": [["wild"], ["evidence"], ["sightings"], ["explore"], ["home"], ["paths"]]}
+# What CLI11 calls types and bounds.
+RAW = re.compile(r"FLOAT|UINT|ENUM|\bINT\b|\bAND\b|Option Group| in \{")
 UNKNOWN_START = '[robots.R2]\nstart = { with = "R7", x = 0.0, y = -1.2, yaw = 0.0 }\n'
 
 failures = []
@@ -43,10 +45,19 @@ def judge_program(path):
     expect(wrong.returncode == 2 and wrong.stderr.startswith(f"{name}: "), f"{name} --nonsense is wrong usage", wrong)
     nearly = run(path, "--versoin")
     expect(nearly.returncode == 2 and "did you mean '--version'?" in nearly.stderr, f"{name} suggests", nearly)
-    if name in WRITES:
-        written = run(path, *WRITES[name], "--help")
-        expect("-o,--output" in written.stdout, f"{name} takes -o and --output", written)
-        expect("--force" in written.stdout, f"{name} takes --force", written)
+    man = run(path, "--man")
+    expect(man.returncode == 0 and man.stdout.count("\\-\\-help") == 1, f"{name} --man has --help once", man)
+    commands = re.findall(r"^\.SS ([\w\\-]+)$", man.stdout, re.MULTILINE)
+    for command in [[], *([one.replace("\\", "")] for one in commands)]:
+        told = run(path, *command, "--help")
+        what = " ".join([name, *command])
+        expect(told.returncode == 0 and not RAW.search(told.stdout), f"{what} --help is in plain words", told)
+        expect("--output" not in told.stdout or "-o,--output" in told.stdout or "(with --output)" in told.stdout,
+               f"{what} takes -o and --output", told)
+    expect(not RAW.search(man.stdout), f"{name} --man is in plain words", man)
+    for command in WRITES.get(name, []):
+        written = run(path, *command, "--help")
+        expect("--force" in written.stdout, f"{name} {command} takes --force", written)
 
 
 def judge_script(path):
@@ -54,9 +65,8 @@ def judge_script(path):
     help_text = run(path, "--help")
     expect(help_text.returncode == 0 and f"tools/{name}" in help_text.stdout + help_text.stderr or "usage:" in help_text.stdout,
            f"{name} --help is help", help_text)
-    if name not in HANDS_ON:
-        wrong = run(path, "--nonsense")
-        expect(wrong.returncode == 2, f"{name} --nonsense is wrong usage", wrong)
+    wrong = run(path, "--nonsense")
+    expect(wrong.returncode == 2, f"{name} --nonsense is wrong usage", wrong)
 
 
 def judge_outputs(build, work):
@@ -79,6 +89,17 @@ def judge_outputs(build, work):
     expect(forced.returncode == 0, "--force writes over", forced)
     expect(program(*replay, "--force").returncode == 0, "--force writes over", forced)
 
+    again = program("isthmus-simulate", "--scenario", "meeting", "--set", "duration_s=3", "-o",
+                    os.path.join(work, "other.lcm"), "--truth", truth)
+    expect(again.returncode == 1 and "--force" in again.stderr, "--truth does not write over", again)
+    table = os.path.join(work, "table.csv")
+    with open(table, "w", encoding="utf-8") as file:
+        file.write("a row\n")
+    for campaign in (("sightings", "--scenario", "meeting", "-o", table), ("evidence", "--scenario", "meeting", "-o", table),
+                     ("evidence", "--scenario", "meeting", "-o", os.path.join(work, "new.csv"), "--finds", table)):
+        again = program("isthmus-campaign", *campaign, "--seeds", "1")
+        expect(again.returncode == 1 and "--force" in again.stderr, f"{campaign} does not write over", again)
+
     mcap = os.path.join(work, "run.mcap")
     export = ("isthmus-export", log, "--mcap", mcap)
     expect(program(*export).returncode == 0 and os.path.exists(mcap), "--mcap writes, and needs no --output", forced)
@@ -87,6 +108,11 @@ def judge_outputs(build, work):
     expect(program(*export, "--force").returncode == 0, "--force writes over", forced)
     nowhere = program("isthmus-export", log)
     expect(nowhere.returncode == 2, "isthmus-export needs to know what to write", nowhere)
+    bare = program("isthmus-export")
+    expect(bare.returncode == 2 and "snapshot" in bare.stderr and "log" in bare.stderr,
+           "a bare isthmus-export tells what it takes", bare)
+    nobody = program("isthmus-evaluate", "--truth", truth, "-o", map_directory, "--robot", "R7")
+    expect(nobody.returncode == 1 and "no robot R7" in nobody.stderr, "a robot that is not on the map", nobody)
 
     picture = os.path.join(work, "confidence.png")
     inspect = ("isthmus-inspect", map_directory, "--confidence", "0", "0", "--picture", picture)
@@ -99,6 +125,33 @@ def judge_outputs(build, work):
            "isthmus-evaluate --pictures draws", drawn)
     again = program(*evaluate)
     expect(again.returncode == 1 and "--force" in again.stderr, "isthmus-evaluate does not write over", again)
+
+
+# What is wrong, and how it is told.
+REASONS = [
+    (("isthmus-command", "speed", "S", "--island", "0", "--max", "0", "--corners", "1,1 2,1 2,2"),
+     "--max: '0' is not a number from 0.01 to 100"),
+    (("isthmus-command", "speed", "S", "--island", "0", "--max", "-1", "--corners", "1,1 2,1 2,2"),
+     "--max: '-1' is not a number from 0.01 to 100"),
+    (("isthmus-command", "forbid", "-1"), "ids are not negative: -1"),
+    (("isthmus-command", "speed", "S", "--island", "0", "--corners", "1,1 2,1 2,2"), "--max is required"),
+    (("isthmus-command", "keep-out", "Q", "--island", "0", "--corners", "1,1 2,1"), "bad_polygon"),
+    (("isthmus-ask", "path", "R1", "--hmoe"), "there is no option --hmoe; did you mean '--home'?"),
+    (("isthmus-campaign", "wild", "--seeds", "0"), "--seeds: '0' is not an integer of at least 1"),
+    (("isthmus-inspect", "map", "--confidence", "0", "x"), "--confidence: 'x' is not an integer"),
+    (("isthmus-evaluate", "--association", "jont", "--landmarks", "x"),
+     "--association: 'jont' is none of joint, known, nearest; did you mean 'joint'?"),
+    (("isthmus-server", "--log-level", "inof"), "did you mean 'info'?"),
+    (("isthmus-replay", "--estimator", "segmnts", "x", "-o", "y"), "did you mean 'segments'?"),
+    (("isthmus-simulate", "--scenario", "meeting", "--set", "laps=x", "-o", "z"), "--set laps=x: laps must be an integer"),
+    (("isthmus-simulate", "--scenario", "meeting", "--set", "duratoin_s=3", "-o", "z"), "did you mean 'duration_s'?"),
+]
+
+
+def judge_reasons(build):
+    for (name, *arguments), reason in REASONS:
+        told = run(os.path.join(build, "bin", name), *arguments)
+        expect(told.returncode == 2 and reason in told.stderr, f"{name} {arguments} tells what is wrong", told)
 
 
 def judge_words(build, work):
@@ -136,6 +189,7 @@ def main():
     with tempfile.TemporaryDirectory() as work:
         judge_outputs(build, work)
         judge_words(build, work)
+        judge_reasons(build)
     print("\n".join(failures) if failures else f"{len(programs)} programs, {len(scripts)} scripts")
     return 1 if failures else 0
 

@@ -104,6 +104,7 @@ Evaluation evaluate(const Arguments& arguments) {
   if (!arguments.landmarks.file.empty()) evaluation.landmarks = evaluate_landmarks(arguments.landmarks);
   if (arguments.relations.empty() && arguments.truth.empty()) return evaluation;
   const TeamTrajectories team(arguments.output);
+  if (!arguments.robot.empty()) known_robot(arguments, team);
   if (!arguments.relations.empty()) {
     evaluation.relations = evaluate_relations(read_relations(arguments, team), team);
   }

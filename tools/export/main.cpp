@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
   CLI::App app("Writes the map of a journal or log: grids, trajectories, tables, graph and report.",
                "isthmus-export");
   Arguments arguments;
-  app.add_option("journal", arguments.log, "a journal directory, a snapshot of one, or an LCM event log")
+  app.add_option("path", arguments.log, "a journal directory, a snapshot of one, or an LCM event log")
       ->required();
   auto* output =
       app.add_option("-o,--output", arguments.output, "directory for the files, made where missing");

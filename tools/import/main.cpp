@@ -126,6 +126,7 @@ int main(int argc, char** argv) {
                               mrclam_command(app, mrclam, output, truth, force)};
   return run_program(app, argc, argv, [&] {
     check_new_file(output, force);
+    check_new_files_in(truth, {".tum", ".csv"}, force);
     for (const Command& command : commands) {
       if (command.app->parsed()) command.run();
     }

@@ -39,6 +39,7 @@ void list() {
 
 void run(const Arguments& arguments) {
   isthmus::check_new_file(arguments.log, arguments.force);
+  isthmus::check_new_files_in(arguments.truth, {".tum", ".csv", ".png"}, arguments.force);
   if (arguments.scenario == wild) {
     if (!arguments.overrides.empty())
       throw std::runtime_error("--set: a wild building is drawn from its seed");
@@ -55,6 +56,7 @@ void run(const Arguments& arguments) {
 }
 
 void drive(const Arguments& arguments) {
+  isthmus::check_new_files_in(arguments.drive.pictures, {".png"}, arguments.force);
   const isthmus::Scenario scenario = isthmus::load_scenario(arguments.scenario, arguments.overrides);
   const isthmus::LiveDriveScore score = isthmus::drive_live(scenario, arguments.seed, arguments.drive);
   std::printf(

@@ -39,6 +39,16 @@ TEST(NewOutput, KeepsADirectoryThatHoldsAMapUnlessForced) {
   EXPECT_NO_THROW(check_new_directory(directory / "", true));
 }
 
+TEST(NewOutput, KeepsFilesOfADirectoryThatWouldBeWrittenOver) {
+  const TemporaryDirectory directory;
+  EXPECT_NO_THROW(check_new_files_in(directory / "missing", {".png"}, false));
+  std::ofstream(directory / "notes.txt") << "no picture";
+  EXPECT_NO_THROW(check_new_files_in(directory / "", {".png"}, false));
+  std::ofstream(directory / "run.png") << "a picture";
+  EXPECT_THROW(check_new_files_in(directory / "", {".csv", ".png"}, false), std::runtime_error);
+  EXPECT_NO_THROW(check_new_files_in(directory / "", {".csv", ".png"}, true));
+}
+
 TEST(NewOutput, TellsWhereNothingCanBeWritten) {
   const TemporaryDirectory directory;
   std::ofstream(directory / "plain") << "a file";

@@ -17,6 +17,7 @@ struct CampaignRuns {
   std::vector<std::string> scenarios;
   std::uint64_t seeds = 100;
   std::uint64_t first_seed = 1;
+  bool force = false;                  ///< results that are there already are written over
   std::vector<std::string> overrides;  ///< "{seed}" in them stands for the run's seed: floor.seed={seed}
 
   /// Throws as load_scenario does.

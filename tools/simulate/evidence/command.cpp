@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "server/program/command_line.hpp"
+#include "server/program/new_output.hpp"
 #include "server/program/values.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/confidence/confidence.hpp"
@@ -53,6 +55,7 @@ class Labelling {
 };
 
 void evidence_campaign(const EvidenceArguments& arguments) {
+  for (const std::string& file : {arguments.output, arguments.finds}) check_new_file(file, arguments.force);
   Labelling labelling(arguments.output, arguments.finds);
   std::printf("%-28s %8s %6s\n", "run", "closures", "true");
   const std::uint64_t end = arguments.first_seed + arguments.seeds;
@@ -82,11 +85,12 @@ void add_evidence_command(CLI::App& app) {
   evidence->add_flag("--wild", arguments->wild, "Run buildings drawn from the seeds, too");
   evidence->add_option("--false", arguments->false_share, "Share of false sightings in the scenarios")
       ->check(number_in(0.0, 0.95));
-  evidence->add_option("--output", arguments->output, "Table to write, a row for each closure")
+  evidence->add_option("-o,--output", arguments->output, "Table to write, a row for each closure")
       ->type_name("FILE")
       ->required();
   evidence->add_option("--finds", arguments->finds, "Table to write, a row for each place that scans found")
       ->type_name("FILE");
+  add_force(*evidence, arguments->force);
   evidence->callback([arguments] { evidence_campaign(*arguments); });
 }
 

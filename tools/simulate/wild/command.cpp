@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "server/program/command_line.hpp"
+#include "server/program/new_output.hpp"
 #include "server/program/values.hpp"
 #include "tools/simulate/wild/campaign.hpp"
 #include "tools/simulate/wild/command.hpp"
@@ -21,6 +23,7 @@ struct WildArguments {
   unsigned jobs = 1;
   std::string output;
   bool keep_failed = false;
+  bool force = false;
 };
 
 void print(const WildTrial& t) {
@@ -79,7 +82,10 @@ void summarise(const std::vector<WildTrial>& trials) {
 }
 
 void wild_campaign(const WildArguments& arguments) {
-  if (!arguments.output.empty()) std::filesystem::create_directories(arguments.output);
+  if (!arguments.output.empty()) {
+    check_new_file(arguments.output + "/wild.csv", arguments.force);
+    std::filesystem::create_directories(arguments.output);
+  }
   std::printf("%-6s %7s %9s %8s %4s %6s %7s %7s %7s %7s  %s\n", "seed", "islands", "mean m", "max m", "",
               "wrong", "missed", "NEES", "island", "CPU s", "drawn");
   std::vector<WildTrial> trials;
@@ -114,11 +120,12 @@ void add_wild_command(CLI::App& app) {
       ->check(integer_from(1))
       ->capture_default_str();
   CLI::Option* output =
-      wild->add_option("--output", arguments->output, "Where to write wild.csv, a row for each seed")
+      wild->add_option("-o,--output", arguments->output, "Where to write wild.csv, a row for each seed")
           ->type_name("DIR");
   wild->add_flag("--keep-failed", arguments->keep_failed,
                  "Keep log and truth of each run that failed there too")
       ->needs(output);
+  add_force(*wild, arguments->force);
   wild->callback([arguments] { wild_campaign(*arguments); });
 }
 

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "server/output/format/atomic_file.hpp"
+#include "server/program/command_line.hpp"
+#include "server/program/new_output.hpp"
 #include "server/program/values.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/explore/exploration_picture.hpp"
@@ -69,6 +71,8 @@ void explore_once(const ExploreArguments& arguments, const std::string& name, st
 }
 
 void explore_campaign(const ExploreArguments& arguments) {
+  check_new_files_in(arguments.pictures, {".png"}, arguments.force);
+  check_new_files_in(arguments.orders, {".csv"}, arguments.force);
   for (const std::string& directory : {arguments.pictures, arguments.orders})
     if (!directory.empty()) make_directory(directory);
   print_header();
@@ -109,6 +113,7 @@ void add_explore_command(CLI::App& app) {
       ->capture_default_str();
   explore->add_option("--orders", arguments->orders,
                       "directory for a table of each run: who was told what when");
+  add_force(*explore, arguments->force);
   explore->callback([arguments] { explore_campaign(*arguments); });
 }
 

@@ -8,6 +8,8 @@
 #include "server/output/pictures/map_sheet.hpp"
 #include "server/output/pictures/marks.hpp"
 #include "server/output/pictures/way_pen.hpp"
+#include "server/program/command_line.hpp"
+#include "server/program/new_output.hpp"
 #include "server/program/values.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/live/home_run.hpp"
@@ -52,6 +54,7 @@ void draw(const FloorPlan& plan, const HomeView& view, const std::string& what, 
 }
 
 void home_campaign(const HomeArguments& arguments) {
+  check_new_files_in(arguments.pictures, {".png"}, arguments.force);
   if (!arguments.pictures.empty()) make_directory(arguments.pictures);
   std::printf("%-18s %-4s %-5s %7s %7s %8s %7s %6s %7s %6s %7s\n", "", "", "", "out m", "way m", "driven m",
               "time s", "end m", "islands", "walls", "robots");
@@ -92,6 +95,7 @@ void add_home_command(CLI::App& app) {
       ->check(number_above(0))
       ->capture_default_str();
   home->add_option("--pictures", arguments->pictures, "directory for a picture of each run");
+  add_force(*home, arguments->force);
   home->callback([arguments] { home_campaign(*arguments); });
 }
 

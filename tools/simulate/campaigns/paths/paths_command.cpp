@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "server/output/format/atomic_file.hpp"
+#include "server/program/command_line.hpp"
+#include "server/program/new_output.hpp"
 #include "server/program/values.hpp"
 #include "tools/replay/read_map.hpp"
 #include "tools/simulate/campaigns/command.hpp"
@@ -80,6 +82,7 @@ void judge_run(const PathsArguments& arguments, const std::string& name, std::ui
 }
 
 void paths_campaign(const PathsArguments& arguments) {
+  check_new_files_in(arguments.pictures, {".png"}, arguments.force);
   TeammateScore total;
   if (arguments.teammates_s > 0)
     std::printf("%-28s %6s %6s %6s %6s %8s %7s %7s  unknown\n", "", "pairs", "x", "y", "yaw", "NEES/3",
@@ -130,6 +133,7 @@ void add_paths_command(CLI::App& app) {
       ->capture_default_str();
   paths->add_option("--pictures", arguments->pictures,
                     "directory for a picture of each map with eight paths");
+  add_force(*paths, arguments->force);
   paths->callback([arguments] { paths_campaign(*arguments); });
 }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/program/command_line.hpp"
+#include "server/program/new_output.hpp"
 #include "server/program/values.hpp"
 #include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/campaigns/sightings/sightings.hpp"
@@ -59,6 +61,7 @@ void summarise(const std::vector<SightingTrial>& trials) {
 }
 
 void sightings_campaign(const SightingsArguments& arguments) {
+  check_new_file(arguments.output, arguments.force);
   std::printf("%-10s %7s %6s %7s %8s %6s %6s %9s %9s %9s %9s %7s\n", "seed", "islands", "clean", "false",
               "accepted", "true", "acc. %", "intra m", "clean m", "inter m", "clean m", "ratio");
   std::vector<SightingTrial> trials;
@@ -86,8 +89,9 @@ void add_sightings_command(CLI::App& app) {
   sightings->add_option("--false", arguments->false_share, "Share of false sightings")
       ->check(number_in(0.0, 0.95))
       ->capture_default_str();
-  sightings->add_option("--output", arguments->output, "Table to write, a row for each seed")
+  sightings->add_option("-o,--output", arguments->output, "Table to write, a row for each seed")
       ->type_name("FILE");
+  add_force(*sightings, arguments->force);
   sightings->callback([arguments] { sightings_campaign(*arguments); });
 }
 
