@@ -66,7 +66,9 @@ class MapMcap {
     write_islands();
     sort_closures();
     if (!options_.log.empty()) write_log();
-    write_until(std::numeric_limits<std::int64_t>::max());
+    constexpr std::int64_t end = std::numeric_limits<std::int64_t>::max();
+    write_poses(end);
+    write_closures(end);
     writer_.finish();
     return writer_.messages();
   }
@@ -97,6 +99,7 @@ class MapMcap {
   /// Frames, grids and scene: all that does not change.
   void write_islands() {
     const std::int64_t utime = first_utime();
+    note_stamp(utime);
     std::vector<foxglove::Island> islands;
     for (const std::vector<PatchId>& patches : islands_.patches)
       islands.push_back({foxglove::island_frame(static_cast<int>(islands.size())), patches});
@@ -116,18 +119,21 @@ class MapMcap {
     std::ranges::stable_sort(closures_, {}, [](const ClosureRecord* one) { return one->end_utime; });
   }
 
-  /// Poses, closures and scans as time goes by.
+  /// Poses, closures and scans as time goes by. Closures are told by the time at which messages came, all
+  /// else by the robots' clocks: of the two, these are what the file has.
   void write_log() {
     EventLogReader reader(options_.log);
     while (const std::optional<Message> message = reader.next()) {
       const Decoded decoded = decode(channel_names_, message->channel, message->bytes, message->utime);
       if (options_.progress) options_.progress(reader.progress());
       if (!decoded.event) continue;
+      write_closures(message->utime - 1);
       if (const auto* robot = std::get_if<RobotEvent>(&decoded.event->body)) {
         robots_[robot->robot].laser = robot->laser;
       } else if (const auto* scan = std::get_if<ScanEvent>(&decoded.event->body)) {
-        write_until(scan->scan.utime);
+        write_poses(scan->scan.utime);
         write_scan(*scan);
+        note_stamp(scan->scan.utime);
       }
     }
   }
@@ -139,11 +145,18 @@ class MapMcap {
                   foxglove::laser_scan(event.scan, *robot->second.laser, event.robot + "/laser"));
   }
 
-  void write_until(std::int64_t utime) {
+  void note_stamp(std::int64_t utime) { newest_utime_ = std::max(newest_utime_, utime); }
+
+  void write_poses(std::int64_t utime) {
     for (const TrajectoryRow* row = rows_.peek(); row && row->utime <= utime; row = rows_.peek()) {
       write_pose(*row);
+      note_stamp(row->utime);
       rows_.pop();
     }
+  }
+
+  /// Those that were decided by then, by the clock of what came.
+  void write_closures(std::int64_t utime) {
     for (; next_closure_ < closures_.size() && closures_[next_closure_]->end_utime <= utime; ++next_closure_)
       write_closure(*closures_[next_closure_]);
   }
@@ -166,8 +179,8 @@ class MapMcap {
 
   void write_closure(const ClosureRecord& closure) {
     writer_.write(
-        log_, nanoseconds(closure.end_utime),
-        foxglove::log(closure.end_utime, foxglove::closure_level(closure), foxglove::closure_text(closure)));
+        log_, nanoseconds(newest_utime_),
+        foxglove::log(newest_utime_, foxglove::closure_level(closure), foxglove::closure_text(closure)));
   }
 
   const MapCopy& map_;
@@ -180,6 +193,7 @@ class MapMcap {
   std::uint16_t transforms_ = 0, scene_ = 0, log_ = 0;
   std::vector<const ClosureRecord*> closures_;
   std::size_t next_closure_ = 0;
+  std::int64_t newest_utime_ = 0;  ///< of the robots' stamps so far
 };
 
 }  // namespace

@@ -43,6 +43,9 @@ class MapMcap : public ::testing::Test {
   McapFile written(McapOptions options) const {
     const std::string path = directory_ / "run.mcap";
     counted_ = write_mcap(engine_.copy(), engine_.configuration(), path, options);
+    return read(path);
+  }
+  static McapFile read(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     std::stringstream bytes;
     bytes << file.rdbuf();
@@ -123,6 +126,32 @@ TEST_F(MapMcap, WithoutALogThereAreNoScans) {
   const McapFile file = written({});
   for (const auto& [id, channel] : file.channels) EXPECT_NE(channel.topic, "/R1/scan");
   EXPECT_EQ(file.of_topic("/R1/pose").size(), static_cast<std::size_t>(rounds));
+}
+
+/// Messages came years after the robots' stamps; so it is of logs that are played again.
+TEST_F(MapMcap, TheLogHasTheTimeOfTheRobots) {
+  constexpr std::int64_t first_utime = 1'000'000'000, step_us = 100'000, later_us = 1'000'000'000'000;
+  std::vector<Message> messages = drive();
+  for (Message& message : messages) message.utime += later_us;
+  write_log(directory_ / "run.lcm", messages);
+  MapCopy map = engine_.copy();
+  for (const int round : {10, 20}) {
+    ClosureRecord& closure = map.closures.emplace_back();
+    closure.id = ClosureId{round};
+    closure.end_utime = later_us + first_utime + round * step_us;
+  }
+  McapOptions options;
+  options.log = directory_ / "run.lcm";
+  const std::string path = directory_ / "run.mcap";
+  write_mcap(map, engine_.configuration(), path, options);
+  const McapFile file = read(path);
+  const auto told = file.of_topic("/log");
+  ASSERT_EQ(told.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto utime = static_cast<std::int64_t>(told[i].log_time_ns / 1000);
+    EXPECT_NEAR(static_cast<double>(utime - first_utime), 1e6 * static_cast<double>(i + 1), 2 * step_us) << i;
+    EXPECT_EQ(Json::parse(told[i].data).at("timestamp").at("sec"), utime / 1'000'000);
+  }
 }
 
 TEST_F(MapMcap, TheSameMapIsTheSameFile) {
