@@ -10,6 +10,7 @@
 #include "server/output/format/atomic_file.hpp"
 #include "server/output/format/number.hpp"
 #include "server/output/grid/grid_files.hpp"
+#include "server/output/pictures/island_content.hpp"
 #include "server/output/pictures/layout.hpp"
 #include "server/output/pictures/map_sheet.hpp"
 #include "server/output/pictures/marks.hpp"
@@ -64,6 +65,14 @@ std::map<std::string, std::size_t> robots_of(const Errors& errors) {
   return index;
 }
 
+/// A robot whose values are markers in the plot.
+LegendEntry marker_entry(const std::string& robot, std::size_t index) {
+  return {robot, [index](Canvas& canvas, const PixelBox& box, double em) {
+            draw_marker(canvas, {(box.left + box.right) / 2, (box.top + box.bottom) / 2}, dot_em * em, index,
+                        way_style(index).colour);
+          }};
+}
+
 Legend legend_of(const ErrorPictures& pictures, const Errors& errors, double scale_m) {
   Legend legend;
   for (int i = scale_steps; i >= 0; --i) {
@@ -75,20 +84,9 @@ Legend legend_of(const ErrorPictures& pictures, const Errors& errors, double sca
   if (!pictures.walls.empty())
     legend.push_back(line_entry("true wall", {.colour = true_wall_colour, .width_px = 1.5}));
   legend.push_back(note_entry("below, over time:"));
-  for (const auto& [robot, index] : robots_of(errors)) legend.push_back(way_entry(robot, way_style(index)));
+  for (const auto& [robot, index] : robots_of(errors))
+    legend.push_back(pictures.joined ? way_entry(robot, way_style(index)) : marker_entry(robot, index));
   return legend;
-}
-
-SheetText text_of(const ErrorPictures& pictures, int island, const Errors& errors) {
-  double squares = 0, most = 0;
-  for (const ErrorAt& one : errors) {
-    squares += one.error_m * one.error_m;
-    most = std::max(most, one.error_m);
-  }
-  return {"Island " + std::to_string(island) + ": error of " + pictures.what,
-          std::to_string(errors.size()) + " compared with the truth; rmse " +
-              fixed(std::sqrt(squares / static_cast<double>(errors.size())), 3) + " m, largest " +
-              fixed(most, 3) + " m"};
 }
 
 void draw_walls(MapSheet& sheet, const std::vector<TrueWall>& walls, const Pose& map_from_truth) {
@@ -133,7 +131,7 @@ std::vector<PlotSeries> series_of(const Errors& errors, bool joined) {
   std::int64_t first_utime = errors.front().utime;
   for (const ErrorAt& one : errors) first_utime = std::min(first_utime, one.utime);
   for (const auto& [robot, index] : robots_of(errors)) {
-    PlotSeries own{way_style(index), {}, joined};
+    PlotSeries own{way_style(index), {}, joined, index};
     std::int64_t last_utime = first_utime;
     for (const ErrorAt& one : errors) {
       if (one.robot != robot) continue;
@@ -150,7 +148,7 @@ void write_island(const ErrorPictures& pictures, int island, const Errors& error
   double most = 0;
   for (const ErrorAt& one : errors) most = std::max(most, one.error_m);
   const double scale_m = round_length_above(std::max(most, 0.01));
-  MapSheet sheet(grid_of(pictures, island, errors), text_of(pictures, island, errors),
+  MapSheet sheet(grid_of(pictures, island, errors), error_sheet_text(pictures.what, island, errors),
                  legend_of(pictures, errors, scale_m), plot_em);
   sheet.canvas().clip(sheet.window().box);
   const auto motion = pictures.truth_from_map.find(island);
@@ -201,6 +199,21 @@ std::vector<ErrorAt> errors_of_relations(const std::vector<TrueRelation>& relati
   }
   std::ranges::stable_sort(all, {}, &ErrorAt::utime);
   return all;
+}
+
+SheetText error_sheet_text(const std::string& what, int island, const std::vector<ErrorAt>& errors) {
+  double squares = 0, most = 0;
+  std::int64_t from_utime = errors.front().utime, to_utime = from_utime;
+  for (const ErrorAt& one : errors) {
+    squares += one.error_m * one.error_m;
+    most = std::max(most, one.error_m);
+    from_utime = std::min(from_utime, one.utime);
+    to_utime = std::max(to_utime, one.utime);
+  }
+  return {"Island " + std::to_string(island) + ": error of " + what,
+          std::to_string(errors.size()) + " compared with the truth; rmse " +
+              fixed(std::sqrt(squares / static_cast<double>(errors.size())), 3) + " m, largest " +
+              fixed(most, 3) + " m; " + time_text(from_utime, to_utime)};
 }
 
 void write_error_pictures(const ErrorPictures& pictures, const std::string& directory) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/output/grid/grid.hpp"
+#include "server/output/pictures/map_sheet.hpp"
 #include "tools/evaluate/alignment.hpp"
 
 namespace isthmus {
@@ -45,6 +46,9 @@ struct ErrorPictures {
   std::vector<TrueWall> walls;         ///< none: the truth has no floor plan
   std::map<int, Pose> truth_from_map;  ///< by island; needed where there are walls
 };
+
+/// Island, what is off and by how much, and when. There must be errors.
+SheetText error_sheet_text(const std::string& what, int island, const std::vector<ErrorAt>& errors);
 
 /// Of each island that has errors one picture: the true walls over its grid, the errors along the robots'
 /// ways by a scale of colours, and below them over time. Throws std::runtime_error naming file and reason.

@@ -7,6 +7,7 @@
 
 #include "relations/confidence.hpp"
 #include "server/output/format/number.hpp"
+#include "server/output/pictures/island_content.hpp"
 #include "server/output/pictures/layout.hpp"
 #include "server/output/pictures/map_sheet.hpp"
 #include "server/output/pictures/marks.hpp"
@@ -60,13 +61,6 @@ Legend legend_of(PatchId a, PatchId b, double times) {
            }}};
 }
 
-SheetText text_of(PatchId a, PatchId b, const Eigen::Matrix3d& covariance, double longest_m) {
-  return {"Patch " + std::to_string(b.value) + " relative to patch " + std::to_string(a.value),
-          "σ " + fixed(std::sqrt(covariance(0, 0)), 4) + " m along x and " +
-              fixed(std::sqrt(covariance(1, 1)), 4) + " m along y of patch " + std::to_string(a.value) +
-              "; the ellipse of 95 % reaches " + fixed(longest_m, 4) + " m"};
-}
-
 void draw(MapSheet& sheet, const ConfidenceMap& map, PatchId a, const std::vector<PatchId>& shown,
           const std::vector<Eigen::Matrix3d>& covariances, double times) {
   Canvas& canvas = sheet.canvas();
@@ -91,6 +85,18 @@ void draw(MapSheet& sheet, const ConfidenceMap& map, PatchId a, const std::vecto
 
 }  // namespace
 
+SheetText confidence_sheet_text(const ConfidenceMap& map, PatchId a, PatchId b,
+                                const Eigen::Matrix3d& covariance, double longest_m) {
+  SheetText text{"Island " + std::to_string(map.island) + ": patch " + std::to_string(b.value) +
+                     " relative to patch " + std::to_string(a.value),
+                 "σ " + fixed(std::sqrt(covariance(0, 0)), 4) + " m along x and " +
+                     fixed(std::sqrt(covariance(1, 1)), 4) + " m along y of patch " +
+                     std::to_string(a.value) + "; the ellipse of 95 % reaches " + fixed(longest_m, 4) + " m"};
+  if (const std::string time = time_text(map.from_utime, map.to_utime); !time.empty())
+    text.subtitle += "; " + time;
+  return text;
+}
+
 double enlargement(double longest_m, double map_m) {
   const double wanted = shown_share * map_m / std::max(longest_m, 1e-9);
   return wanted < 1 ? 1 : round_length(wanted);
@@ -107,7 +113,7 @@ void write_confidence_picture(const ConfidenceMap& map, PatchId a, PatchId b, co
   for (const Eigen::Matrix3d& one : covariances) longest_m = std::max(longest_m, half_m(one));
   const double times =
       enlargement(longest_m, std::max(map.grid.width, map.grid.height) * map.grid.resolution_m);
-  MapSheet sheet(map.grid, text_of(a, b, covariances.front(), half_m(covariances.front())),
+  MapSheet sheet(map.grid, confidence_sheet_text(map, a, b, covariances.front(), half_m(covariances.front())),
                  legend_of(a, b, times));
   draw(sheet, map, a, shown, covariances, times);
   sheet.write(path);

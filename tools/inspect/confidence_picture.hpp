@@ -1,10 +1,13 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <span>
 #include <string>
 
 #include "relations/graph.hpp"
 #include "server/output/grid/grid.hpp"
+#include "server/output/pictures/map_sheet.hpp"
 
 namespace isthmus {
 
@@ -14,7 +17,15 @@ struct ConfidenceMap {
   std::span<const Pose> poses;       ///< by patch id
   std::span<const PatchId> patches;  ///< of the island, without tags
   const OccupancyGrid& grid;
+  int island = -1;              ///< K
+  std::int64_t from_utime = 0;  ///< of its patches
+  std::int64_t to_utime = 0;
 };
+
+/// Which patches and island, when, and what is known of one patch relative to the other: `covariance` in the
+/// frame of a, and how far the ellipse of 95 % reaches.
+SheetText confidence_sheet_text(const ConfidenceMap& map, PatchId a, PatchId b,
+                                const Eigen::Matrix3d& covariance, double longest_m);
 
 /// How many times ellipses of up to `longest_m` are enlarged, so that they are seen on a map `map_m` long: a
 /// round number, at least 1.

@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <sstream>
 #include <vector>
@@ -52,22 +54,31 @@ ReplayResult replayed(const Arguments& arguments) {
 PatchId first(const Arguments& arguments) { return PatchId{arguments.confidence[0]}; }
 PatchId second(const Arguments& arguments) { return PatchId{arguments.confidence[1]}; }
 
-/// The island of a patch as patches.csv lists it: its patches, and K.
+/// An island: K, its patches, and when they were made.
 struct ListedIsland {
   int rank = -1;
   std::vector<PatchId> patches;
+  std::int64_t from_utime = std::numeric_limits<std::int64_t>::max();
+  std::int64_t to_utime = std::numeric_limits<std::int64_t>::min();
+
+  void add(PatchId patch, std::int64_t utime) {
+    patches.push_back(patch);
+    from_utime = std::min(from_utime, utime);
+    to_utime = std::max(to_utime, utime);
+  }
 };
+/// That of a patch, as patches.csv lists it.
 ListedIsland island_of(const std::string& directory, PatchId patch) {
-  std::map<int, std::vector<PatchId>> islands;
-  ListedIsland found;
+  std::map<int, ListedIsland> islands;
+  int found = -1;
   CsvReader csv(directory + "/patches.csv");
   while (csv.next()) {
     const int rank = static_cast<int>(csv.integer("island"));
-    islands[rank].push_back(PatchId{static_cast<std::int32_t>(csv.integer("id"))});
-    if (islands[rank].back() == patch) found.rank = rank;
+    islands[rank].rank = rank;
+    islands[rank].add(PatchId{static_cast<std::int32_t>(csv.integer("id"))}, csv.integer("utime_us"));
+    if (islands[rank].patches.back() == patch) found = rank;
   }
-  if (found.rank >= 0) found.patches = islands[found.rank];
-  return found;
+  return found >= 0 ? islands[found] : ListedIsland{};
 }
 
 std::string confidence_on_disk(const Arguments& arguments) {
@@ -76,8 +87,9 @@ std::string confidence_on_disk(const Arguments& arguments) {
   if (arguments.picture.empty()) return text;
   const ListedIsland island = island_of(arguments.path, first(arguments));
   const OccupancyGrid grid = read_grid(arguments.path + "/island-" + std::to_string(island.rank));
-  write_confidence_picture({map.graph, map.poses, island.patches, grid}, first(arguments), second(arguments),
-                           arguments.picture);
+  write_confidence_picture(
+      {map.graph, map.poses, island.patches, grid, island.rank, island.from_utime, island.to_utime},
+      first(arguments), second(arguments), arguments.picture);
   return text;
 }
 
@@ -86,9 +98,13 @@ std::string confidence(const Arguments& arguments, const MapCopy& map) {
   const RankedIslands islands = rank_islands(map);
   const int k = islands.rank(first(arguments));
   if (arguments.picture.empty() || k < 0) return text;
-  const std::vector<PatchId>& patches = islands.patches[static_cast<std::size_t>(k)];
-  write_confidence_picture({map.graph, map.poses, patches, render_island(map, patches)}, first(arguments),
-                           second(arguments), arguments.picture);
+  ListedIsland island;
+  island.rank = k;
+  for (const PatchId patch : islands.patches[static_cast<std::size_t>(k)])
+    island.add(patch, map.patches[static_cast<std::size_t>(patch.value)]->utime);
+  write_confidence_picture({map.graph, map.poses, island.patches, render_island(map, island.patches),
+                            island.rank, island.from_utime, island.to_utime},
+                           first(arguments), second(arguments), arguments.picture);
   return text;
 }
 

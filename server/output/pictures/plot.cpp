@@ -14,7 +14,7 @@ namespace {
 
 constexpr double top_em = 2.2, bottom_em = 2.8, left_em = 1.2, right_em = 2;
 constexpr double plot_y_tick_step_em = 2.2;
-constexpr double dot_em = 0.16;
+constexpr double marker_em = 0.24;
 
 struct Range {
   double low = 0;
@@ -83,13 +83,35 @@ void draw_series(Canvas& canvas, const Axes& axes, double em, const PlotSeries& 
     } else if (series.joined) {
       line.push_back(axes.pixels(point));
     } else {
-      canvas.disc(axes.pixels(point), dot_em * em, series.style.colour);
+      draw_marker(canvas, axes.pixels(point), marker_em * em, series.marker, series.style.colour);
     }
   }
   flush();
 }
 
 }  // namespace
+
+void draw_marker(Canvas& canvas, const Eigen::Vector2d& at, double radius, std::size_t marker, Rgb colour) {
+  using Corners = std::vector<Eigen::Vector2d>;
+  static const std::array<Corners, plot_markers> shapes = {
+      Corners{},
+      {{-0.9, -0.9}, {0.9, -0.9}, {0.9, 0.9}, {-0.9, 0.9}},
+      {{0, -1.25}, {1.15, 0.8}, {-1.15, 0.8}},
+      {{0, -1.35}, {1.1, 0}, {0, 1.35}, {-1.1, 0}},
+      {}};
+  const std::size_t shape = marker % plot_markers;
+  if (shape == 0) return canvas.disc(at, radius, colour);
+  if (shape + 1 == plot_markers) {
+    for (const double side : {-1.0, 1.0})
+      canvas.line(std::array{Eigen::Vector2d(at + radius * Eigen::Vector2d(-1, -side)),
+                             Eigen::Vector2d(at + radius * Eigen::Vector2d(1, side))},
+                  {.colour = colour, .width_px = 0.6 * radius});
+    return;
+  }
+  Corners corners = shapes[shape];
+  for (Eigen::Vector2d& corner : corners) corner = at + radius * corner;
+  canvas.polygon(corners, colour);
+}
 
 void draw_plot(Canvas& canvas, const PixelBox& box, double em, const PlotText& text,
                const std::vector<PlotSeries>& series) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,15 @@ namespace isthmus {
 struct PlotSeries {
   WayStyle style;
   std::vector<Eigen::Vector2d> points;
-  bool joined = true;  ///< by lines; else each is a dot
+  bool joined = true;      ///< by lines; else each is a marker
+  std::size_t marker = 0;  ///< its shape; there are `plot_markers`
 };
+
+/// Shapes of markers: disc, square, triangle, diamond, cross.
+inline constexpr std::size_t plot_markers = 5;
+
+/// `radius` is in pixels; the shapes are of about the same size.
+void draw_marker(Canvas& canvas, const Eigen::Vector2d& at, double radius, std::size_t marker, Rgb colour);
 
 struct PlotText {
   std::string x;  ///< names of the axes, with units

@@ -68,6 +68,13 @@ TEST(ErrorPictures, ThereIsOneForEachIslandWithErrors) {
   EXPECT_FALSE(std::filesystem::exists(directory / "new/pictures/island-0-errors.png"));
 }
 
+TEST(ErrorPictures, TellIslandAndTime) {
+  const std::vector<ErrorAt> errors = errors_of_poses(one_robot_off_by(0.25));
+  const SheetText text = error_sheet_text("positions", 2, errors);
+  EXPECT_EQ(text.title, "Island 2: error of positions");
+  EXPECT_TRUE(text.subtitle.ends_with("; from 0.0 s to 1.9 s")) << text.subtitle;
+}
+
 TEST(ErrorPictures, AreDrawnOverTheGridAndTheTrueWalls) {
   const TemporaryDirectory directory;
   ErrorPictures pictures = pictures_of(directory);

@@ -272,6 +272,10 @@ TEST(ConfidencePicture, IsDrawnOfTheIslandsPatches) {
     chain.add(relation);
   }
   const OccupancyGrid grid{0.05, -1, -1, 1300, 80, std::vector<std::uint8_t>(1300 * 80, OccupancyGrid::free)};
+  const SheetText text = confidence_sheet_text({chain, poses, patches, grid, 2, 4'000'000, 9'000'000},
+                                               PatchId{3}, PatchId{577}, Eigen::Matrix3d::Identity(), 2);
+  EXPECT_EQ(text.title, "Island 2: patch 577 relative to patch 3");
+  EXPECT_TRUE(text.subtitle.ends_with("; from 4.0 s to 9.0 s")) << text.subtitle;
   write_confidence_picture({chain, poses, patches, grid}, PatchId{3}, PatchId{577}, directory / "far.png");
   write_confidence_picture({chain, poses, patches, grid}, PatchId{3}, PatchId{4}, directory / "near.png");
   std::ostringstream png;

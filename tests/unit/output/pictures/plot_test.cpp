@@ -48,6 +48,17 @@ TEST(Plot, LargerValuesAreHigherAndAGapStaysOpen) {
   EXPECT_EQ(count(canvas, middle, way_style(0).colour), 0);
 }
 
+TEST(Plot, MarkersOfSeriesDifferInShape) {
+  std::vector<std::string> drawn;
+  for (std::size_t marker = 0; marker < plot_markers; ++marker) {
+    Canvas canvas(640, 280);
+    draw_plot(canvas, box, 14, {"s", "m"}, {{way_style(0), {{0, 1}, {5, 0.5}}, false, marker}});
+    EXPECT_GT(count(canvas, box, way_style(0).colour), 3) << marker;
+    for (const std::string& other : drawn) EXPECT_NE(canvas.png(), other) << marker;
+    drawn.push_back(canvas.png());
+  }
+}
+
 TEST(Plot, NothingToShowAndOneValueAreShownToo) {
   for (const std::vector<Eigen::Vector2d>& points :
        {std::vector<Eigen::Vector2d>{}, {{5, 0}}, {{5, 0}, {5, 0}}, {{std::nan(""), 1}}}) {
