@@ -17,6 +17,8 @@ namespace {
 constexpr std::int64_t first_date_utime = 100'000'000'000'000;
 /// More would be a list and no legend.
 constexpr std::size_t max_robots_in_legend = 40;
+constexpr std::size_t max_named_loops = 60;
+constexpr std::size_t max_named_merges = 80;
 
 std::string date_text(std::int64_t utime) {
   using namespace std::chrono;
@@ -34,7 +36,7 @@ std::string date_text(std::int64_t utime) {
 
 void find_robots(const MapCopy& map, const RankedIslands& islands, std::vector<IslandContent>& contents) {
   std::map<std::string, std::size_t> index;
-  for (const std::string& robot : robots_of(map)) index.emplace(robot, index.size());
+  for (const std::string& robot : robots_as_they_came(map)) index.emplace(robot, index.size());
   std::vector<std::set<std::size_t>> robots(contents.size());
   for (const PatchPtr& patch : map.patches) {
     const int k = islands.rank(patch->id);
@@ -70,6 +72,14 @@ void find_closures(const MapCopy& map, const RankedIslands& islands, std::vector
 }
 
 }  // namespace
+
+std::size_t IslandContent::loops() const {
+  return static_cast<std::size_t>(std::ranges::count(closures, false, &ShownClosure::is_merge));
+}
+
+bool IslandContent::are_named(bool merges) const {
+  return merges ? closures.size() - loops() <= max_named_merges : loops() <= max_named_loops;
+}
 
 std::vector<IslandContent> island_contents(const MapCopy& map, const RankedIslands& islands) {
   std::vector<IslandContent> contents(islands.patches.size());
@@ -133,12 +143,10 @@ Legend island_legend(const IslandContent& content, const std::vector<std::string
   }
   legend.push_back(patch_entry());
   if (!content.tags.empty()) legend.push_back(tag_entry());
-  const auto any = [&](bool merge) {
-    return std::ranges::any_of(content.closures,
-                               [&](const ShownClosure& one) { return one.is_merge == merge; });
-  };
-  for (const bool merge : {false, true})
-    if (any(merge)) legend.push_back(closure_entry(merge));
+  const std::size_t loops = content.loops();
+  if (loops > 0) legend.push_back(closure_entry(loop_style(loops), content.are_named(false)));
+  if (loops < content.closures.size())
+    legend.push_back(closure_entry({.is_merge = true}, content.are_named(true)));
   return legend;
 }
 

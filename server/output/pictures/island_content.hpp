@@ -23,12 +23,16 @@ struct ShownClosure {
 struct IslandContent {
   std::size_t island = 0;           ///< K
   std::size_t islands = 0;          ///< how many there are
-  std::vector<std::size_t> robots;  ///< indices among all robots by name, whose patches or sessions are here
+  std::vector<std::size_t> robots;  ///< indices among all robots as they came, whose patches or sessions are here
   std::size_t patches = 0;
   std::vector<const TagRecord*> tags;  ///< placed ones
   std::vector<ShownClosure> closures;  ///< by id
   std::int64_t from_utime = 0;         ///< of its sessions, by the robots' stamps
   std::int64_t to_utime = 0;
+
+  std::size_t loops() const;  ///< closures that are no merges
+  /// Of many loops none has its id on the map, which they would cover.
+  bool are_named(bool merges) const;
 };
 
 /// By K. The map must outlive them.

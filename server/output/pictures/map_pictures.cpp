@@ -11,8 +11,6 @@
 namespace isthmus {
 namespace {
 
-/// With more closures their ids would cover the map.
-constexpr std::size_t max_named_closures = 80;
 /// Around islands on the overview.
 constexpr double overview_margin_m = 0.25;
 constexpr double small_label = 0.85;  ///< of the height of a line of text
@@ -32,6 +30,25 @@ Eigen::Vector2d place_of(const MapCopy& map, PatchId patch) {
   return position(map.poses.at(static_cast<std::size_t>(patch.value)));
 }
 
+/// Of all that is drawn on islands' maps, by K.
+std::vector<MapBox> held_boxes(const MapCopy& map, const RankedIslands& islands,
+                               const std::vector<IslandContent>& contents) {
+  std::vector<MapBox> boxes(contents.size());
+  for (const IslandContent& content : contents) {
+    MapBox& box = boxes[content.island];
+    for (const TagRecord* tag : content.tags) box.include(tag->position);
+    for (const ShownClosure& closure : content.closures)
+      for (const PatchId end : {closure.a, closure.b})
+        if (const Eigen::Vector2d place = place_of(map, end); place.allFinite()) box.include(place);
+  }
+  for_each_row(map, [&](const ProjectedRow& row) {
+    const int island = islands.rank(row.patch);
+    if (island >= 0 && is_finite(row.map_from_robot))
+      boxes[static_cast<std::size_t>(island)].include(position(row.map_from_robot));
+  });
+  return boxes;
+}
+
 }  // namespace
 
 MapPictures::MapPictures(const MapCopy& map, const RankedIslands& islands, std::string directory,
@@ -39,14 +56,16 @@ MapPictures::MapPictures(const MapCopy& map, const RankedIslands& islands, std::
     : map_(map),
       islands_(islands),
       directory_(std::move(directory)),
-      robots_(robots_of(map)),
+      robots_(robots_as_they_came(map)),
       contents_(island_contents(map, islands)),
+      held_(held_boxes(map, islands, contents_)),
       overview_(contents_, boxes_of(map, islands), robots_),
       max_waiting_pixels_(max_waiting_pixels) {}
 
 void MapPictures::add(std::size_t island, const OccupancyGrid& grid) {
   const IslandContent& content = contents_.at(island);
-  waiting_.push_back({island, MapSheet(grid, sheet_text(content), island_legend(content, robots_))});
+  waiting_.push_back(
+      {island, MapSheet(grid, sheet_text(content), island_legend(content, robots_), 0, held_.at(island))});
   if (overview_.shows(island)) overview_.draw(island, grid);
   const SheetLayout& layout = waiting_.back().sheet.layout();
   waiting_pixels_ += static_cast<std::size_t>(layout.width) * static_cast<std::size_t>(layout.height);
@@ -86,6 +105,8 @@ void MapPictures::draw_below_ways() {
   for (Sheet& waiting : waiting_) {
     MapSheet& sheet = waiting.sheet;
     sheet.canvas().clip(sheet.window().box);
+    const ClosureStyle loops = loop_style(contents_[waiting.island].loops());
+    if (loops.opacity < 1) draw_closures({&sheet.canvas(), sheet.window(), false}, waiting.island, loops);
     for (const PatchId id : islands_.patches[waiting.island]) {
       const auto colour = colours.find(map_.patches[static_cast<std::size_t>(id.value)]->robot);
       if (colour != colours.end())
@@ -93,6 +114,14 @@ void MapPictures::draw_below_ways() {
     }
     sheet.canvas().unclip();
   }
+}
+
+/// The loops of an island, or its merges.
+void MapPictures::draw_closures(const Target& target, std::size_t island, const ClosureStyle& style) {
+  for (const ShownClosure& closure : contents_[island].closures)
+    if (closure.is_merge == style.is_merge)
+      draw_closure(*target.canvas, target.window, place_of(map_, closure.a), place_of(map_, closure.b),
+                   style);
 }
 
 void MapPictures::draw_ways() {
@@ -125,22 +154,28 @@ void MapPictures::draw_ways() {
 
 void MapPictures::draw_above_ways(const Target& target, std::size_t island) {
   Canvas& canvas = *target.canvas;
-  const std::vector<ShownClosure>& closures = contents_[island].closures;
+  const IslandContent& content = contents_[island];
   Labels labels(target.window);
   canvas.clip(target.window.box);
-  if (!target.is_overview)
-    for (const ShownClosure& closure : closures)
-      draw_closure(canvas, target.window, place_of(map_, closure.a), place_of(map_, closure.b),
-                   closure.is_merge);
+  if (!target.is_overview) {
+    const ClosureStyle loops = loop_style(content.loops());
+    if (loops.opacity >= 1) draw_closures(target, island, loops);
+    draw_closures(target, island, {.is_merge = true});
+  }
   draw_ends(target, island, labels);
   if (!target.is_overview) {
     draw_tags(target, island, labels);
-    for (std::size_t i = 0; i < closures.size() && closures.size() <= max_named_closures; ++i)
-      labels.draw(canvas, std::to_string(closures[i].id.value),
-                  closure_middle(place_of(map_, closures[i].a), place_of(map_, closures[i].b)),
-                  {.size_px = small_label * target.window.em, .colour = ink::closure});
+    draw_ids(target, content, labels);
   }
   canvas.unclip();
+}
+
+void MapPictures::draw_ids(const Target& target, const IslandContent& content, Labels& labels) {
+  for (const ShownClosure& closure : content.closures)
+    if (content.are_named(closure.is_merge))
+      labels.draw(*target.canvas, std::to_string(closure.id.value),
+                  closure_middle(place_of(map_, closure.a), place_of(map_, closure.b)),
+                  {.size_px = small_label * target.window.em, .colour = ink::closure});
 }
 
 void MapPictures::draw_ends(const Target& target, std::size_t island, Labels& labels) {

@@ -40,6 +40,8 @@ class MapPictures {
   void draw_below_ways();
   void draw_ways();
   void draw_above_ways(const Target& target, std::size_t island);
+  void draw_closures(const Target& target, std::size_t island, const ClosureStyle& style);
+  void draw_ids(const Target& target, const IslandContent& content, Labels& labels);
   void draw_ends(const Target& target, std::size_t island, Labels& labels);
   void draw_tags(const Target& target, std::size_t island, Labels& labels);
 
@@ -54,6 +56,7 @@ class MapPictures {
   std::string directory_;
   std::vector<std::string> robots_;
   std::vector<IslandContent> contents_;
+  std::vector<MapBox> held_;  ///< by K: of all that is drawn on its map
   OverviewSheet overview_;
   std::deque<Sheet> waiting_;
   std::size_t waiting_pixels_ = 0;

@@ -10,33 +10,22 @@
 namespace isthmus {
 namespace {
 
-/// Lines of text on a picture that is shown in whole are then neither tiny nor huge.
-constexpr double lines_a_side = 85;
-constexpr double least_em = 13, most_em = 32;
-
 constexpr double y_tick_step_em = 3.5;
-
-double em_of(double width_px, double height_px) {
-  return std::clamp(std::max(width_px, height_px) / lines_a_side, least_em, most_em);
-}
 
 double tick_step(double pixels_per_m, double step_px) { return round_length_above(step_px / pixels_per_m); }
 
-SheetParts parts_of(const OccupancyGrid& grid, const CellScale& cells, const SheetText& text,
-                    const Legend& legend, double bar_m, double panel_em) {
-  const double scale = cells.pixels_per_m(grid.resolution_m);
+SheetParts parts_of(const MapFrame& frame, const SheetText& text, const Legend& legend, double bar_m,
+                    double panel_em) {
+  const double scale = frame.pixels_per_m;
   SheetParts parts;
-  const auto side = [&](int n) {
-    return std::ceil(static_cast<double>(n) / cells.cells_per_pixel) * cells.pixels_per_cell;
-  };
-  parts.map_width = side(grid.width);
-  parts.map_height = side(grid.height);
+  parts.map_width = frame.width_px();
+  parts.map_height = frame.height_px();
   parts.em = em_of(parts.map_width, parts.map_height);
   const double em = parts.em;
   parts.title_width = std::max(Canvas::size_of(text.title, {.size_px = title_size_em * em, .bold = true}).x(),
                                Canvas::size_of(text.subtitle, {.size_px = em}).x());
   const double step = tick_step(scale, y_tick_step_em * em);
-  const double bottom_m = grid.origin_y_m, top_m = bottom_m + grid.height * grid.resolution_m;
+  const double top_m = frame.left_top_m.y(), bottom_m = top_m - parts.map_height / scale;
   for (const double y : ticks(bottom_m, top_m, step))
     parts.tick_width =
         std::max(parts.tick_width, Canvas::size_of(tick_text(y, step), {.size_px = small_em * em}).x());
@@ -47,33 +36,27 @@ SheetParts parts_of(const OccupancyGrid& grid, const CellScale& cells, const She
   return parts;
 }
 
-MapWindow window_of(const OccupancyGrid& grid, const CellScale& cells, const SheetLayout& layout) {
-  return {layout.map,
-          {grid.origin_x_m, grid.origin_y_m + grid.height * grid.resolution_m},
-          cells.pixels_per_m(grid.resolution_m),
-          layout.em};
-}
-
-double bar_length_m(const OccupancyGrid& grid) {
-  const double scale = cell_scale(grid.width, grid.height).pixels_per_m(grid.resolution_m);
-  return scale_bar_length_m(grid.width * grid.resolution_m * scale, scale);
-}
-
 }  // namespace
 
-MapSheet::MapSheet(const OccupancyGrid& grid, const SheetText& text, const Legend& legend, double panel_em)
-    : bar_m_(bar_length_m(grid)),
-      layout_(lay_out(parts_of(grid, cell_scale(grid.width, grid.height), text, legend, bar_m_, panel_em))),
-      window_(window_of(grid, cell_scale(grid.width, grid.height), layout_)),
+MapSheet::MapSheet(const OccupancyGrid& grid, const SheetText& text, const Legend& legend, double panel_em,
+                   const MapBox& held)
+    : MapSheet(grid, map_frame(grid, held), text, legend, panel_em) {}
+
+MapSheet::MapSheet(const OccupancyGrid& grid, const MapFrame& frame, const SheetText& text,
+                   const Legend& legend, double panel_em)
+    : bar_m_(scale_bar_length_m(frame.width_px(), frame.pixels_per_m)),
+      layout_(lay_out(parts_of(frame, text, legend, bar_m_, panel_em))),
+      window_{layout_.map, frame.left_top_m, frame.pixels_per_m, layout_.em},
       canvas_(layout_.width, layout_.height) {
   const double em = layout_.em;
-  const CellScale cells = cell_scale(grid.width, grid.height);
   canvas_.text(text.title, {layout_.title.left, layout_.title.top}, {0, 0},
                {.size_px = title_size_em * em, .bold = true});
   canvas_.text(text.subtitle, {layout_.title.left, layout_.title.top + 1.75 * em}, {0, 0},
                {.size_px = em, .colour = ink::faint});
-  canvas_.image(shade(grid, cells.cells_per_pixel), {layout_.map.left, layout_.map.top},
-                cells.pixels_per_cell);
+  canvas_.fill(layout_.map, ink::unknown);
+  canvas_.image(shade(grid, frame.cells.cells_per_pixel),
+                Eigen::Vector2d(layout_.map.left, layout_.map.top) + frame.grid_px(),
+                frame.cells.pixels_per_cell);
   draw_axes();
   draw_scale_bar(canvas_, layout_.bar, bar_m_, window_.pixels_per_m, em);
   draw_legend(canvas_, legend, layout_.legend, em);

@@ -5,6 +5,7 @@
 #include "server/output/grid/grid.hpp"
 #include "server/output/pictures/layout.hpp"
 #include "server/output/pictures/legend.hpp"
+#include "server/output/pictures/map_frame.hpp"
 #include "server/output/pictures/map_window.hpp"
 
 namespace isthmus {
@@ -18,8 +19,9 @@ struct SheetText {
 /// its number, and a legend; and below all that a panel, where one is asked for.
 class MapSheet {
  public:
-  /// `panel_em`: height of the panel in lines of text.
-  MapSheet(const OccupancyGrid& grid, const SheetText& text, const Legend& legend, double panel_em = 0);
+  /// `panel_em`: height of the panel in lines of text; `held`: of all that is to be drawn on the map.
+  MapSheet(const OccupancyGrid& grid, const SheetText& text, const Legend& legend, double panel_em = 0,
+           const MapBox& held = {});
 
   const SheetLayout& layout() const { return layout_; }
   const MapWindow& window() const { return window_; }
@@ -29,6 +31,8 @@ class MapSheet {
   void write(const std::string& path) const { canvas_.write(path); }
 
  private:
+  MapSheet(const OccupancyGrid& grid, const MapFrame& frame, const SheetText& text, const Legend& legend,
+           double panel_em);
   void draw_axes();
 
   double bar_m_;

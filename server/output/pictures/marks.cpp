@@ -21,7 +21,11 @@ constexpr double tag_em = 0.5;
 constexpr double closure_em = 0.11;
 constexpr double closure_end_em = 0.2;
 constexpr double closure_halo = 2.5;  ///< of its width
-constexpr double arc_height = 0.08;   ///< of its length
+/// So many closed loops are drawn in full; of more each is fainter.
+constexpr double loops_in_full = 30;
+constexpr double least_opacity = 0.22;
+constexpr double faint_width = 0.7;  ///< of the width of one in full
+constexpr double arc_height = 0.08;  ///< of its length
 constexpr int arc_parts = 24;
 constexpr double halo_em = 0.16;
 constexpr double label_gap_em = 0.55;
@@ -62,9 +66,12 @@ void tag(Canvas& canvas, const Eigen::Vector2d& at, double em) {
   canvas.polygon(corners(0.4 * tag_em * em), {240, 228, 66});
 }
 
-Pen closure_pen(bool is_merge, double em) {
-  if (is_merge) return {.colour = ink::closure, .width_px = 2 * closure_em * em};
-  return {.colour = ink::closure, .width_px = closure_em * em, .dashes = {4, 3}};
+bool is_in_full(const ClosureStyle& style) { return style.opacity >= 1; }
+
+Pen closure_pen(const ClosureStyle& style, double em) {
+  if (style.is_merge) return {.colour = ink::closure, .width_px = 2 * closure_em * em};
+  const double width = (is_in_full(style) ? 1 : faint_width) * closure_em * em;
+  return {.colour = ink::closure, .width_px = width, .dashes = {4, 3}, .opacity = style.opacity};
 }
 
 Eigen::Vector2d middle(const PixelBox& box) {
@@ -92,8 +99,13 @@ void draw_tag(Canvas& canvas, const MapWindow& window, const Eigen::Vector2d& ma
   tag(canvas, window.pixels(map_point), window.em);
 }
 
+ClosureStyle loop_style(std::size_t loops) {
+  return {false, std::clamp(loops_in_full / static_cast<double>(std::max<std::size_t>(loops, 1)),
+                            least_opacity, 1.0)};
+}
+
 void draw_closure(Canvas& canvas, const MapWindow& window, const Eigen::Vector2d& map_from,
-                  const Eigen::Vector2d& map_to, bool is_merge) {
+                  const Eigen::Vector2d& map_to, const ClosureStyle& style) {
   const Eigen::Vector2d from = window.pixels(map_from), to = window.pixels(map_to), half = (to - from) / 2;
   const Eigen::Vector2d aside(half.y(), -half.x());
   std::vector<Eigen::Vector2d> arc;
@@ -101,10 +113,10 @@ void draw_closure(Canvas& canvas, const MapWindow& window, const Eigen::Vector2d
     const double t = 2.0 * i / arc_parts - 1;  // -1 to 1
     arc.push_back(from + half + t * half + 2 * arc_height * (1 - t * t) * aside);
   }
-  canvas.line(arc, {.colour = ink::paper,
-                    .width_px = closure_halo * closure_pen(is_merge, window.em).width_px,
-                    .opacity = 0.7});
-  canvas.line(arc, closure_pen(is_merge, window.em));
+  const Pen pen = closure_pen(style, window.em);
+  if (!is_in_full(style)) return canvas.line(arc, pen);
+  canvas.line(arc, {.colour = ink::paper, .width_px = closure_halo * pen.width_px, .opacity = 0.7});
+  canvas.line(arc, pen);
   for (const Eigen::Vector2d& end : {from, to}) canvas.disc(end, closure_end_em * window.em, ink::closure);
 }
 
@@ -145,12 +157,12 @@ LegendEntry tag_entry() {
   return {"tag with its barcode",
           [](Canvas& canvas, const PixelBox& box, double em) { tag(canvas, middle(box), em); }};
 }
-LegendEntry closure_entry(bool is_merge) {
-  return {is_merge ? "merge with its id" : "closed loop with its id",
-          [is_merge](Canvas& canvas, const PixelBox& box, double em) {
+LegendEntry closure_entry(const ClosureStyle& style, bool named) {
+  const std::string what = style.is_merge ? "merge" : "closed loop";
+  return {named ? what + " with its id" : what, [style](Canvas& canvas, const PixelBox& box, double em) {
             const double y = middle(box).y();
             canvas.line(std::array{Eigen::Vector2d(box.left, y), Eigen::Vector2d(box.right, y)},
-                        closure_pen(is_merge, em));
+                        closure_pen(style, em));
           }};
 }
 

@@ -19,9 +19,16 @@ void draw_start(Canvas& canvas, const MapWindow& window, const Pose& map_from_ro
 void draw_end(Canvas& canvas, const MapWindow& window, const Pose& map_from_robot, const WayStyle& style);
 void draw_patch(Canvas& canvas, const MapWindow& window, const Eigen::Vector2d& map_point, Rgb colour);
 void draw_tag(Canvas& canvas, const MapWindow& window, const Eigen::Vector2d& map_point);
+/// How a closure's arc is drawn.
+struct ClosureStyle {
+  bool is_merge = false;
+  double opacity = 1;  ///< less: thin too, and without ends
+};
+/// Of one of so many closed loops on a picture: many are faint, or nothing else would be seen.
+ClosureStyle loop_style(std::size_t loops);
 /// An arc between two patches that a closure relates: ways run straight between them as often as not.
 void draw_closure(Canvas& canvas, const MapWindow& window, const Eigen::Vector2d& map_from,
-                  const Eigen::Vector2d& map_to, bool is_merge);
+                  const Eigen::Vector2d& map_to, const ClosureStyle& style);
 /// The middle of that arc, in the map.
 Eigen::Vector2d closure_middle(const Eigen::Vector2d& map_from, const Eigen::Vector2d& map_to);
 /// The ellipse that holds a point of that covariance (in the map's axes, m²) with 95 %, enlarged so many
@@ -33,7 +40,8 @@ LegendEntry start_entry();
 LegendEntry end_entry();
 LegendEntry patch_entry();
 LegendEntry tag_entry();
-LegendEntry closure_entry(bool is_merge);
+/// `named`: with their ids.
+LegendEntry closure_entry(const ClosureStyle& style, bool named);
 
 /// Words on a map, each where it covers none of those before, as near to its point as can be, and inside the
 /// window.

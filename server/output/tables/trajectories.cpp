@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "server/output/format/atomic_file.hpp"
 #include "server/output/format/tum.hpp"
@@ -38,6 +39,14 @@ std::vector<std::string> robots_of(const MapCopy& map) {
   for (const Session& session : map.sessions) robots.push_back(session.robot);
   std::sort(robots.begin(), robots.end());
   robots.erase(std::unique(robots.begin(), robots.end()), robots.end());
+  return robots;
+}
+
+std::vector<std::string> robots_as_they_came(const MapCopy& map) {
+  std::vector<std::string> robots;
+  std::set<std::string> known;
+  for (const Session& session : map.sessions)
+    if (known.insert(session.robot).second) robots.push_back(session.robot);
   return robots;
 }
 

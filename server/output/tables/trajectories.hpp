@@ -24,6 +24,9 @@ void for_each_row(const MapCopy& map, const std::function<void(const ProjectedRo
 /// The robots of all sessions, by name, each once.
 std::vector<std::string> robots_of(const MapCopy& map);
 
+/// The same in the order of their first sessions, which no robot that joins later changes.
+std::vector<std::string> robots_as_they_came(const MapCopy& map);
+
 /// The name of a robot as the name of a file: what is not a letter, a digit, '_' or '-' becomes %XX.
 std::string file_name_of(const std::string& robot);
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/output/tables/trajectories.hpp"
 #include "tests/unit/output/room.hpp"
 
 namespace isthmus {
@@ -18,6 +19,16 @@ MapCopy two_islands() {
   map.graph.remove(map.graph.between(PatchId{1}, PatchId{2}).front());
   map.sessions.push_back({"R9", 1, 4'000'000, 9'000'000, PatchId{2}});
   return map;
+}
+
+TEST(IslandContent, RobotsKeepTheColoursThatTheyCameWith) {
+  MapCopy map = room();
+  const Session& first = map.sessions[0];
+  for (const char* robot : {"R3", "R2"})
+    map.sessions.push_back({robot, 1, first.from_utime, first.to_utime, first.first_patch});
+  EXPECT_EQ(robots_as_they_came(map), (std::vector<std::string>{"R1", "R3", "R2"}));
+  const IslandContent content = island_contents(map, rank_islands(map)).at(0);
+  EXPECT_EQ(content.robots, (std::vector<std::size_t>{0, 1, 2}));
 }
 
 std::vector<std::string> texts(const Legend& legend) {
@@ -64,6 +75,32 @@ TEST(IslandContent, AClosureIsShownOnceWithItsKind) {
   EXPECT_EQ(texts(island_legend(content, {"R1"})),
             (std::vector<std::string>{"R1", "start and heading", "end and heading", "patch",
                                       "closed loop with its id", "merge with its id"}));
+}
+
+TEST(IslandLegend, OfManyLoopsNoneHasItsIdAndMergesStillDo) {
+  IslandContent content;
+  for (int i = 0; i < 85; ++i)
+    content.closures.push_back({ClosureId{i}, i % 17 == 0, PatchId{0}, PatchId{1}});
+  EXPECT_EQ(content.loops(), 80U);
+  EXPECT_EQ(texts(island_legend(content, {})),
+            (std::vector<std::string>{"patch", "closed loop", "merge with its id"}));
+}
+
+/// The tag stands outside the room's grid, which ends at its walls.
+TEST(MapPictures, ATagBesideTheGridIsOnThePicture) {
+  const testing::TemporaryDirectory directory;
+  const auto width_of = [&](const MapCopy& map) {
+    const RankedIslands islands = rank_islands(map);
+    MapPictures pictures(map, islands, directory.path());
+    pictures.add(0, render_island(map, islands.patches[0]));
+    pictures.finish();
+    const std::string png = testing::content(directory.file("island-0-trajectory.png"));
+    return static_cast<unsigned char>(png.at(18)) * 256 + static_cast<unsigned char>(png.at(19));
+  };
+  MapCopy map = room();
+  const int without = width_of(map);
+  add_tag(map, 17, PatchId{2}, {9, 2});
+  EXPECT_GT(width_of(map), without + 200);
 }
 
 TEST(IslandLegend, OfManyRobotsItNamesTheFirst) {

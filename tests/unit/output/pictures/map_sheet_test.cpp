@@ -78,6 +78,46 @@ TEST(MapSheet, APointOfTheMapIsDrawnWhereItsCellIs) {
   }
 }
 
+/// Tags beside the grid, and some at its very edge.
+TEST(MapSheet, HoldsMarksBesideTheGridInWhole) {
+  for (const auto& [width, height] : grid_sizes) {
+    const OccupancyGrid grid = grid_of(width, height);
+    const Eigen::Vector2d low(grid.origin_x_m - 1.3, grid.origin_y_m);
+    const Eigen::Vector2d high(grid.origin_x_m + width * grid.resolution_m,
+                               grid.origin_y_m + height * grid.resolution_m + 2.7);
+    MapSheet sheet(grid, {"Island 0", "2 robots"}, {}, 0, {low, high});
+    const MapWindow& window = sheet.window();
+    const double reach = 1.5 * window.em;
+    for (const Eigen::Vector2d& point : {low, high}) {
+      const Eigen::Vector2d at = window.pixels(point);
+      EXPECT_TRUE(window.box.contains(at.array() - reach) && window.box.contains(at.array() + reach))
+          << width << 'x' << height;
+    }
+    const Eigen::Vector2d corner = window.pixels({grid.origin_x_m, grid.origin_y_m});
+    const int column = static_cast<int>(std::round(corner.x())), row = static_cast<int>(corner.y()) - 2;
+    EXPECT_EQ(sheet.canvas().pixel(column, row), ink::floor) << width << 'x' << height;
+    EXPECT_EQ(sheet.canvas().pixel(column - 1, row), ink::unknown) << width << 'x' << height;
+  }
+}
+
+TEST(MapFrame, IsTheGridWhereNothingIsBesideIt) {
+  const OccupancyGrid grid = grid_of(300, 200);
+  for (const MapBox& held : {MapBox{}, MapBox{{0, 5}, {5, 8}}}) {
+    const MapFrame frame = map_frame(grid, held);
+    EXPECT_EQ(frame.width, 300);
+    EXPECT_EQ(frame.height, 200);
+    EXPECT_EQ(frame.left_top_m, Eigen::Vector2d(-3.4, 11.2));
+  }
+}
+
+TEST(MapFrame, IsBoundedWhereverAPointIs) {
+  for (const double far : {1e3, 1e9, 1e300}) {
+    const MapFrame frame = map_frame(grid_of(300, 200), {{-far, -far}, {far, far}});
+    EXPECT_LE(frame.width, 300 + 2 * 600 + 2);
+    EXPECT_LE(frame.width_px(), 2402);
+  }
+}
+
 TEST(MapSheet, AnyNameIsDrawn) {
   for (const std::string& name : {std::string("\xff\xfe R\x01\xc3"), std::string("R\xc3\xbc\x62"),
                                   std::string("\xf0\x9f\xa4\x96"), std::string("\xed\xa0\x80")}) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -94,6 +95,22 @@ TEST(Marks, AnEndOnAStartLeavesItToBeSeen) {
   EXPECT_EQ(at(picture, {5, 4}), way_style(0).colour);
   for (const double side : {-1.0, 1.0})
     EXPECT_EQ(at(picture, {5, 4 + side * 0.7 * em / 40}), way_style(2).colour);
+}
+
+TEST(Marks, ManyClosedLoopsAreFaintAndAFewAreNot) {
+  const auto darkest = [](std::size_t loops) {
+    Canvas picture = canvas();
+    draw_closure(picture, window(), {2, 4}, {8, 4}, loop_style(loops));
+    int least = 255;
+    for (double x = 2; x <= 8; x += 0.02)
+      for (double y = 3; y <= 5; y += 0.02) least = std::min<int>(least, at(picture, {x, y}).red);
+    return least;
+  };
+  EXPECT_EQ(darkest(1), 0);
+  EXPECT_EQ(darkest(30), 0);
+  EXPECT_GT(darkest(60), 60);
+  EXPECT_GT(darkest(85), darkest(60));
+  EXPECT_LT(darkest(100'000), 240) << "it is still seen";
 }
 
 /// 95 % of a Gaussian of two dimensions is within 2.4477 σ.
