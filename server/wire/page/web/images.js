@@ -75,7 +75,7 @@ export class Images {
   async fetch(path, entry) {
     try {
       const answer = await fetch(`${path}?v=${entry.version}`);
-      if (!answer.ok) return;
+      if (answer.status !== 200) return; // 204: its island is gone
       const canvas = coloured(await createImageBitmap(await answer.blob()));
       if (this.kept.get(path)?.version > entry.version) return;
       this.kept.delete(path);

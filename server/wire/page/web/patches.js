@@ -68,7 +68,7 @@ export class Patches {
     for (const { id, map } of islands) {
       if (this.islands.get(base + id)?.version === map) continue;
       const answer = await fetch(`${base}patches/${id}?v=${map}`);
-      if (answer.ok) this.islands.set(base + id, { version: map, data: readPatches(await answer.arrayBuffer()) });
+      if (answer.status === 200) this.islands.set(base + id, { version: map, data: readPatches(await answer.arrayBuffer()) });
     }
     for (const key of this.islands.keys()) if (!islands.some(({ id }) => base + id === key)) this.islands.delete(key);
     if (this.next === scene) this.next = null;

@@ -72,8 +72,8 @@ TEST(PageServer, ServesThePageAndNothingThatIsNotThere) {
   for (const std::string_view reason : words_of<OrderReason>)
     EXPECT_NE(words.find(std::string(reason) + ": \""), std::string::npos)
         << "why a robot is sent somewhere: " << reason;
-  for (const char* path : {"/nothing", "/../etc/passwd", "/tile/0/0/0/0?v=1", "/tile/x", "/tiles/",
-                           "/patches/0", "/preview?closure=0", "/preview"})
+  for (const char* path : {"/nothing", "/../etc/passwd", "/tile/x", "/tiles/", "/patches/x",
+                           "/preview?closure=0", "/preview", "/download/island-0.png"})
     EXPECT_EQ(client.Get(path)->status, 404) << path;
   EXPECT_EQ(client.Put("/", "", "text/plain")->status, 405);
   EXPECT_EQ(client.Post("/events", "", "text/plain")->status, 405);
@@ -95,6 +95,21 @@ TEST(PageServer, ATileOfItsVersionStaysAndOneOfAnotherIsNotKept) {
   EXPECT_EQ(tile->body.substr(1, 3), "PNG");
   EXPECT_NE(tile->get_header_value("Cache-Control").find("immutable"), std::string::npos);
   EXPECT_EQ(client.Get(path + std::to_string(version - 1))->get_header_value("Cache-Control"), "no-store");
+}
+
+/// Islands merge between a viewer's list of them and what it asks for: browsers tell of a 404 as an error.
+TEST(PageServer, WhatBelongsToAnIslandThatIsGoneIsNoError) {
+  PageServer page({}, takes_nothing);
+  show(page, testing::map_of_islands({{{0.3, 0.2, 0}}, {{1, 0, 0}}}));
+  httplib::Client client = client_of(page);
+  EXPECT_EQ(client.Get("/patches/1")->status, 200);
+  show(page, testing::map_of_islands({{{0.3, 0.2, 0}, {1, 0, 0}}}));
+  for (const char* path : {"/tile/1/0/0/0?v=1", "/patches/1?v=1", "/tile/0/0/99/0?v=1"}) {
+    const auto answer = client.Get(path);
+    EXPECT_EQ(answer->status, 204) << path;
+    EXPECT_TRUE(answer->body.empty()) << path;
+    EXPECT_EQ(answer->get_header_value("Cache-Control"), "no-store") << path;
+  }
 }
 
 TEST(PageServer, PatchesAreTheSameDeflatedOrNot) {
