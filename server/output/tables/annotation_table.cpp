@@ -45,10 +45,9 @@ Json geometry_of(const MapCopy& map, const AnnotationRecord& annotation) {
           {"coordinates", position_of(position(on_plane(map, annotation.points.front())))}};
 }
 
-Json feature_of(const MapCopy& map, const RankedIslands& islands, const AnnotationRecord& annotation) {
-  Json properties = {{"kind", word(annotation.kind)},
-                     {"name", annotation.name},
-                     {"island", annotation.lost ? -1 : islands.rank(annotation.island)}};
+Json feature_of(const MapCopy& map, int island, const AnnotationRecord& annotation) {
+  Json properties = {
+      {"kind", word(annotation.kind)}, {"name", annotation.name}, {"island", annotation.lost ? -1 : island}};
   if (annotation.kind == AnnotationKind::place && !annotation.lost)
     properties["yaw_rad"] = rounded(on_plane(map, annotation.points.front()).yaw);
   if (annotation.kind == AnnotationKind::speed) properties["max_speed_m_s"] = annotation.max_speed_m_s;
@@ -64,14 +63,18 @@ Json feature_of(const MapCopy& map, const RankedIslands& islands, const Annotati
 
 }  // namespace
 
-std::string annotations_geojson(const MapCopy& map, const RankedIslands& islands) {
+std::string annotations_geojson(const MapCopy& map, const std::function<int(IslandId)>& number_of) {
   Json features = Json::array();
   for (const AnnotationRecord& annotation : map.annotations)
-    features.push_back(feature_of(map, islands, annotation));
+    features.push_back(feature_of(map, number_of(annotation.island), annotation));
   const Json collection = {{"type", "FeatureCollection"},
                            {"coordinate_frame", "the plane of each feature's island, metres; not WGS 84"},
                            {"features", std::move(features)}};
   return collection.dump(1) + "\n";
+}
+
+std::string annotations_geojson(const MapCopy& map, const RankedIslands& islands) {
+  return annotations_geojson(map, [&](IslandId island) { return islands.rank(island); });
 }
 
 void write_annotations(const MapCopy& map, const RankedIslands& islands, const std::string& path) {

@@ -255,7 +255,7 @@ class PageServer::Site {
       return refuse(response, 503, "another download is being made");
     }
     std::optional<Download> made;
-    if (shown) made = make_download(shown->map(), path.substr(std::string_view("/download/").size()));
+    if (shown) made = make_download(*shown, path.substr(std::string_view("/download/").size()));
     if (!made) return refuse(response, 404, "no such download");
     answer(response, std::make_shared<const std::string>(std::move(made->bytes)), made->type);
     response.set_header("Content-Disposition", "attachment; filename=\"" + made->name + "\"");

@@ -21,7 +21,7 @@ constexpr double cell_m = 0.05;
 
 /// "island-3-plan.svg" as 3 and "-plan.svg".
 struct IslandFile {
-  std::size_t island = 0;
+  IslandId island;
   std::string_view suffix;
 };
 
@@ -30,7 +30,7 @@ std::optional<IslandFile> island_file(std::string_view name) {
   if (!name.starts_with(prefix)) return std::nullopt;
   name.remove_prefix(prefix.size());
   IslandFile file;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), file.island);
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), file.island.value);
   if (error != std::errc()) return std::nullopt;
   name.remove_prefix(static_cast<std::size_t>(end - name.data()));
   file.suffix = name;
@@ -58,7 +58,8 @@ std::optional<Download> plan_download(const MapCopy& map, const std::vector<Patc
 
 }  // namespace
 
-std::optional<Download> make_download(const MapCopy& map, std::string_view name) {
+std::optional<Download> make_download(const ShownMap& shown, std::string_view name) {
+  const MapCopy& map = shown.map();
   const RankedIslands islands = rank_islands(map);
   if (name == "report.json") {
     RunCost unknown;
@@ -66,11 +67,14 @@ std::optional<Download> make_download(const MapCopy& map, std::string_view name)
     return Download{"report.json", "application/json", report_json(map, islands, unknown)};
   }
   if (name == "places.geojson")
-    return Download{"places.geojson", "application/geo+json", annotations_geojson(map, islands)};
+    return Download{"places.geojson", "application/geo+json",
+                    annotations_geojson(map, [](IslandId island) { return island.value; })};
   const std::optional<IslandFile> file = island_file(name);
-  if (!file || file->island >= islands.patches.size()) return std::nullopt;
-  const std::vector<PatchId>& patches = islands.patches[file->island];
-  const std::string stem = "island-" + std::to_string(file->island);
+  if (!file || !shown.version.contains(file->island)) return std::nullopt;
+  const int rank = islands.rank(file->island);
+  if (rank < 0) return std::nullopt;
+  const std::vector<PatchId>& patches = islands.patches[static_cast<std::size_t>(rank)];
+  const std::string stem = "island-" + std::to_string(file->island.value);
   if (file->suffix == ".png" || file->suffix == ".yaml")
     return grid_download(map, patches, stem, file->suffix);
   return plan_download(map, patches, stem, file->suffix);

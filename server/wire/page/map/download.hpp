@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/engine/record/map_copy.hpp"
+#include "server/wire/page/map/shown_map.hpp"
 
 namespace isthmus {
 
@@ -15,11 +15,11 @@ struct Download {
   std::string bytes;
 };
 
-/// `report.json` (of a map that is not finished, without what it cost) and `places.geojson`; and for K, the
-/// number of an island in these: `island-K.png` and `island-K.yaml` (the grid as map_server has it; of at
-/// most 16 million cells, coarser where it would be more), `island-K-plan.svg`, `-plan.dxf` and
-/// `-plan.geojson`. Nothing for any other name, and for islands that are not there. Takes up to seconds for a
-/// large map.
-std::optional<Download> make_download(const MapCopy& map, std::string_view name);
+/// `report.json` (of a map that is not finished, without what it cost) and `places.geojson`; and of the
+/// island with the id N `island-N.png` and `island-N.yaml` (the grid as map_server has it; of at most 16
+/// million cells, coarser where it would be more), `island-N-plan.svg`, `-plan.dxf` and `-plan.geojson`. In
+/// `places.geojson` islands are told by their ids too. Nothing for any other name, and for islands that are
+/// not there (any more). Takes up to seconds for a large map.
+std::optional<Download> make_download(const ShownMap& shown, std::string_view name);
 
 }  // namespace isthmus

@@ -119,11 +119,11 @@ export function showAnnotations(annotations, acts) {
 
 export function showDownloads(islands) {
   const ranked = islands.filter(({ rank }) => rank >= 0).sort((a, b) => a.rank - b.rank).slice(0, 20);
-  const link = (rank, suffix, text) => made("a", { href: `download/island-${rank}${suffix}`, textContent: text });
-  bring(element("downloads"), ranked, ({ rank }) => rank, ({ rank }) => made("li", {}, made("span"),
-    " ", link(rank, ".png", "grid"), " ", link(rank, ".yaml", "YAML"), " · floor plan ", link(rank, "-plan.svg", "SVG"), " ",
-    link(rank, "-plan.dxf", "DXF"), " ", link(rank, "-plan.geojson", "GeoJSON")),
-  (row, { id }) => tell(row.firstChild, `island ${id}: `));
+/** An island's files have its id in their names: which island is the largest may change while the list is looked at. */
+  const link = (id, suffix, text) => made("a", { href: `download/island-${id}${suffix}`, textContent: text });
+  bring(element("downloads"), ranked, ({ id }) => id, ({ id }) => made("li", {}, `island ${id}: `, link(id, ".png", "grid"), " ",
+    link(id, ".yaml", "YAML"), " · floor plan ", link(id, "-plan.svg", "SVG"), " ", link(id, "-plan.dxf", "DXF"), " ",
+    link(id, "-plan.geojson", "GeoJSON")), () => {});
 }
 
 const ACTS = { accepted: ["withdraw"], waiting: ["forbid"], refused: ["forbid", "allow"], withdrawn: ["allow"] };

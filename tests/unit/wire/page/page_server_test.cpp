@@ -8,6 +8,8 @@
 #include <thread>
 
 #include "server/exploration/expedition.hpp"
+#include "server/output/grid/grid.hpp"
+#include "server/output/grid/grid_files.hpp"
 #include "server/wire/journal/journal_files.hpp"
 #include "server/wire/journal/recovery/snapshots.hpp"
 #include "server/wire/message/message.hpp"
@@ -110,6 +112,28 @@ TEST(PageServer, WhatBelongsToAnIslandThatIsGoneIsNoError) {
     EXPECT_TRUE(answer->body.empty()) << path;
     EXPECT_EQ(answer->get_header_value("Cache-Control"), "no-store") << path;
   }
+}
+
+/// The second island is the larger, and so the first in files of results.
+TEST(PageServer, DownloadsAreTheIslandsOfTheirIds) {
+  PageServer page({}, takes_nothing);
+  MapCopy map = testing::map_of_islands({{{0.3, 0.2, 0}}, {{5, 0, 0}, {6, 0, 0}}});
+  AnnotationRecord dock;
+  dock.name = "Dock";
+  dock.island = PatchId{1};
+  dock.points = {{PatchId{1}, {0.5, 0, 0}}};
+  map.annotations = {dock};
+  show(page, map);
+  httplib::Client client = client_of(page);
+  const auto yaml = client.Get("/download/island-1.yaml");
+  EXPECT_NE(yaml->get_header_value("Content-Disposition").find("island-1.yaml"), std::string::npos);
+  EXPECT_EQ(yaml->body, grid_yaml(render_island(map, {PatchId{1}, PatchId{2}}), "island-1.png"));
+  EXPECT_EQ(client.Get("/download/island-0.yaml")->body,
+            grid_yaml(render_island(map, {PatchId{0}}), "island-0.png"));
+  const Json places = Json::parse(client.Get("/download/places.geojson")->body);
+  EXPECT_EQ(places.at("features")[0].at("properties").at("island"), 1);
+  for (const char* name : {"island-2.png", "island--1.png", "island-1.gif", "island-9.png", "island-.png"})
+    EXPECT_EQ(client.Get(std::string("/download/") + name)->status, 404) << name;
 }
 
 TEST(PageServer, PatchesAreTheSameDeflatedOrNot) {
