@@ -97,6 +97,8 @@ void PageModel::take(LiveView view) {
   const std::shared_ptr<const ShownMap> before = shown();
   const auto fresh = std::make_shared<const ShownMap>(shown_map(std::move(view), before.get(), ++version_));
   tiles_.update(fresh->map());
+  // On a finished map a robot may be anywhere until it is found.
+  if (!before && !fresh->view.frozen) trails_.add_from_map(trails_of(*fresh));
   std::vector<reply_t> replies;
   std::optional<TeamGoals> team;
   {

@@ -16,30 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// Of the rows before a snapshot: where robots were, and the ways that they came.
-constexpr std::size_t rows_of_trails = 20'000;
-
 LiveView view_of(const MapCopy& map) { return {std::make_shared<const MapCopy>(map), {}, 0, false}; }
-
-Trails trails_of(const ShownMap& shown) {
-  Trails trails;
-  const MapCopy& map = shown.map();
-  const std::size_t rows = map.trajectory_rows;
-  for (const TrajectoryRow& row :
-       map.trajectory->read(rows - std::min(rows, rows_of_trails), rows_of_trails)) {
-    const ManifoldPose at{row.patch, row.patch_from_robot};
-    if (!shown.has(row.patch)) continue;
-    RobotPose pose;
-    pose.robot = map.sessions.at(static_cast<std::size_t>(row.session)).robot;
-    pose.utime = row.utime;
-    pose.island = shown.island(row.patch);
-    pose.pose = at;
-    pose.map_from_robot = shown.project(at);
-    pose.matched = true;
-    trails.add(pose);
-  }
-  return trails;
-}
 
 /// Of a snapshot's newest scan: tenths of a second after the first patch of the map as it is now.
 std::int32_t newest_scan(const SnapshotSummary& summary, const ShownMap& now) {

@@ -1,5 +1,6 @@
 #include "server/wire/page/map/trails.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -12,6 +13,8 @@ constexpr std::size_t trail_steps = 200;
 constexpr std::size_t lately_poses = 400;
 constexpr std::int64_t lately_step_us = 100'000;
 constexpr std::int64_t near_us = 500'000;
+/// Of the map's trajectory, the newest.
+constexpr std::size_t rows_of_trails = 20'000;
 
 }  // namespace
 
@@ -22,6 +25,7 @@ void Trails::add(const RobotPose& pose) {
                             std::hypot(pose.map_from_robot.x - before.map_from_robot.x,
                                        pose.map_from_robot.y - before.map_from_robot.y) > step_m;
   robot.newest = pose;
+  robot.heard = true;
   if (robot.lately.empty() || std::abs(pose.utime - robot.lately.back().utime) >= lately_step_us)
     robot.lately.push_back(pose);
   if (robot.lately.size() > lately_poses) robot.lately.pop_front();
@@ -29,6 +33,11 @@ void Trails::add(const RobotPose& pose) {
   robot.at_step = pose;
   robot.trail.push_back(pose.pose);
   if (robot.trail.size() > trail_steps) robot.trail.pop_front();
+}
+
+void Trails::add_from_map(Trails of_map) {
+  for (auto& [name, robot] : of_map.robots_) robot.heard = false;
+  robots_.merge(of_map.robots_);
 }
 
 std::optional<ManifoldPose> Trails::at(const std::string& robot, std::int64_t utime) const {
@@ -40,6 +49,27 @@ std::optional<ManifoldPose> Trails::at(const std::string& robot, std::int64_t ut
   }
   if (!nearest || std::abs(nearest->utime - utime) > near_us) return std::nullopt;
   return nearest->pose;
+}
+
+Trails trails_of(const ShownMap& shown) {
+  Trails trails;
+  const MapCopy& map = shown.map();
+  if (!map.trajectory) return trails;
+  const std::size_t rows = map.trajectory_rows;
+  for (const TrajectoryRow& row :
+       map.trajectory->read(rows - std::min(rows, rows_of_trails), rows_of_trails)) {
+    const ManifoldPose at{row.patch, row.patch_from_robot};
+    if (!shown.has(row.patch)) continue;
+    RobotPose pose;
+    pose.robot = map.sessions.at(static_cast<std::size_t>(row.session)).robot;
+    pose.utime = row.utime;
+    pose.island = shown.island(row.patch);
+    pose.pose = at;
+    pose.map_from_robot = shown.project(at);
+    pose.matched = true;
+    trails.add(pose);
+  }
+  return trails;
 }
 
 }  // namespace isthmus

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/engine/robot/robot_pose.hpp"
+#include "server/wire/page/map/shown_map.hpp"
 
 namespace isthmus {
 
@@ -18,9 +19,12 @@ class Trails {
     RobotPose at_step;               ///< the newest when the trail's last step was made
     std::deque<ManifoldPose> trail;  ///< half a metre apart, the last 100 m
     std::deque<RobotPose> lately;    ///< a tenth of a second apart, 400 at most
+    bool heard = true;  ///< false: all this is from the map, and the robot may be elsewhere by now
   };
 
   void add(const RobotPose& pose);
+  /// Of robots that have no trail yet, those that are told by the map.
+  void add_from_map(Trails of_map);
   const std::map<std::string, Robot>& robots() const { return robots_; }
 
   /// Where a robot was, as of its pose nearest in time; nothing where that is more than half a second away.
@@ -29,5 +33,8 @@ class Trails {
  private:
   std::map<std::string, Robot> robots_;
 };
+
+/// Where robots were last, and the ways that they came there, as the map's trajectory tells.
+Trails trails_of(const ShownMap& shown);
 
 }  // namespace isthmus

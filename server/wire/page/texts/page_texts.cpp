@@ -6,6 +6,7 @@
 #include <set>
 
 #include "server/output/tables/islands.hpp"
+#include "server/output/tables/trajectories.hpp"
 
 namespace isthmus {
 namespace {
@@ -70,6 +71,18 @@ Json robots_json(const ShownMap& shown) {
   Json json = Json::array();
   for (const auto& [name, robot] : robots) json.push_back(robot_json(robot));
   return json;
+}
+
+/// In the order in which they came to the map, and then those that are heard only, by name: a robot that
+/// joins changes no other's place.
+Json colours_json(const ShownMap& shown) {
+  std::vector<std::string> robots = robots_as_they_came(shown.map());
+  std::set<std::string> others;
+  for (const HealthRecord& known : shown.map().health) others.insert(known.robot);
+  for (const robot_status_t& heard : shown.view.status.robots) others.insert(heard.robot);
+  for (const std::string& robot : robots) others.erase(robot);
+  robots.insert(robots.end(), others.begin(), others.end());
+  return robots;
 }
 
 Json warnings_json(const status_t& status) {
@@ -154,12 +167,14 @@ std::string robots_text(const Trails& trails, const ShownMap& shown) {
   for (const auto& [name, robot] : trails.robots()) {
     const RobotPose& newest = robot.newest;
     // A patch of the newest pose may be newer than the map that is shown.
+    if (is_left_out(shown.map(), newest.pose.patch)) continue;
     const bool is_shown = shown.has(newest.pose.patch);
     robots.push_back(
         {{"name", name},
          {"time", as_seconds(newest.utime)},
          {"matched", newest.matched},
          {"at", is_shown ? pose_json(shown, newest.pose) : pose_json(newest.island, newest.map_from_robot)}});
+         {"heard", robot.heard},
   }
   return line(robots);
 }
@@ -169,7 +184,7 @@ std::string trails_text(const Trails& trails, const ShownMap& shown) {
   for (const auto& [name, robot] : trails.robots()) {
     Json& steps = all[name] = Json::array();
     for (const ManifoldPose& pose : robot.trail) {
-      if (!shown.has(pose.patch)) continue;
+      if (!shown.has(pose.patch) || is_left_out(shown.map(), pose.patch)) continue;
       const Pose at = shown.project(pose);
       steps.push_back(
           Json::array({shown.island(pose.patch).value, to_millimetres(at.x), to_millimetres(at.y)}));
@@ -281,6 +296,7 @@ std::string status_text(const ShownMap& shown) {
                {"frozen", shown.view.frozen},
                {"robots", robots_json(shown)},
                {"left_out", left_out_robots(shown.map())},
+               {"colours", colours_json(shown)},
                {"warnings", warnings_json(status)}});
 }
 

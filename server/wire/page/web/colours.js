@@ -14,7 +14,7 @@ export const OF_CLOSURES = "#a3004f";
 export const INK = "#1d252c";
 export const OF_ORIGINS = ["#5b6770", "#5b6770", "#d55e00", "#0072b2", "#cc79a7", "#009e73"];
 
-/** A robot's colour: the same for as long as the same robots come first by name. */
+/** A robot's colour, by its place among names that keep their order: one that joins takes no other's. */
 export function ofRobot(name, names) {
   const place = names.indexOf(name);
   return place < 0 ? INK : OF_ROBOTS[place % OF_ROBOTS.length];

@@ -22,6 +22,27 @@ export function label(context, text, x, y, colour, underlined = false) {
   if (underlined) context.fillRect(x, y + 2, context.measureText(text).width, 2);
 }
 
+/** Where words may stand beside a mark: from its middle to the words' nearer end, and to their baseline. */
+const BESIDE = [[1, -8], [1, 16], [-1, -8], [-1, 16], [1, -22], [1, 30], [-1, -22], [-1, 30], [1, -36], [1, 44], [-1, -36], [-1, 44]];
+const LINE = 13;
+
+/**
+ * Places for the words of marks, {text, x, y, …}, so that none covers another: with `left`, `baseline` and `width`. Those
+ * for which there is no room are left out, the last ones first.
+ */
+export function besideEachOther(marks, widthOfText) {
+  const taken = [];
+  for (const mark of marks) {
+    const width = widthOfText(mark.text);
+    const at = ([side, down]) => ({ left: side > 0 ? mark.x + 11 : mark.x - 11 - width, baseline: mark.y + down, width });
+    const isFree = (box) => taken.every((one) => one.left >= box.left + width || one.left + one.width <= box.left ||
+      Math.abs(one.baseline - box.baseline) >= LINE);
+    const box = BESIDE.map(at).find(isFree);
+    if (box) taken.push({ ...mark, ...box });
+  }
+  return taken;
+}
+
 /** An area, hatched where nobody may go. */
 export function fillZone(context, corners, kind) {
   context.save();

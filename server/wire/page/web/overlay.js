@@ -3,7 +3,7 @@
 
 import { PatientCanvas, QuickCanvas } from "./canvases.js";
 import { DASHES, INK, OF_CLOSURES, OF_ORIGINS, OF_VERDICTS, OF_ZONES, ofRobot } from "./colours.js";
-import { drawFrontier, drawGoal, drawPin, drawRobot, drawWay, fillZone, label, widthOf } from "./marks.js";
+import { besideEachOther, drawFrontier, drawGoal, drawPin, drawRobot, drawWay, fillZone, label, widthOf } from "./marks.js";
 import { OF_ORDERS } from "./words.js";
 
 /** Patches are drawn with their headings where this many pixels are a metre, or more. */
@@ -14,6 +14,8 @@ const LEAST_STEP = 3;
 const PIECE = 256;
 /** Closures, with their numbers. */
 const PIECE_OF_LABELS = 16;
+/** Of a robot that may be elsewhere by now. */
+const FAINT = 0.45;
 /** How long a sighting is seen on the map, in the time of the log. */
 const SIGHTING_S = 30;
 
@@ -347,14 +349,28 @@ export const Overlay = L.Layer.extend({
     }
   },
 
+  /** Those that have not been heard since the server's start are faint: they stand where they were then. */
   drawRobots({ context, place }, robots) {
-    for (const { name, at: [island, x, y, yaw] } of robots) {
+    const shown = [];
+    for (const { name, heard, at: [island, x, y, yaw] } of robots) {
       const at = place(island);
       if (!at) continue;
       const [px, py] = at(x, y);
+      context.globalAlpha = heard === false ? FAINT : 1;
       drawRobot(context, [px, py], yaw, ofRobot(name, this.world.names));
-      label(context, name, px + 11, py - 8, INK, this.world.followed === name);
+      shown.push({ text: heard === false ? `${name}: not heard yet` : name, name, x: px, y: py });
     }
+    context.globalAlpha = 1;
+    shown.sort((a, b) => (b.name === this.world.followed) - (a.name === this.world.followed));
+    this.labels = besideEachOther(shown, (text) => this.widthOf(context, text));
+    for (const { text, name, left, baseline } of this.labels) label(context, text, left, baseline, INK, this.world.followed === name);
+  },
+
+  /** Measured once. */
+  widthOf(context, text) {
+    this.widths ??= new Map();
+    if (!this.widths.has(text)) this.widths.set(text, widthOf(context, text));
+    return this.widths.get(text);
   },
 });
 

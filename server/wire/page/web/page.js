@@ -310,7 +310,7 @@ const handlers = {
   },
   status(status) {
     page.status = status;
-    page.names = status.robots.map(({ name }) => name);
+    page.names = status.colours;
     page.showLists();
     showRates(status);
   },

@@ -79,9 +79,11 @@ export function showRobots(world, follow, order) {
     row.className = world.followed === robot.name ? "followed" : "";
     const silent_s = world.status.time - robot.heard;
     const told = world.exploration?.goals.find((goal) => goal.robot === robot.name);
-    tell(figures, robot.heard === 0 ? "not heard yet" : silent_s > 5 ? `silent for ${Math.round(silent_s)} s`
-      : `${robot.scan_hz.toFixed(1)} scans/s, ${Math.round(100 * robot.matched)} % matched${told ? `; ${OF_ORDERS[told.reason]}` : ""}`);
-    const verb = left_out.includes(robot.name) ? "allow" : "drop";
+    const isDropped = left_out.includes(robot.name);
+    const heard = robot.heard === 0 ? "not heard since the server's start" : silent_s > 5 ? `silent for ${Math.round(silent_s)} s`
+      : `${robot.scan_hz.toFixed(1)} scans/s, ${Math.round(100 * robot.matched)} % matched${told ? `; ${OF_ORDERS[told.reason]}` : ""}`;
+    tell(figures, isDropped ? `dropped; ${heard}` : heard);
+    const verb = isDropped ? "allow" : "drop";
     act.firstChild.dataset.verb = verb;
     tell(act.firstChild, verb === "drop" ? "Drop" : "Allow");
     act.lastChild.hidden = !world.status.frozen;

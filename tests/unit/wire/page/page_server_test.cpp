@@ -136,6 +136,15 @@ TEST(PageServer, DownloadsAreTheIslandsOfTheirIds) {
     EXPECT_EQ(client.Get(std::string("/download/") + name)->status, 404) << name;
 }
 
+/// A map from a journal: its robots are not heard again yet.
+TEST(PageServer, AfterARestartRobotsAreShownWhereTheMapHasThem) {
+  PageServer page({}, takes_nothing);
+  show(page, testing::map_of_a_drive({{0.3, 0.2, 0}, {1, 0.2, 0}}));
+  httplib::Client client = client_of(page);
+  const std::string text = read_events(client, "event: robots\ndata: [{");
+  EXPECT_NE(text.find(R"("heard":false,"matched":true,"name":"R1")"), std::string::npos) << text;
+}
+
 TEST(PageServer, PatchesAreTheSameDeflatedOrNot) {
   PageServer page({}, takes_nothing);
   show(page, testing::map_of_islands({{{0.3, 0.2, 0}, {1, 0.2, 0}}}));

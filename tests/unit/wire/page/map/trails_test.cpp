@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/wire/page/page_maps.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -53,6 +55,30 @@ TEST(Trails, ARobotThatSendsFastIsKnownForAsLongAsSightingsAreShown) {
   ASSERT_TRUE(trails.at("R1", then));
   EXPECT_NEAR(trails.at("R1", then)->patch_from_object.x, static_cast<double>(then) / step_us, 3);
   EXPECT_EQ(trails.robots().at("R1").newest.utime, step_us * 2000);
+}
+
+TEST(Trails, WhatTheMapTellsIsOfRobotsThatHaveNotBeenHeard) {
+  Trails of_map, live;
+  of_map.add(pose_at(1, 1));
+  of_map.add(pose_at(2, 2));
+  live.add_from_map(of_map);
+  EXPECT_EQ(live.robots().at("R1").trail.size(), 2U);
+  EXPECT_FALSE(live.robots().at("R1").heard);
+  live.add(pose_at(3, 3));
+  EXPECT_TRUE(live.robots().at("R1").heard);
+  EXPECT_EQ(live.robots().at("R1").trail.size(), 3U) << "it goes on from there";
+  live.add_from_map(of_map);
+  EXPECT_EQ(live.robots().at("R1").newest.utime, 3) << "what was heard is newer";
+  EXPECT_TRUE(live.robots().at("R1").heard);
+}
+
+TEST(Trails, OfAMapAreTheWaysOfItsSessions) {
+  const Trails trails =
+      trails_of(testing::shown_of(testing::map_of_a_drive({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}})));
+  ASSERT_EQ(trails.robots().size(), 1U);
+  EXPECT_EQ(trails.robots().at("R1").newest.utime, 3'000'000);
+  EXPECT_EQ(trails.robots().at("R1").newest.pose.patch, PatchId{2});
+  EXPECT_TRUE(trails_of(testing::shown_of(testing::map_of_islands({{{0, 0, 0}}}))).robots().empty());
 }
 
 }  // namespace

@@ -40,6 +40,28 @@ TEST(PageTexts, ARobotIsWhereTheMapHasItsPatchNow) {
   EXPECT_EQ(at(), Json({1, 9.0, 9.0, 0.0})) << "on a patch that the map does not have yet";
 }
 
+TEST(PageTexts, ARobotIsNotShownOnWhatWasDropped) {
+  MapCopy map = map_of_islands({{{0, 0, 0}, {1, 0, 0}}});
+  Trails trails;
+  trails.add(pose_of_r1());
+  map.left_out = {PatchId{1}};
+  EXPECT_EQ(robots_text(trails, shown_of(map)), "[]");
+  EXPECT_EQ(Json::parse(trails_text(trails, shown_of(map))), Json({{"R1", Json::array()}}));
+}
+
+/// R3 was on the map before R2.
+TEST(PageTexts, ARobotThatJoinsTakesNoOthersColour) {
+  MapCopy map = map_of_islands({{{0, 0, 0}}});
+  map.health = {{"R1", {}, {}}, {"R3", {}, {}}};
+  const auto colours = [&] { return Json::parse(status_text(shown_of(map))).at("colours"); };
+  for (const char* robot : {"R1", "R3", "R1"}) map.sessions.push_back({robot, 0, 0, 0, PatchId{0}});
+  EXPECT_EQ(colours(), Json({"R1", "R3"}));
+  map.health.push_back({"R2", {}, {}});
+  EXPECT_EQ(colours(), Json({"R1", "R3", "R2"}));
+  map.sessions.push_back({"R2", 0, 0, 0, PatchId{0}});
+  EXPECT_EQ(colours(), Json({"R1", "R3", "R2"}));
+}
+
 TEST(PageTexts, ASightingIsDrawnFromWhereItsObserverWas) {
   MapCopy map = map_of_islands({{{0, 0, 0}}, {{2, 3, std::numbers::pi / 2}}});
   map.sightings = {{{"R1", 1'100'000, 7, 2, 0.1, 0, 0.1}, Verdict::accepted, Reason::agrees_with_map, {}},
