@@ -82,6 +82,7 @@ MapCopy Engine::copy() const {
   copy.trajectory_rows = state.trajectory->size();
   copy.sightings = state.closures.sightings();
   copy.closures = state.closures.closures();
+  copy.forbidden = state.closures.forbidden();
   copy.tags = tag_records(state.map, state.tags, state.closures.tags());
   for (const PatchPtr& patch : copy.patches)
     if (state.is_left_out(patch->id)) copy.left_out.push_back(patch->id);

@@ -105,4 +105,11 @@ std::vector<ClosureRecord> ClosureLedger::records() const {
   return records;
 }
 
+std::vector<ClosureId> ClosureLedger::forbidden() const {
+  std::vector<ClosureId> ids;
+  for (const auto& [id, entry] : entries_)
+    if (entry.forbidden) ids.push_back(id);
+  return ids;
+}
+
 }  // namespace isthmus

@@ -68,6 +68,8 @@ class ClosureLedger {
   /// Changes the places of all sightings that speak for closures.
   void correct(const std::function<void(Evidence&)>& change);
   std::vector<ClosureRecord> records() const;
+  /// By id; of those that were proposed.
+  std::vector<ClosureId> forbidden() const;
   /// The loops of an island that were closed by what was seen there, the least sure of them.
   std::vector<UncertainClosure> closed_loops(const RelationGraph& graph, IslandId island) const;
   /// By id.

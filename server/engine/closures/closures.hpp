@@ -58,6 +58,8 @@ class Closures {
 
   const SightingLog& sightings() const { return observations_.log(); }
   std::vector<ClosureRecord> closures() const { return ledger_.records(); }
+  /// Of these, by id, those that operators have forbidden: what `allow` takes.
+  std::vector<ClosureId> forbidden() const { return ledger_.forbidden(); }
   /// The patches of the tags that have a place.
   const TagPatches& tags() const { return tags_.patches(); }
   /// A patch of each island that merges, closures and withdrawals have changed since this was last asked.

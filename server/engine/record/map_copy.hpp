@@ -35,6 +35,7 @@ struct MapCopy {
   SightingLog sightings;
   std::vector<TagRecord> tags;
   std::vector<ClosureRecord> closures;
+  std::vector<ClosureId> forbidden;           ///< by id: of these, those that operators have forbidden
   std::vector<PatchId> left_out;              ///< by id: patches whose robot's data operators have dropped
   std::vector<AnnotationRecord> annotations;  ///< by name
   Counters counters;

@@ -270,7 +270,7 @@ class PageServer::Site {
     } else if (shown && read_number(request.get_param_value("closure"), closure)) {
       text = closure_preview(*shown, ClosureId{closure});
     }
-    if (text.empty()) return refuse(response, 404, "no such closure or robot");
+    if (text.empty()) return refuse(response, 404, "no such closure");
     answer(response, std::make_shared<const std::string>(std::move(text)), json_type);
   }
 

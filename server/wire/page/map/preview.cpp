@@ -53,6 +53,14 @@ Json sightings_json(const SightingLog& log, ClosureId closure) {
   return counts;
 }
 
+/// How many closures of each kind there are among some.
+Json kinds_json(const MapCopy& map, const std::set<ClosureId>& closures) {
+  std::map<std::string, int> counts;
+  for (const ClosureRecord& closure : map.closures)
+    if (closures.contains(closure.id)) counts[std::string(word(closure.kind))] += 1;
+  return counts;
+}
+
 }  // namespace
 
 std::string closure_preview(const ShownMap& shown, ClosureId closure) {
@@ -83,15 +91,21 @@ std::string closure_preview(const ShownMap& shown, ClosureId closure) {
 std::string robot_preview(const ShownMap& shown, const std::string& robot) {
   const MapCopy& map = shown.map();
   std::set<RelationId> relations;
-  std::size_t patches = 0;
+  std::set<ClosureId> closures;
+  std::size_t patches = 0, left_out = 0;
   for (const PatchPtr& patch : map.patches) {
     if (patch->robot != robot || patch->tag >= 0) continue;
-    patches += 1;
+    (is_left_out(map, patch->id) ? left_out : patches) += 1;
     const auto of = map.graph.of(patch->id);
     relations.insert(of.begin(), of.end());
   }
-  if (patches == 0) return "";
-  return Json{{"robot", robot}, {"patches", patches}, {"relations", relations.size()}}.dump();
+  for (const RelationId id : relations) closures.insert(map.graph.find(id)->origin.closure);
+  return Json{{"robot", robot},
+              {"patches", patches},
+              {"left_out", left_out},
+              {"relations", relations.size()},
+              {"closures", kinds_json(map, closures)}}
+      .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace isthmus

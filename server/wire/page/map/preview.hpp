@@ -12,7 +12,9 @@ namespace isthmus {
 /// by a withdrawal: what happens lies between the two. Empty where there is no such closure.
 std::string closure_preview(const ShownMap& shown, ClosureId closure);
 
-/// What dropping a robot would take out: its patches and their relations. Empty where it has no patches.
+/// What dropping a robot would take out: its patches, their relations, and how many closures of each kind
+/// have some of these; zeros where it has none. And the patches that are left out already, which allowing it
+/// would bring back.
 std::string robot_preview(const ShownMap& shown, const std::string& robot);
 
 }  // namespace isthmus

@@ -150,6 +150,7 @@ Json closure_json(const ShownMap& shown, const ClosureRecord& closure, const Clo
           {"kind", std::string(word(closure.kind))},
           {"state", std::string(word(closure.state))},
           {"reason", std::string(word(closure.reason))},
+          {"forbidden", std::ranges::binary_search(shown.map().forbidden, closure.id)},
           {"robots", closure.robots},
           {"patches", closure.patches_touched},
           {"steps", closure.work_steps},
@@ -166,15 +167,15 @@ std::string robots_text(const Trails& trails, const ShownMap& shown) {
   Json robots = Json::array();
   for (const auto& [name, robot] : trails.robots()) {
     const RobotPose& newest = robot.newest;
-    // A patch of the newest pose may be newer than the map that is shown.
     if (is_left_out(shown.map(), newest.pose.patch)) continue;
+    // A patch of the newest pose may be newer than the map that is shown.
     const bool is_shown = shown.has(newest.pose.patch);
     robots.push_back(
         {{"name", name},
          {"time", as_seconds(newest.utime)},
          {"matched", newest.matched},
-         {"at", is_shown ? pose_json(shown, newest.pose) : pose_json(newest.island, newest.map_from_robot)}});
          {"heard", robot.heard},
+         {"at", is_shown ? pose_json(shown, newest.pose) : pose_json(newest.island, newest.map_from_robot)}});
   }
   return line(robots);
 }
@@ -295,8 +296,8 @@ std::string status_text(const ShownMap& shown) {
                {"latency_p99_ms", to_millimetres(1e3 * shown.view.latency_p99_s)},
                {"frozen", shown.view.frozen},
                {"robots", robots_json(shown)},
-               {"left_out", left_out_robots(shown.map())},
                {"colours", colours_json(shown)},
+               {"left_out", left_out_robots(shown.map())},
                {"warnings", warnings_json(status)}});
 }
 

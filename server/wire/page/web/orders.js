@@ -2,6 +2,8 @@
 
 import { isSimple, pointsInPatches } from "./drawing.js";
 import { keyOf, signedOrder } from "./sign.js";
+import { fetched } from "./stream.js";
+import { counted } from "./words.js";
 
 const WORDS = {
   unsigned: "this server takes signed orders only",
@@ -10,7 +12,7 @@ const WORDS = {
   replayed: "an order with a later time has been taken already",
   not_accepted: "it is not accepted (any more)",
   no_such_closure: "there is no such closure",
-  not_forbidden: "it is not forbidden",
+  not_forbidden: "it is not forbidden (any more)",
   not_dropped: "the robot is not dropped",
   unknown_robot: "there is no such robot",
   frozen: "the map is frozen",
@@ -29,8 +31,6 @@ const WORDS = {
 };
 
 const element = (id) => document.getElementById(id);
-
-const counted = (number, one, many = `${one}s`) => `${number} ${number === 1 ? one : many}`;
 
 /** What an island comes to, from least to most: the sizes of its parts. */
 function partsText(least, most) {
@@ -52,7 +52,7 @@ function withdrawalLines(preview) {
 }
 
 async function preview(query) {
-  const answer = await fetch(`preview?${new URLSearchParams(query)}`);
+  const answer = await fetched(`preview?${new URLSearchParams(query)}`);
   return answer.ok ? answer.json() : null;
 }
 
@@ -72,20 +72,50 @@ function drawnLines(drawn) {
   return lines;
 }
 
-async function linesOf(order) {
+const listed = (words) => (words.length < 2 ? words.join("") : `${words.slice(0, -1).join(", ")} and ${words.at(-1)}`);
+
+/** What dropping a robot's data would change. */
+function dropLines({ robot, patches, relations, closures }) {
+  const onwards = `What ${robot} sends from now on begins an island of its own.`;
+  if (patches === 0) return [`${robot} has contributed nothing yet.`, onwards];
+  const lines = [`Leaves out ${counted(patches, "patch", "patches")} and ${counted(relations, "relation")}.`];
+  const kinds = Object.entries(closures).map(([kind, count]) => counted(count, kind));
+  if (kinds.length > 0) lines.push(`Relations are lost by ${listed(kinds)}: what they hold together may part.`);
+  return [...lines, onwards, "All of it comes back once the robot is allowed again."];
+}
+
+/** What comes back with a robot's data. */
+const allowedRobotLines = ({ left_out }) => [
+  `Brings back ${counted(left_out, "patch", "patches")}, with all relations that were taken out.`, "Their islands are fitted once more."];
+
+/** What speaks for a closure, as far as it is told by sightings. */
+function sightingsText(sightings) {
+  const count = Object.values(sightings).reduce((sum, one) => sum + one, 0);
+  return count > 0 ? counted(count, "sighting") : "what was found in scans";
+}
+
+const forbidLines = ({ kind, sightings }) => ["The map stays as it is: nothing of this rests on it.",
+  `What speaks for it (${sightingsText(sightings)}) is refused, and so is whatever proposes the same ${kind} again, until it is allowed.`];
+
+const allowLines = ({ kind, sightings }) => ["The map stays as it is at first.",
+  `What speaks for it (${sightingsText(sightings)}) is looked at again: the ${kind} is accepted if it passes a trial.`];
+
+const refineLines = (status) => [`All ${status ? counted(status.patches, "patch", "patches") : "patches"} are matched with their neighbours ` +
+  "once more, and each island is fitted to all its relations.", "No closure is accepted or withdrawn by that, and no robot need stop."];
+
+/** Lines of what a preview says; where there is none, that. */
+async function previewed(query, lines) {
+  const changes = await preview(query);
+  return changes ? lines(changes) : ["The server has no preview of that: it may have changed meanwhile."];
+}
+
+const OF_CLOSURES = { withdraw: withdrawalLines, forbid: forbidLines, allow: allowLines };
+const OF_ROBOTS = { drop: dropLines, allow: allowedRobotLines };
+
+async function linesOf(order, status) {
   if (order.verb === "erase") return ["Paths heed it no longer."];
-  if (order.verb === "withdraw") {
-    const changes = await preview({ closure: order.closure });
-    return changes ? withdrawalLines(changes) : [];
-  }
-  if (order.verb === "drop") {
-    const changes = await preview({ robot: order.robot });
-    return changes ? [`Leaves out ${counted(changes.patches, "patch", "patches")} and ${counted(changes.relations, "relation")}.`,
-      "What the robot sends from now on is left out too, until it is allowed again."] : [];
-  }
-  if (order.verb === "forbid") return ["It will not be accepted, however it is found again, until it is allowed."];
-  if (order.verb === "refine") return ["The whole map is fitted once more."];
-  return order.robot ? ["What the robot sends from now on is taken again."] : ["It may be accepted again, if it is found again."];
+  if (order.verb === "refine") return refineLines(status);
+  return order.robot ? previewed({ robot: order.robot }, OF_ROBOTS[order.verb]) : previewed({ closure: order.closure }, OF_CLOSURES[order.verb]);
 }
 
 const titleOf = (order) => {
@@ -113,7 +143,7 @@ function bodyOf(order, about) {
 async function send(order, about) {
   try {
     const { body, type } = bodyOf(await order(), about);
-    const answer = await fetch("command", { method: "POST", body, headers: { "Content-Type": type } });
+    const answer = await fetched("command", { method: "POST", body, headers: { "Content-Type": type } });
     const content = await answer.json();
     return answer.ok ? { done: true, words: "Done." } : { done: false, words: `Refused: ${WORDS[content.error] ?? content.error}.` };
   } catch (error) {
@@ -150,10 +180,12 @@ export function askDrawn(drawn, about, gone) {
   showLines(drawnLines(drawn));
 }
 
-/** Asks whether an order is meant, with what it will change; sends it if so. */
-export async function ask(order, about) {
+/** Asks whether an order is meant, with what it will change; sends it if so. `status`: of the server, if it has told. */
+export async function ask(order, about, status) {
   open(titleOf(order), about, () => order, () => {});
-  showLines(await linesOf(order));
+  const asked = element("dialog-title").textContent;
+  const lines = await linesOf(order, status).catch(({ message }) => [`It is not known what this changes: ${message}.`]);
+  if (element("dialog-title").textContent === asked) showLines(lines);
 }
 
 function showLines(lines) {

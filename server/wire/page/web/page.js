@@ -131,7 +131,7 @@ class Page {
   }
 
   order(order) {
-    ask(order, this.about);
+    ask(order, this.about, this.status);
   }
 
   askDrawn(drawn) {

@@ -2,7 +2,7 @@
 // button does not move away under the pointer.
 
 import { ofRobot } from "./colours.js";
-import { OF_ORDERS } from "./words.js";
+import { counted, OF_ORDERS, ofReason } from "./words.js";
 
 const element = (id) => document.getElementById(id);
 
@@ -119,22 +119,30 @@ export function showAnnotations(annotations, acts) {
   });
 }
 
+/** An island's files have its id in their names: which island is the largest may change while the list is looked at. */
 export function showDownloads(islands) {
   const ranked = islands.filter(({ rank }) => rank >= 0).sort((a, b) => a.rank - b.rank).slice(0, 20);
-/** An island's files have its id in their names: which island is the largest may change while the list is looked at. */
   const link = (id, suffix, text) => made("a", { href: `download/island-${id}${suffix}`, textContent: text });
   bring(element("downloads"), ranked, ({ id }) => id, ({ id }) => made("li", {}, `island ${id}: `, link(id, ".png", "grid"), " ",
     link(id, ".yaml", "YAML"), " · floor plan ", link(id, "-plan.svg", "SVG"), " ", link(id, "-plan.dxf", "DXF"), " ",
     link(id, "-plan.geojson", "GeoJSON")), () => {});
 }
 
-const ACTS = { accepted: ["withdraw"], waiting: ["forbid"], refused: ["forbid", "allow"], withdrawn: ["allow"] };
+/** What may be ordered of a closure. */
+const actOf = ({ state, forbidden }) => (state === "accepted" ? "withdraw" : forbidden ? "allow" : "forbid");
+
+/** `on_trial` is what is said of its state. */
+const stateText = ({ state, reason }) => (reason === "on_trial" ? "on trial" : state);
 
 function closureText(closure) {
   const words = [];
-  if (closure.reason) words.push(closure.reason.replaceAll("_", " "));
-  if (closure.state === "accepted") words.push(`${closure.relations} relations, ${closure.patches} patches touched`);
-  else if (closure.steps > 0) words.push(`${closure.steps} steps tried`);
+  if (closure.reason && closure.reason !== "on_trial") words.push(ofReason(closure.reason));
+  if (closure.state === "accepted") {
+    words.push(counted(closure.relations, "relation"));
+    if (closure.patches > 0) words.push(`${counted(closure.patches, "patch", "patches")} touched`);
+  } else if (closure.steps > 0) {
+    words.push(`${counted(closure.steps, "step")} tried`);
+  }
   return words.join("; ");
 }
 
@@ -182,9 +190,9 @@ export function showClosures(closures, order, show) {
     evidence.dataset.seen = seen;
     tell(head.firstChild, `${closure.id} ${closure.kind} of ${closure.robots.join(", ")}`);
     head.lastChild.className = closure.state;
-    tell(head.lastChild, closure.reason === "on_trial" ? "on trial" : closure.state);
+    tell(head.lastChild, stateText(closure));
     tell(more, closureText(closure));
-    bring(acts, ACTS[closure.state], (verb) => verb, (verb) => {
+    bring(acts, [actOf(closure)], (verb) => verb, (verb) => {
       const button = made("button", { type: "button", className: "order", textContent: verb[0].toUpperCase() + verb.slice(1) });
       button.onclick = () => order({ verb, closure: closure.id });
       return button;

@@ -35,3 +35,12 @@ export function listen(topics, handlers, onLink) {
   };
   open();
 }
+
+/** As `fetch`; where there is no server it says so in words. */
+export async function fetched(path, options) {
+  try {
+    return await fetch(path, options);
+  } catch {
+    throw new Error("the server does not answer");
+  }
+}

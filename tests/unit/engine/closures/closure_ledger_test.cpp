@@ -127,8 +127,10 @@ TEST(ClosureLedger, AllowsWithAClosureWhatScansWereRefusedForItsSake) {
   forbidden.forbidden = true;
   for (int i = 1; i < 3; ++i) ledger.enter(draft_of(ledger.take_id(), true));
   ledger.at(ClosureId{2}).forbidden_as = ClosureId{0};
+  EXPECT_EQ(ledger.forbidden(), (std::vector<ClosureId>{ClosureId{0}})) << "not what says the same";
   ledger.allow(forbidden);
   EXPECT_FALSE(forbidden.forbidden);
+  EXPECT_TRUE(ledger.forbidden().empty());
   EXPECT_EQ(forbidden.record.reason, Reason::allowed_again);
   EXPECT_FALSE(ledger.at(ClosureId{2}).forbidden_as.valid());
   const std::vector<ClosureOutcome> rulings = ledger.take_outcomes();

@@ -58,14 +58,32 @@ TEST(Preview, WhatWasMatchedOnceTheyHadMergedMayHoldThemTogetherOrNot) {
   EXPECT_EQ(preview.at("parts_at_most"), Json({3, 2}));
 }
 
-TEST(Preview, ThereIsNoneOfAClosureOrRobotThatIsNotThere) {
+TEST(Preview, ThereIsNoneOfAClosureThatIsNotThere) {
   EXPECT_EQ(closure_preview(shown_of(merged_map()), ClosureId{5}), "");
-  EXPECT_EQ(robot_preview(shown_of(merged_map()), "R2"), "");
 }
 
-TEST(Preview, ADroppedRobotTakesItsPatchesAndTheirRelations) {
-  EXPECT_EQ(Json::parse(robot_preview(shown_of(merged_map()), "R1")),
-            Json({{"robot", "R1"}, {"patches", 5}, {"relations", 4}}));
+TEST(Preview, ARobotWithoutPatchesHasContributedNothing) {
+  EXPECT_EQ(Json::parse(robot_preview(shown_of(merged_map()), "R2")), Json({{"robot", "R2"},
+                                                                            {"patches", 0},
+                                                                            {"left_out", 0},
+                                                                            {"relations", 0},
+                                                                            {"closures", Json::object()}}));
+}
+
+TEST(Preview, OfADroppedRobotItTellsWhatWouldComeBack) {
+  MapCopy map = map_of_islands({{{0, 0, 0}}, {{3, 0, 0}, {3.5, 0, 0}}});
+  map.left_out = {PatchId{0}};
+  const Json preview = Json::parse(robot_preview(shown_of(map), "R1"));
+  EXPECT_EQ(preview.at("left_out"), 1);
+  EXPECT_EQ(preview.at("patches"), 2) << "what it has sent since";
+}
+
+TEST(Preview, ADroppedRobotTakesItsPatchesTheirRelationsAndWhatTheseHoldTogether) {
+  EXPECT_EQ(Json::parse(robot_preview(shown_of(merged_map()), "R1")), Json({{"robot", "R1"},
+                                                                            {"patches", 5},
+                                                                            {"left_out", 0},
+                                                                            {"relations", 4},
+                                                                            {"closures", {{"merge", 1}}}}));
 }
 
 }  // namespace

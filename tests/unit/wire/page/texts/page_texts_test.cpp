@@ -98,9 +98,12 @@ TEST(PageTexts, ClosuresComeNewestFirstWithTheirRelations) {
     record.state = i == 0 ? ClosureState::waiting : ClosureState::accepted;
     map.closures.push_back(record);
   }
+  map.forbidden = {ClosureId{0}};
   const Json closures = Json::parse(closures_text(shown_of(map)));
   ASSERT_EQ(closures.size(), 2U);
   EXPECT_EQ(closures[0].at("id"), 1);
+  EXPECT_EQ(closures[0].at("forbidden"), false);
+  EXPECT_EQ(closures[1].at("forbidden"), true);
   EXPECT_EQ(closures[0].at("relations"), 1);
   EXPECT_EQ(closures[1].at("state"), "waiting");
 }
