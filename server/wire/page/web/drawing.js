@@ -1,10 +1,12 @@
 // Places and zones, and where a robot is: drawn on the map with the pointer, and what the server is told of it.
 
 import { readPatches } from "./patches.js";
+import { fetched } from "./stream.js";
 
 /** A click so near the first corner ends a zone; a corner so near is taken hold of. */
 const NEAR_PIXELS = 10;
 const MOST_CORNERS = 64;
+const LEAST_CORNERS = 3;
 
 const element = (id) => document.getElementById(id);
 
@@ -65,10 +67,16 @@ export class Drawing {
     this.page.map.doubleClickZoom.disable();
     if (!corners) this.page.map.dragging.disable();
     element("hint").hidden = false;
-    element("hint-text").textContent = HINTS[corners ? "zone" : kind];
+    this.hint();
     element("hint-end").hidden = !corners;
     this.page.map.getContainer().classList.add("drawing");
     this.page.overlay.redraw();
+  }
+
+  /** Says why something was not done; nothing: how to draw. */
+  hint(why = "") {
+    element("hint").classList.toggle("refusal", why !== "");
+    element("hint-text").textContent = why || HINTS[this.now.corners ? "zone" : this.now.kind];
   }
 
   cancel() {
@@ -82,23 +90,37 @@ export class Drawing {
 
   end() {
     const drawn = this.now;
-    if (!drawn || (drawn.corners && drawn.points.length < 3)) return;
+    if (!drawn) return;
+    if (drawn.corners && drawn.points.length < LEAST_CORNERS)
+      return void this.hint(`A zone needs three corners: this one has ${drawn.points.length || "none"} so far.`);
     this.cancel();
     this.finished(drawn);
+  }
+
+  /** How far a place of the screen is from an island's box, metres; 0: in it. */
+  distance({ id, box }, latlng) {
+    const [ox, oy] = this.page.scene.offsets.get(id);
+    const [x, y] = [latlng.lng - ox, latlng.lat - oy];
+    return Math.max(box[0] - x, x - box[2], box[1] - y, y - box[3], 0);
   }
 
   /** A point of the screen in the plane of the island that is being drawn on, or that lies there. */
   pointAt(latlng) {
     const { scene } = this.page;
-    const within = ({ id, box }) => {
-      const [ox, oy] = scene.offsets.get(id);
-      const [x, y] = [latlng.lng - ox, latlng.lat - oy];
-      return Math.max(box[0] - x, x - box[2], box[1] - y, y - box[3], 0);
-    };
-    const nearest = [...scene.islands].sort((a, b) => within(a) - within(b))[0];
+    const nearest = [...scene.islands].sort((a, b) => this.distance(a, latlng) - this.distance(b, latlng))[0];
     this.now.island ??= nearest?.id ?? null;
     const offset = scene.offsets.get(this.now.island);
     return offset ? [latlng.lng - offset[0], latlng.lat - offset[1]] : null;
+  }
+
+  /** Another island than that of the drawing, where a place of the screen is on one; it is said that a corner cannot be there. */
+  isElsewhere(latlng) {
+    const { islands } = this.page.scene;
+    const own = islands.find(({ id }) => id === this.now.island);
+    if (!own || this.distance(own, latlng) === 0) return false;
+    const other = islands.find((island) => this.distance(island, latlng) === 0);
+    if (other) this.hint(`That is on island ${other.id}, and the zone on island ${own.id}: all its corners are on one island.`);
+    return other !== undefined;
   }
 
   /** Which corner is at a place of the screen; -1: none. */
@@ -112,10 +134,12 @@ export class Drawing {
   click(event) {
     if (!this.now?.corners || this.moved) return;
     const corner = this.cornerAt(event.containerPoint);
-    if (corner === 0 && this.now.points.length >= 3) return void this.end();
+    if (corner === 0 && this.now.points.length >= LEAST_CORNERS) return void this.end();
+    if (this.isElsewhere(event.latlng)) return;
     const point = this.pointAt(event.latlng);
     if (corner >= 0 || !point || this.now.points.length >= MOST_CORNERS) return;
     this.now.points.push(point);
+    this.hint();
     this.page.overlay.redraw();
   }
 
@@ -140,10 +164,21 @@ export class Drawing {
     this.now.pointer = point;
     if (this.held >= 0 && point) {
       this.moved = true;
-      if (this.now.corners) this.now.points[this.held] = point;
-      else this.now.points[0][2] = Math.atan2(point[1] - this.now.points[0][1], point[0] - this.now.points[0][0]);
+      if (!this.now.corners) this.turn(point);
+      else if (!this.isElsewhere(event.latlng)) this.moveCorner(point);
     }
     this.page.overlay.redraw();
+  }
+
+  moveCorner(point) {
+    this.now.points[this.held] = point;
+    this.hint();
+  }
+
+  /** Towards a point: the way that a place or a robot faces. */
+  turn([x, y]) {
+    const [at] = this.now.points;
+    at[2] = Math.atan2(y - at[1], x - at[0]);
   }
 
   release() {
@@ -157,8 +192,8 @@ export class Drawing {
 
 /** The points of a drawing in the frames of the patches nearest to them, as the server has them now. */
 export async function pointsInPatches(drawn) {
-  const answer = await fetch(`patches/${drawn.island}`);
-  if (!answer.ok) throw new Error("the island is not on the map any more");
+  const answer = await fetched(`patches/${drawn.island}`);
+  if (answer.status !== 200) throw new Error("the island is not on the map any more");
   const patches = readPatches(await answer.arrayBuffer());
   const points = drawn.points.map((point) => inNearestPatch(patches, point));
   if (points.includes(null)) throw new Error("there are no patches there");
