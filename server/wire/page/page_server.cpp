@@ -82,6 +82,7 @@ class PageServer::Site {
       return route(request, response) ? httplib::Server::HandlerResponse::Handled
                                       : httplib::Server::HandlerResponse::Unhandled;
     });
+    http_.Post("/", [this](const Request& request, Response& response) { enter(request, response); });
     http_.Post("/command", [this](const Request& request, Response& response) { order(request, response); });
     listen();
     model_.bulletin().post("about", about());
@@ -141,13 +142,14 @@ class PageServer::Site {
   /// True: answered. What is posted must be read first.
   bool route(const Request& request, Response& response) {
     const RequestOrigin origin = origin_of(request);
-    if (request.method == "POST" && request.path == "/command") {
-      const bool is_allowed = access_.may_order(origin);
-      if (is_allowed && is_bounded(request)) return false;
-      if (is_allowed) {
-        refuse(response, 411, "an order is sent with its length, and as it is");
-      } else {
+    const bool is_order = request.path == "/command";
+    if (request.method == "POST" && (is_order || request.path == "/")) {
+      if (is_order && !access_.may_order(origin)) {
         refuse(response, 403, "not from here");
+      } else if (!is_bounded(request)) {
+        refuse(response, 411, "what is posted is sent with its length, and as it is");
+      } else {
+        return false;
       }
       return true;
     }
@@ -164,19 +166,28 @@ class PageServer::Site {
     return true;
   }
 
+  /// By the form, or by a link that has the token in it. See Other: what was posted is not sent on.
   void enter(const Request& request, Response& response) {
     const std::string token = request.get_param_value("token");
     if (!access_.is_token(token)) return turn_away(request, response);
     response.set_header("Set-Cookie",
                         std::string(token_cookie) + "=" + token + "; Path=/; HttpOnly; SameSite=Lax");
-    response.set_redirect("/");
+    response.set_redirect("/", 303);
   }
 
   void turn_away(const Request& request, Response& response) const {
     if (!access_.needs_token()) return refuse(response, 403, "this page is served to this machine alone");
-    if (request.path != "/" && request.path != "/token.css") return refuse(response, 401, "token");
-    send_asset(request.path == "/" ? "/token.html" : request.path, response);
-    if (request.path == "/") response.status = 401;
+    if (request.path == "/") return ask_for_token(response, request.has_param("token"));
+    if (request.path != "/token.css") return refuse(response, 401, "token");
+    send_asset(request.path, response);
+  }
+
+  static void ask_for_token(Response& response, bool was_wrong) {
+    std::string form(find_asset("/token.html")->bytes);
+    constexpr std::string_view place = "<!-- wrong -->";
+    form.replace(form.find(place), place.size(), was_wrong ? "Wrong token." : "");
+    answer(response, std::make_shared<const std::string>(std::move(form)), "text/html; charset=utf-8");
+    response.status = 401;
   }
 
   static void send_asset(const std::string& path, Response& response) {

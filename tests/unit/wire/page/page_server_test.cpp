@@ -274,10 +274,29 @@ TEST(PageServer, AtAnotherAddressItIsServedToThoseWithTheTokenAlone) {
     EXPECT_EQ(client.Get(path)->status, 401) << path;
   EXPECT_EQ(client.Post("/command", R"({"verb": "refine"})", "application/json")->status, 403);
   const auto entered = client.Get("/?token=0123456789abcdef");
-  EXPECT_EQ(entered->status, 302);
+  EXPECT_EQ(entered->status, 303);
   const std::string cookie = entered->get_header_value("Set-Cookie");
   EXPECT_NE(cookie.find("HttpOnly"), std::string::npos) << cookie;
   EXPECT_EQ(client.Get("/page.js", {{"Cookie", cookie.substr(0, cookie.find(';'))}})->status, 200);
+}
+
+TEST(PageServer, TheFormSendsATokenThatNoAddressHolds) {
+  PageOptions options;
+  options.token = "0123456789abcdef";
+  const PageServer page(options, takes_nothing);
+  httplib::Client client = client_of(page);
+  const auto asked = client.Get("/");
+  EXPECT_NE(asked->body.find("method=\"post\""), std::string::npos);
+  EXPECT_EQ(asked->body.find("Wrong token"), std::string::npos);
+  const auto wrong = client.Post("/", httplib::Params{{"token", "0123456789abcdeF"}});
+  EXPECT_EQ(wrong->status, 401);
+  EXPECT_NE(wrong->body.find("Wrong token."), std::string::npos);
+  EXPECT_FALSE(wrong->has_header("Set-Cookie"));
+  const auto entered = client.Post("/", httplib::Params{{"token", "0123456789abcdef"}});
+  EXPECT_EQ(entered->status, 303);
+  EXPECT_EQ(entered->get_header_value("Location"), "/");
+  EXPECT_NE(entered->get_header_value("Set-Cookie").find("HttpOnly"), std::string::npos);
+  EXPECT_EQ(client.Post("/", {{"Content-Encoding", "gzip"}}, "bytes", "text/plain")->status, 411);
 }
 
 TEST(PageServer, APortThatIsTakenIsAnError) {
