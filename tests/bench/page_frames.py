@@ -83,13 +83,14 @@ class Map:
         if step == 0:
             yield "about", {"run": 1, "signed": False, "types": {}, "cell_m": CELL_M, "tile_cells": TILE_CELLS, "coarsest_zoom": COARSEST_ZOOM}
             yield "status", {"patches": self.patches, "relations": 0, "matched": 1, "islands": 1, "queued": 0, "latency_p99_ms": 1.5, "frozen": False, "recovering": False, "warnings": [], "left_out": [],
-                             "robots": [{"name": name, "scans_per_s": 10, "odometry_per_s": 10, "heard": 0} for name in self.robots]}
+                             "colours": self.robots, "scans": 0, "scans_matched": 0, "time": 0,
+                             "robots": [{"name": name, "scan_hz": 10, "matched": 1, "heard": 0} for name in self.robots]}
             yield "islands", [{"id": 0, "tiles": 1, "map": self.version, "patches": self.patches, "rank": 0, "end": 10 * self.patches,
                                "box": self.box}]
             yield "annotations", [{"kind": "keep_out", "name": f"zone {i}", "max_speed": 0, "island": 0, "moved": 0, "lost": False,
                                    "points": [[40 * i, 40, 0], [40 * i + 20, 40, 0], [40 * i + 20, 80, 0], [40 * i, 80, 0]]}
                                   for i in range(9)]
-            yield "closures", [{"id": i, "kind": "merge" if i % 9 == 0 else "closure", "state": "accepted", "reason": "", "robots": ["R1"], "patches": 9,
+            yield "closures", [{"id": i, "kind": "merge" if i % 9 == 0 else "closure", "state": "accepted", "reason": "", "forbidden": False, "robots": ["R1"], "patches": 9,
                                 "steps": 9, "relations": 9, "trial": None, "start": 0, "end": 1,
                                 "line": [0, *self.position(31 * i % self.patches), *self.position(57 * i % self.patches)]} for i in range(300)]
             share = self.patches // len(self.robots)
@@ -97,7 +98,7 @@ class Map:
         robots = []
         for i, name in enumerate(self.robots):
             x, y = self.position((i * self.patches // len(self.robots) + step) % self.patches)
-            robots.append({"name": name, "time": 0, "matched": True, "at": [0, x, y, 0.1 * step]})
+            robots.append({"name": name, "time": 0, "matched": True, "heard": True, "at": [0, x, y, 0.1 * step]})
         yield "robots", robots
         if step % 5 == 0:  # with each status
             ahead = [[self.position((i * self.patches // len(self.robots) + step + j) % self.patches) for j in range(40)]
@@ -232,6 +233,14 @@ def share(values, part):
     return sorted(values)[min(len(values) - 1, int(part * len(values)))] if values else 0
 
 
+def serve(world, web):
+    """A server of such a map, in a thread of its own."""
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler_of(world, web))
+    server.daemon_threads = True
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    return server
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--patches", type=int, default=10000)
@@ -240,9 +249,7 @@ def main():
     parser.add_argument("--picture", help="file, PNG, of what was on the screen at last")
     arguments = parser.parse_args()
     world = Map(arguments.patches, arguments.robots)
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler_of(world, arguments.web))
-    server.daemon_threads = True
-    threading.Thread(target=server.serve_forever, daemon=True).start()
+    server = serve(world, arguments.web)
     browser = open_browser()
     worst_of_all = 0
     try:

@@ -8,9 +8,9 @@ missing (tools/install-dependencies.sh --browser).
 """
 
 import argparse
+import json
 import math
 import os
-import re
 import secrets
 import shutil
 import subprocess
@@ -22,16 +22,21 @@ import urllib.request
 
 from live import LIMIT_S, Server, free_lcm_port, free_port, lcm_url
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../bench"))
+
 try:
+    import page_frames
     from selenium import webdriver
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.by import By
-except ImportError:
+except (ImportError, SystemExit):  # page_frames.py ends without selenium
     webdriver = None
 
 PLAYED_FASTER = 6
+WEB = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../server/wire/page/web")
+COLOURS = "[...document.querySelectorAll('#robots .robot')].map((one) => one.style.getPropertyValue('--colour'))"
 ARGUMENTS = argparse.Namespace(build=".build/dev", pictures=None)
 
 # How many pixels of the map are painted, sampled; kept for each frame, so that a flicker is seen.
@@ -86,13 +91,10 @@ def open_browser():
     return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
 
 
-class Page(unittest.TestCase):
+class InBrowser(unittest.TestCase):
+    """What tests of a page in a browser need."""
+
     def setUp(self):
-        scratch = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)  # isthmus-snapshot may outlive its server
-        self.addCleanup(scratch.cleanup)
-        self.work = scratch.name
-        self.server = PageServer(self.work)
-        self.addCleanup(self.server.stop)
         self.browser = open_browser()
         self.addCleanup(self.browser.quit)
 
@@ -119,6 +121,24 @@ class Page(unittest.TestCase):
     def click(self, name):
         self.browser.find_element(By.ID, name).click()
 
+    def check_console(self, away=()):
+        """Nothing but orders that were refused, and that the server was away when it was (milliseconds)."""
+        for entry in self.browser.get_log("browser"):
+            was_away = any(begin <= entry["timestamp"] <= end for begin, end in away)
+            was_refused = "/command" in entry["message"] and "409" in entry["message"]
+            if not (entry["source"] == "network" and (was_away or was_refused)):
+                self.fail(f"in the console: {entry}")
+
+
+class Page(InBrowser):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)  # isthmus-snapshot may outlive its server
+        self.addCleanup(scratch.cleanup)
+        self.work = scratch.name
+        self.server = PageServer(self.work)
+        self.addCleanup(self.server.stop)
+        super().setUp()
+
     def islands(self):
         return self.js("window.isthmus?.scene.islands.length ?? 0")
 
@@ -142,17 +162,6 @@ class Page(unittest.TestCase):
         merges = "//ul[@id='closures']/li[contains(., 'merge')]"
         self.browser.find_element(By.XPATH, f"{merges}//button[text()='{button}']").click()
         self.wait_for("what would change is shown", lambda: self.text("dialog-text"))
-
-    def check_console(self, away=()):
-        """Nothing but orders that were refused, that the server was away when it was (milliseconds), and that a tile was
-        gone when it was asked for, as its island had merged."""
-        for entry in self.browser.get_log("browser"):
-            was_away = any(begin <= entry["timestamp"] <= end for begin, end in away)
-            was_refused = "/command" in entry["message"] and "409" in entry["message"]
-            tile = re.search(r"/tile/(\d+)/.* 404 ", entry["message"])
-            was_gone = tile and not self.js(f"isthmus.scene.offsets.has({tile[1]})")
-            if not (entry["source"] == "network" and (was_away or was_refused or was_gone)):
-                self.fail(f"in the console: {entry}")
 
     def test_islands_merge_and_part_on_the_screen_and_the_page_outlives_a_restart(self):
         self.server.start("--segment-mb", "0.1")
@@ -178,10 +187,15 @@ class Page(unittest.TestCase):
         self.ask_for_a_path()
         self.look_at_the_past()
         self.look_at_the_map_as_it_was()
-        self.download()
-        self.check_console()  # while the island is gone whose tiles are
+        self.check_closures()
+        self.check_console()
         self.withdraw_the_merge()
+        self.check_closures()
+        self.download()
+        self.keep_a_zone_on_one_island()
         self.erase_the_zone()
+        self.drop_a_robot()
+        self.check_console()
         self.restart()
 
     def check_no_flicker(self):
@@ -390,13 +404,90 @@ class Page(unittest.TestCase):
         self.click("time-now")
         self.wait_for("the map is as it is", lambda: self.js("isthmus.view === isthmus"))
 
+    def fetch(self, name):
+        with urllib.request.urlopen(f"http://127.0.0.1:{self.server.port}/download/{name}", timeout=LIMIT_S) as answer:
+            self.assertIn(name, answer.headers["Content-Disposition"])
+            return answer.read()
+
     def download(self):
-        for name, begin in (("island-0.png", b"\x89PNG"), ("island-0.yaml", b"image: island-0.png"), ("island-0-plan.svg", b"<"),
-                            ("island-0-plan.geojson", b"{"), ("report.json", b"{"), ("places.geojson", b"{")):
-            with urllib.request.urlopen(f"http://127.0.0.1:{self.server.port}/download/{name}", timeout=LIMIT_S) as answer:
-                self.assertTrue(answer.read().startswith(begin), name)
-                self.assertIn(name, answer.headers["Content-Disposition"])
-        self.assertIn("floor plan", self.text("downloads"))
+        """Each of the islands by its id, whichever is the larger."""
+        rows = self.js("""[...document.querySelectorAll("#downloads li")].map((row) =>
+            [row.textContent, ...[...row.querySelectorAll("a")].map((link) => link.getAttribute("href"))])""")
+        islands = self.js("isthmus.scene.islands.map(({id}) => id)")
+        self.assertEqual(len(islands), 2)
+        self.assertCountEqual([row[0].split(":")[0] for row in rows], [f"island {island}" for island in islands])
+        for text, *links in rows:
+            island = text.split(":")[0].split()[1]
+            self.assertEqual(links, [f"download/island-{island}{suffix}" for suffix in (".png", ".yaml", "-plan.svg", "-plan.dxf", "-plan.geojson")])
+            for suffix, begin in ((".png", b"\x89PNG"), (".yaml", f"image: island-{island}.png".encode()), ("-plan.svg", b"<"),
+                                  ("-plan.geojson", b"{")):
+                self.assertTrue(self.fetch(f"island-{island}{suffix}").startswith(begin), suffix)
+        places = json.loads(self.fetch("places.geojson"))
+        of_page = {one["name"]: one["island"] for one in self.js("isthmus.annotations")}
+        self.assertEqual({one["properties"]["name"]: one["properties"]["island"] for one in places["features"]}, of_page)
+        self.assertTrue(self.fetch("report.json").startswith(b"{"))
+
+    def check_closures(self):
+        """What the server would refuse is not offered, and what is told of them is told in words."""
+        told, rows = self.js("""[isthmus.closures, [...document.querySelectorAll("#closures > li")].map((row) => [row.dataset.key,
+            row.textContent, [...row.querySelectorAll("button.order")].map((button) => button.textContent)])]""")
+        closures = {str(one["id"]): one for one in told}
+        self.assertGreater(len(rows), 0)
+        for key, text, buttons in rows:
+            one = closures[key]
+            self.assertEqual(buttons, ["Withdraw" if one["state"] == "accepted" else "Allow" if one["forbidden"] else "Forbid"], text)
+            for wrong in ("1 patches", "1 relations", "1 steps", " 0 patches", "map changed", "on trialon trial"):
+                self.assertNotIn(wrong, text.replace("11 ", "12 "))
+
+    def hint(self):
+        return self.text("hint-text")
+
+    def keep_a_zone_on_one_island(self):
+        """Its corners are all on the island of the first; and it has three at least."""
+        middle = """(() => {
+            const [x0, y0, x1, y1] = isthmus.scene.islands[%d].box, [ox, oy] = isthmus.scene.offsets.get(isthmus.scene.islands[%d].id);
+            const at = isthmus.map.latLngToContainerPoint([(y0 + y1) / 2 + oy, (x0 + x1) / 2 + ox]);
+            return [Math.round(at.x - isthmus.map.getSize().x / 2), Math.round(at.y - isthmus.map.getSize().y / 2)];
+        })()"""
+        self.click("fit")
+        (x, y), other = self.js(middle % (0, 0)), self.js(middle % (1, 1))
+        self.click("draw-keep_out")
+        self.click_map((x, y), (x + 40, y))
+        self.click("hint-end")
+        self.assertEqual(self.hint(), "A zone needs three corners: this one has 2 so far.")
+        self.click_map(other)
+        self.picture("other_island")
+        self.assertIn("all its corners are on one island", self.hint())
+        self.assertEqual(self.js("isthmus.drawing.now.points.length"), 2)
+        self.click_map((x + 40, y + 40))
+        self.assertTrue(self.hint().startswith("Click the corners"))
+        self.drag((x + 40, y + 40), other)
+        self.assertIn("all its corners are on one island", self.hint())
+        self.assertLess(abs(self.js("isthmus.drawing.now.points[2][0] - isthmus.drawing.now.points[1][0]")), 40 * 0.2,
+                        "the corner has stayed on its island")
+        self.click("hint-cancel")
+
+    def drop_a_robot(self):
+        """What goes with it is told before; it is off the map then, and said so, until it is allowed again."""
+        row = "//tbody[@id='robots']/tr[contains(., 'R2')]"
+        marks = "isthmus.robots.map(({name}) => name)"
+        self.browser.execute_script("isthmus.order({verb: 'drop', robot: 'R9'})")
+        self.wait_for("it is said that there is nothing", lambda: "R9 has contributed nothing yet." in self.text("dialog-text"))
+        self.click("dialog-no")
+        closures = self.js("isthmus.closures.filter(({relations, robots}) => relations > 0 && robots.includes('R2')).length")
+        for button, done in (("Drop", lambda: self.js(marks) == ["R1"] and "dropped" in self.text("robots")),
+                             ("Allow", lambda: self.js(marks) == ["R1", "R2"] and "dropped" not in self.text("robots"))):
+            self.browser.find_element(By.XPATH, f"{row}//button[text()='{button}']").click()
+            self.wait_for("it is said what changes", lambda: "patches" in self.text("dialog-text"))
+            self.picture(f"robot_{button}")
+            if button == "Drop" and closures > 0:
+                self.assertRegex(self.text("dialog-text"), r"Relations are lost by \d+ (closure|merge)")
+            self.click("dialog-yes")
+            self.wait_for("the server has answered", lambda: self.text("dialog-answer"))
+            self.assertEqual(self.text("dialog-answer"), "Done.")
+            self.click("dialog-no")
+            self.wait_for(f"it is as after {button}", done)
+            self.picture(f"robot_after_{button}")
 
     def erase_the_zone(self):
         """Drawn on the merged map, it lies on one of the two islands."""
@@ -423,14 +514,25 @@ class Page(unittest.TestCase):
     def restart(self):
         begin = 1000 * time.time()
         self.browser.execute_script("window.isTheSamePage = true")
+        colours = self.js(COLOURS)
         self.server.stop()
         self.wait_for("the page says that the server is away", lambda: self.text("link") == "reconnecting")
+        self.browser.execute_script("isthmus.order({verb: 'refine'})")
+        self.click("dialog-yes")
+        self.wait_for("it is said why nothing is sent", lambda: self.text("dialog-answer") == "Not sent: the server does not answer.")
+        self.click("dialog-no")
         self.server.start()
         self.wait_for("the page is live again", lambda: self.text("link") == "live")
         self.wait_for("both islands are there", lambda: self.islands() == 2)
         self.wait_for("the withdrawal has stayed", lambda: "withdrawn" in self.text("closures"))
         self.wait_for("the place has stayed", lambda: "Dock 1" in self.text("annotations"))
         self.assertTrue(self.js("window.isTheSamePage"))
+        self.wait_for("robots are where they were last", lambda: self.js("isthmus.robots.length") == 2)
+        self.assertFalse(self.js("isthmus.robots.some(({heard}) => heard)"))
+        self.assertGreater(self.js("Math.min(...Object.values(isthmus.trails).map((steps) => steps.length))"), 3)
+        self.wait_for("it is said that they are not heard", lambda: self.text("robots").count("not heard since the server's start") == 2)
+        self.assertEqual(self.js(COLOURS), colours)
+        time.sleep(0.5)
         self.picture("restarted")
         self.check_console([(begin, 1000 * time.time())])
 
@@ -441,7 +543,8 @@ class Page(unittest.TestCase):
         self.server.start("--frozen")
         self.open_page()
         self.play(faster=1)
-        self.wait_for("R1 drives on the map", lambda: "scans/s" in self.text("robots") and self.js("isthmus.robots.length") == 2)
+        self.wait_for("R1 drives on the map", lambda: "scans/s" in self.text("robots") and self.js(
+            "isthmus.robots.filter(({heard}) => heard).length") == 2)
         self.assertEqual(self.text("annotations") + self.text("no-annotations"), "none yet")
         orders = "[...document.querySelectorAll('button.order')]"
         self.assertGreater(self.js(f"{orders}.length"), 5)
@@ -508,6 +611,82 @@ class Page(unittest.TestCase):
         for order, reason in ((zone, "unknown_patch"), ('{verb: "erase", name: "Ramp"}', "no_such_name"), (pose, "unknown_robot")):
             self.assertEqual(self.refusal_of_signed(order, "ALICE", key), reason)
             self.assertEqual(self.refusal_of_signed(order, "ALICE", secrets.token_hex(32)), "forged")
+
+    def test_the_page_is_entered_with_a_token_that_no_address_holds(self):
+        path = os.path.join(self.work, "token")
+        token = secrets.token_hex(16)
+        with open(path, "w", encoding="ascii", opener=lambda name, flags: os.open(name, flags, 0o600)) as file:
+            file.write(token)
+        self.server.start("--http-token-file", path)
+        self.browser.get(f"http://127.0.0.1:{self.server.port}/")
+        self.assertNotIn("Wrong", self.browser.page_source)
+        for given in (secrets.token_hex(16), token):
+            self.browser.find_element(By.ID, "token").send_keys(given, Keys.ENTER)
+            if given != token:
+                self.wait_for("it is said", lambda: "Wrong token." in self.browser.find_element(By.TAG_NAME, "form").text)
+                self.picture("wrong_token")
+            self.assertNotIn(given, self.browser.current_url)
+        self.wait_for("the page is live", lambda: self.js("document.getElementById('link')?.textContent") == "live")
+
+
+class LargePage(InBrowser):
+    """A map that is made up: as many robots and patches as the page is made for."""
+
+    ROBOTS, PATCHES = 100, 10000
+
+    def setUp(self):
+        super().setUp()
+        self.server = page_frames.serve(page_frames.Map(self.PATCHES, self.ROBOTS), WEB)
+        self.addCleanup(self.server.server_close)
+        self.addCleanup(self.server.shutdown)
+
+    def painted(self, layer):
+        """How many pixels of a canvas above the tiles are."""
+        return self.js(f"""(() => {{
+            const of = isthmus.overlay.{layer}, canvas = of.canvas ?? of.shown;
+            const bytes = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+            let painted = 0;
+            for (let i = 3; i < bytes.length; i += 4) painted += bytes[i] > 0 ? 1 : 0;
+            return painted;
+        }})()""")
+
+    def check_labels(self, labels, least):
+        """There are some, and none covers another."""
+        self.assertGreaterEqual(len(labels), least)
+        for i, a in enumerate(labels):
+            for b in labels[:i]:
+                self.assertTrue(a["left"] >= b["left"] + b["width"] or b["left"] >= a["left"] + a["width"] or
+                                abs(a["baseline"] - b["baseline"]) >= 13, f"{a} {b}")
+
+    def test_a_hundred_robots_and_ten_thousand_patches_are_drawn_and_go_on(self):
+        self.browser.get(f"http://127.0.0.1:{self.server.server_address[1]}/")
+        self.wait_for("the page is live", lambda: self.text("link") == "live")
+        self.wait_for("all robots are there", lambda: self.js("window.isthmus?.robots.length") == self.ROBOTS)
+        self.click("show-trails")
+        self.click("show-closures")
+        self.click("show-annotations")
+        self.click("show-exploration")
+        self.wait_for("nothing is drawn", lambda: self.js("isthmus.overlay.still.isWhole") and self.painted("still") == 0)
+        self.click("show-patches")
+        self.wait_for("the patches are there", lambda: self.js("isthmus.patches.of(0)?.x.length") == self.PATCHES)
+        self.wait_for("they are drawn", lambda: self.js("isthmus.overlay.still.isWhole") and self.painted("still") > self.PATCHES)
+        self.assertGreater(self.painted("moving"), 50 * self.ROBOTS)
+        self.check_labels(self.js("isthmus.overlay.labels"), 30)
+        self.picture("large")
+        for _ in range(3):
+            before = self.js("isthmus.robots.map(({at}) => at)")
+            self.wait_for("robots have moved", lambda at=before: self.js("isthmus.robots.map(({at}) => at)") != at)
+        self.assertEqual(self.js("document.querySelectorAll('#robots tr').length"), self.ROBOTS)
+        self.check_console()
+
+    def test_names_of_robots_that_stand_together_do_not_cover_one_another(self):
+        self.browser.get(f"http://127.0.0.1:{self.server.server_address[1]}/")
+        labels = self.browser.execute_async_script("""
+            const [tell] = arguments;
+            import("/marks.js").then(({besideEachOther}) => tell(besideEachOther(
+                ["R1", "R2", "R3", "R4", "R5", "R6"].map((text, i) => ({text, x: 50 + 2 * i, y: 50})), () => 20)));""")
+        self.assertEqual([one["text"] for one in labels], [f"R{i}" for i in range(1, 7)])
+        self.check_labels(labels, 6)
 
 
 if __name__ == "__main__":
