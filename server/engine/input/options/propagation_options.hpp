@@ -74,8 +74,8 @@ struct TrialOptions {
   double log_odds_per_find_cost = 5;
   double log_odds_per_contradiction = 33;
   int even_layered_pairs = 10;
-  double log_odds_per_layered_pair = 0.2;
-  double max_layers_log_odds = 3;
+  double log_odds_per_layered_pair = 0.1;
+  double max_layers_log_odds = 1;
   double agreed_log_odds = 3;
   double lone_log_odds = 2;
   double min_loop_log_odds = 7;
@@ -149,7 +149,8 @@ struct TrialOptions {
            "of patches that contradict one another: so many fewer say nothing");
     option(log_odds_per_layered_pair, "log_odds_per_layered_pair", "log-odds",
            "for a loop, of each more that contradict one another without it and not with it");
-    option(max_layers_log_odds, "max_layers_log_odds", "log-odds", "of that");
+    option(max_layers_log_odds, "max_layers_log_odds", "log-odds",
+           "of that at most: a false loop near the true one may end them as well");
     option(agreed_log_odds, "agreed_log_odds", "log-odds",
            "that what several finds, or sightings, say alike is true, before it is tried: 95 in 100 (281 of "
            "296 loops in simulated and recorded buildings)");

@@ -464,7 +464,7 @@ TEST(TrialByScans, OfALoopThatIsNearlySureEnoughIsAcceptedWhereTheMapHadOnePlace
     its.map.adopt(its.second, poses);
     its.proposal.beyond_covariance = {100, 100, 10};
     const double sum = its.tried().account().log_odds() - its.tried().account().layers_log_odds;
-    its.proposal.prior_log_odds += TrialOptions{}.min_loop_log_odds - 1 - sum;
+    its.proposal.prior_log_odds += TrialOptions{}.min_loop_log_odds - 0.5 - sum;
     const Trial trial = its.tried();
     EXPECT_EQ(trial.accepted(), twice) << word(trial.refusal());
     EXPECT_EQ(trial.undecided(), !twice);
