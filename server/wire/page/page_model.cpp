@@ -1,5 +1,6 @@
 #include "server/wire/page/page_model.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -97,8 +98,7 @@ void PageModel::take(LiveView view) {
   const std::shared_ptr<const ShownMap> before = shown();
   const auto fresh = std::make_shared<const ShownMap>(shown_map(std::move(view), before.get(), ++version_));
   tiles_.update(fresh->map());
-  // On a finished map a robot may be anywhere until it is found.
-  if (!before && !fresh->view.frozen) trails_.add_from_map(trails_of(*fresh));
+  follow_drops(*fresh, !before);
   std::vector<reply_t> replies;
   std::optional<TeamGoals> team;
   {
@@ -110,6 +110,17 @@ void PageModel::take(LiveView view) {
   for (const reply_t& reply : replies) asked_.add(reply);
   bulletin_.post("exploration", team ? exploration_text(*team, *fresh) : "null");
   post(*fresh);
+}
+
+/// What a robot drove before it was dropped is not its way any more, on whose patches ever; once it is
+/// allowed again, and when the server has begun, it is where the map has it. On a finished map a robot may be
+/// anywhere until it is found.
+void PageModel::follow_drops(const ShownMap& map, bool is_first) {
+  const std::set<std::string> before = std::exchange(dropped_, left_out_robots(map.map()));
+  for (const std::string& robot : dropped_)
+    if (!before.contains(robot)) trails_.forget(robot);
+  const bool any_is_back = !std::ranges::includes(dropped_, before);
+  if ((is_first || any_is_back) && !map.view.frozen) trails_.add_from_map(trails_of(map));
 }
 
 void PageModel::post(const ShownMap& map) {

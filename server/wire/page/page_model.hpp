@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -51,6 +52,7 @@ class PageModel {
  private:
   void loop(const std::stop_token& stop);
   void take(LiveView view);
+  void follow_drops(const ShownMap& map, bool is_first);
   void post(const ShownMap& map);
 
   std::chrono::milliseconds interval_;
@@ -58,9 +60,10 @@ class PageModel {
   Bulletin bulletin_;
   TileStore tiles_;
   PastMaps past_;
-  Trails trails_;         ///< of the thread
-  Asked asked_;           ///< of the thread
-  std::int64_t version_;  ///< of the thread
+  Trails trails_;                  ///< of the thread
+  std::set<std::string> dropped_;  ///< of the thread: robots
+  Asked asked_;                    ///< of the thread
+  std::int64_t version_;           ///< of the thread
   mutable std::mutex mutex_;
   std::condition_variable_any given_;
   std::vector<RobotPose> poses_;

@@ -51,9 +51,16 @@ std::optional<ManifoldPose> Trails::at(const std::string& robot, std::int64_t ut
   return nearest->pose;
 }
 
+std::set<std::string> left_out_robots(const MapCopy& map) {
+  std::set<std::string> robots;
+  for (const PatchId id : map.left_out) robots.insert(map.patches[static_cast<std::size_t>(id.value)]->robot);
+  return robots;
+}
+
 Trails trails_of(const ShownMap& shown) {
   Trails trails;
   const MapCopy& map = shown.map();
+  const std::set<std::string> dropped = left_out_robots(map);
   if (!map.trajectory) return trails;
   const std::size_t rows = map.trajectory_rows;
   for (const TrajectoryRow& row :
@@ -62,6 +69,7 @@ Trails trails_of(const ShownMap& shown) {
     if (!shown.has(row.patch)) continue;
     RobotPose pose;
     pose.robot = map.sessions.at(static_cast<std::size_t>(row.session)).robot;
+    if (dropped.contains(pose.robot)) continue;
     pose.utime = row.utime;
     pose.island = shown.island(row.patch);
     pose.pose = at;

@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "server/engine/robot/robot_pose.hpp"
@@ -25,6 +26,8 @@ class Trails {
   void add(const RobotPose& pose);
   /// Of robots that have no trail yet, those that are told by the map.
   void add_from_map(Trails of_map);
+  /// As if the robot had never been heard.
+  void forget(const std::string& robot) { robots_.erase(robot); }
   const std::map<std::string, Robot>& robots() const { return robots_; }
 
   /// Where a robot was, as of its pose nearest in time; nothing where that is more than half a second away.
@@ -34,7 +37,11 @@ class Trails {
   std::map<std::string, Robot> robots_;
 };
 
-/// Where robots were last, and the ways that they came there, as the map's trajectory tells.
+/// Robots whose data operators have dropped.
+std::set<std::string> left_out_robots(const MapCopy& map);
+
+/// Where robots were last, and the ways that they came there, as the map's trajectory tells; of none that was
+/// dropped.
 Trails trails_of(const ShownMap& shown);
 
 }  // namespace isthmus

@@ -96,13 +96,6 @@ Json warnings_json(const status_t& status) {
   return warnings;
 }
 
-/// Robots whose patches operators have dropped.
-std::set<std::string> left_out_robots(const MapCopy& map) {
-  std::set<std::string> robots;
-  for (const PatchId id : map.left_out) robots.insert(map.patches[static_cast<std::size_t>(id.value)]->robot);
-  return robots;
-}
-
 Json box_json(const MapBox& box) {
   return Json::array({to_millimetres(box.low.x()), to_millimetres(box.low.y()), to_millimetres(box.high.x()),
                       to_millimetres(box.high.y())});
@@ -167,7 +160,6 @@ std::string robots_text(const Trails& trails, const ShownMap& shown) {
   Json robots = Json::array();
   for (const auto& [name, robot] : trails.robots()) {
     const RobotPose& newest = robot.newest;
-    if (is_left_out(shown.map(), newest.pose.patch)) continue;
     // A patch of the newest pose may be newer than the map that is shown.
     const bool is_shown = shown.has(newest.pose.patch);
     robots.push_back(
@@ -185,7 +177,7 @@ std::string trails_text(const Trails& trails, const ShownMap& shown) {
   for (const auto& [name, robot] : trails.robots()) {
     Json& steps = all[name] = Json::array();
     for (const ManifoldPose& pose : robot.trail) {
-      if (!shown.has(pose.patch) || is_left_out(shown.map(), pose.patch)) continue;
+      if (!shown.has(pose.patch)) continue;
       const Pose at = shown.project(pose);
       steps.push_back(
           Json::array({shown.island(pose.patch).value, to_millimetres(at.x), to_millimetres(at.y)}));

@@ -6,7 +6,7 @@ export const OF_ORDERS = { frontier: "explores", wait: "waits for another", give
 
 /** Of closures, where the server's own words say too little. */
 const OF_REASONS = { map_changed: "the map has changed since: it is tried again on the map as it is",
-  rested_on_another: "what it rested on is withdrawn: it is tried again without", too_little_support: "too little speaks for it as yet",
+  rested_on_another: "what it rested on has been withdrawn", too_little_support: "too little speaks for it as yet",
   forbidden: "forbidden by an operator", allowed_again: "allowed again" };
 
 export const ofReason = (reason) => OF_REASONS[reason] ?? reason.replaceAll("_", " ");

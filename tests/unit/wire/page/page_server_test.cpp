@@ -145,6 +145,20 @@ TEST(PageServer, AfterARestartRobotsAreShownWhereTheMapHasThem) {
   EXPECT_NE(text.find(R"("heard":false,"matched":true,"name":"R1")"), std::string::npos) << text;
 }
 
+TEST(PageServer, ADroppedRobotIsGoneUntilItIsAllowedAgain) {
+  PageServer page({}, takes_nothing);
+  MapCopy map = testing::map_of_a_drive({{0.3, 0.2, 0}, {1, 0.2, 0}});
+  const auto robots = [&](const std::vector<PatchId>& left_out) {
+    map.left_out = left_out;
+    show(page, map);
+    httplib::Client client = client_of(page);
+    return read_events(client, left_out.empty() ? "event: robots\ndata: [{" : "event: robots\ndata: []");
+  };
+  EXPECT_NE(robots({}).find(R"("name":"R1")"), std::string::npos);
+  EXPECT_NE(robots({PatchId{0}}).find("event: robots\ndata: []"), std::string::npos);
+  EXPECT_NE(robots({}).find(R"("name":"R1")"), std::string::npos);
+}
+
 TEST(PageServer, PatchesAreTheSameDeflatedOrNot) {
   PageServer page({}, takes_nothing);
   show(page, testing::map_of_islands({{{0.3, 0.2, 0}, {1, 0.2, 0}}}));

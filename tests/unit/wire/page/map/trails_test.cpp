@@ -81,5 +81,11 @@ TEST(Trails, OfAMapAreTheWaysOfItsSessions) {
   EXPECT_TRUE(trails_of(testing::shown_of(testing::map_of_islands({{{0, 0, 0}}}))).robots().empty());
 }
 
+TEST(Trails, OfAMapAreNotThoseOfRobotsThatWereDropped) {
+  MapCopy map = testing::map_of_a_drive({{0, 0, 0}, {1, 0, 0}});
+  map.left_out = {PatchId{0}};
+  EXPECT_TRUE(trails_of(testing::shown_of(map)).robots().empty());
+}
+
 }  // namespace
 }  // namespace isthmus

@@ -40,15 +40,6 @@ TEST(PageTexts, ARobotIsWhereTheMapHasItsPatchNow) {
   EXPECT_EQ(at(), Json({1, 9.0, 9.0, 0.0})) << "on a patch that the map does not have yet";
 }
 
-TEST(PageTexts, ARobotIsNotShownOnWhatWasDropped) {
-  MapCopy map = map_of_islands({{{0, 0, 0}, {1, 0, 0}}});
-  Trails trails;
-  trails.add(pose_of_r1());
-  map.left_out = {PatchId{1}};
-  EXPECT_EQ(robots_text(trails, shown_of(map)), "[]");
-  EXPECT_EQ(Json::parse(trails_text(trails, shown_of(map))), Json({{"R1", Json::array()}}));
-}
-
 /// R3 was on the map before R2.
 TEST(PageTexts, ARobotThatJoinsTakesNoOthersColour) {
   MapCopy map = map_of_islands({{{0, 0, 0}}});
