@@ -10,18 +10,31 @@
 
 namespace isthmus {
 
+struct HeardServer::Subscription {
+  explicit Subscription(lcm_t* its_link)
+      : link(its_link), handle(lcm_subscribe(link, "ISTHMUS_STATUS", &Subscription::note, this)) {}
+  ~Subscription() { lcm_unsubscribe(link, handle); }
+  Subscription(const Subscription&) = delete;
+  Subscription& operator=(const Subscription&) = delete;
+
+  // Looks at the type only: a message's counts are not to be trusted by a generated decoder.
+  static void note(const lcm_recv_buf_t* buffer, const char*, void* self) noexcept {
+    const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    if (bytes.size() >= 8 && read_int64(bytes) == status_t::getHash())
+      static_cast<Subscription*>(self)->any = true;
+  }
+
+  lcm_t* link;
+  lcm_subscription_t* handle;
+  bool any = false;
+};
+
 HeardServer::HeardServer(lcm::LCM& lcm)
-    : link_(lcm.getUnderlyingLCM()),
-      subscription_(lcm_subscribe(link_, "ISTHMUS_STATUS", &HeardServer::note, this)) {}
+    : subscription_(std::make_unique<Subscription>(lcm.getUnderlyingLCM())) {}
 
-HeardServer::~HeardServer() { lcm_unsubscribe(link_, subscription_); }
+HeardServer::~HeardServer() = default;
 
-// Looks at the type only: a message's counts are not to be trusted by a generated decoder.
-void HeardServer::note(const lcm_recv_buf_t* buffer, const char*, void* self) noexcept {
-  const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
-  if (bytes.size() >= 8 && read_int64(bytes) == status_t::getHash())
-    static_cast<HeardServer*>(self)->any_ = true;
-}
+bool HeardServer::any() const { return subscription_->any; }
 
 std::string silence_text(double waited_s, bool any_server, const std::string& lcm_url) {
   char seconds[32];

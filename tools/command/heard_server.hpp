@@ -1,7 +1,6 @@
 #pragma once
 
-#include <lcm/lcm.h>
-
+#include <memory>
 #include <string>
 
 namespace lcm {
@@ -19,14 +18,11 @@ class HeardServer {
   HeardServer(const HeardServer&) = delete;
   HeardServer& operator=(const HeardServer&) = delete;
 
-  bool any() const { return any_; }
+  bool any() const;
 
  private:
-  static void note(const lcm_recv_buf_t* buffer, const char* channel, void* self) noexcept;
-
-  lcm_t* link_;
-  lcm_subscription_t* subscription_;
-  bool any_ = false;
+  struct Subscription;
+  std::unique_ptr<Subscription> subscription_;
 };
 
 /// What is said where no answer came within a time.
