@@ -72,7 +72,7 @@ TEST(ScenarioFile, RobotsOwnSettingsLieOverThoseOfAll) {
 }
 
 TEST(ScenarioFile, ErrorsNameFileLineAndReason) {
-  EXPECT_EQ(error_with(replaced(small_scenario, "summary", "sumary")).substr(0, 31),
+  EXPECT_EQ(error_with(replaced(small_scenario, "summary", "sumary")).substr(0, 30),
             ":1: unknown key 'sumary'; did ");
   EXPECT_EQ(error_with(replaced(small_scenario, "wait_s", "wait")), ":6: 'carry_to' is missing");
   EXPECT_EQ(error_with(replaced(small_scenario, "[2, 3, 90]", "[2, 3]")),

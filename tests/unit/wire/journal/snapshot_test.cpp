@@ -237,7 +237,7 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
   update_snapshots(journal);
   const std::string newest = list_journal(journal).snapshots.rbegin()->second;
   std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(9);
-  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 9; this program reads version 7");
+  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 9; this program reads version 8");
   EXPECT_TRUE(is_snapshot(newest));
   EXPECT_FALSE(is_snapshot(segment_path(journal, 1)));
 }
@@ -247,44 +247,49 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
 /// migrated.
 TEST(Snapshots, OfVersion1AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-1/snapshot-000002.isthmus");
-  EXPECT_NE(why.find("is of version 1; this program reads version 7"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 1; this program reads version 8"), std::string::npos) << why;
 }
 
 TEST(Snapshots, OfVersion2AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-2/snapshot-000002.isthmus");
-  EXPECT_NE(why.find("is of version 2; this program reads version 7"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 2; this program reads version 8"), std::string::npos) << why;
 }
 
 TEST(Snapshots, OfVersion3AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-3/snapshot-000001.isthmus");
-  EXPECT_NE(why.find("is of version 3; this program reads version 7"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 3; this program reads version 8"), std::string::npos) << why;
 }
 
 TEST(Snapshots, OfVersion4AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-4/snapshot-000001.isthmus");
-  EXPECT_NE(why.find("is of version 4; this program reads version 7"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 4; this program reads version 8"), std::string::npos) << why;
 }
 
 TEST(Snapshots, OfVersion5AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-5/snapshot-000001.isthmus");
-  EXPECT_NE(why.find("is of version 5; this program reads version 7"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 5; this program reads version 8"), std::string::npos) << why;
 }
 
 TEST(Snapshots, OfVersion6AreRefusedByWord) {
   const std::string why = why_unreadable("tests/unit/wire/snapshots/version-6/snapshot-000001.isthmus");
-  EXPECT_NE(why.find("is of version 6; this program reads version 7"), std::string::npos) << why;
+  EXPECT_NE(why.find("is of version 6; this program reads version 8"), std::string::npos) << why;
 }
 
-TEST(Snapshots, OfVersion7AreRead) {
-  const std::string path = "tests/unit/wire/snapshots/version-7/snapshot-000001.isthmus";
+TEST(Snapshots, OfVersion7AreRefusedByWord) {
+  const std::string why = why_unreadable("tests/unit/wire/snapshots/version-7/snapshot-000001.isthmus");
+  EXPECT_NE(why.find("is of version 7; this program reads version 8"), std::string::npos) << why;
+}
+
+TEST(Snapshots, OfVersion8AreRead) {
+  const std::string path = "tests/unit/wire/snapshots/version-8/snapshot-000001.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
-  EXPECT_EQ(snapshot.map.events, 1077);
-  EXPECT_EQ(map.patches.size(), 28U);
-  EXPECT_EQ(map.trajectory_rows, 173U);
-  EXPECT_EQ(map.sightings.size(), 29U);
+  EXPECT_EQ(snapshot.map.events, 736);
+  EXPECT_EQ(map.patches.size(), 17U);
+  EXPECT_EQ(map.trajectory_rows, 120U);
+  EXPECT_EQ(map.sightings.size(), 10U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "ddee0a75126a14b7e177dde516ae104b494dcdd5f787b6b997980ff440c85d2d");
+  EXPECT_EQ(map_sha256(map), "35891b6049c127408a4ea14efc60f85c151ddf868f39754a446ec8ca610d9506");
 }
 
 }  // namespace

@@ -194,8 +194,9 @@ TEST(PageServer, ShowsTheMapAsItWasFromTheJournalsSnapshots) {
   EXPECT_NE(image->get_header_value("Cache-Control").find("immutable"), std::string::npos);
   EXPECT_GT(client.Get("/past/2/patches/" + island)->body.size(), 40U);
   for (const char* path : {"/past/99", "/past/", "/past/x", "/past/2/", "/past/2/nothing", "/past/-1",
-                           "/pasta", "/past/2/patches/99", "/past/99999999999999999999"})
+                           "/pasta", "/past/99999999999999999999"})
     EXPECT_EQ(client.Get(path)->status, 404) << path;
+  EXPECT_EQ(client.Get("/past/2/patches/99")->status, 204) << "an island that is no more";
   flip_a_bit(snapshot_path(options.journal_directory, 3));
   const auto damaged = client.Get("/past/3");
   EXPECT_EQ(damaged->status, 500);
