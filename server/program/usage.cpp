@@ -117,6 +117,13 @@ std::string count_text(const CLI::Option& option) {
 
 class PlainHelp : public CLI::Formatter {
  public:
+  /// Without empty lines at its end.
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    std::string text = Formatter::make_help(app, std::move(name), mode);
+    text.erase(text.find_last_not_of('\n') + 1);
+    return text + "\n";
+  }
+
   /// A group of options, as below a program's other ones.
   std::string make_expanded(const CLI::App* app) const override {
     if (!app->get_name().empty()) return Formatter::make_expanded(app);

@@ -112,7 +112,7 @@ TEST(Commands, OrdersThatCannotBeAreRefusedAndOthersAreSaid) {
   const CommandResult unheard = isthmus(directory, command + "drop r2");
   EXPECT_EQ(unheard.exit_code, 1);
   EXPECT_EQ(unheard.out, "");
-  EXPECT_NE(unheard.err.find("no answer within 0.01 s: is a server running"), std::string::npos)
+  EXPECT_NE(unheard.err.find("no answer within 0.01 s: either no server runs"), std::string::npos)
       << unheard.err;
   const CommandResult drop = isthmus(directory, "command --lcm-url memq:// --wait 0 drop r2");
   EXPECT_EQ(drop.exit_code, 0);
