@@ -75,7 +75,7 @@ std::string meaning_of(const CLI::App& app, const std::string& name) {
 
 /// CLI11's reasons, as people would say them where they are no sentences.
 std::string plain_reason(const CLI::App& app, const CLI::Error& error) {
-  const std::string text = error.what();
+  std::string text = error.what();
   constexpr std::string_view unread = "Could not convert: ";
   if (text.starts_with(unread)) {
     const std::size_t equals = text.find(" = ");

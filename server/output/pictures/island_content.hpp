@@ -21,9 +21,10 @@ struct ShownClosure {
 
 /// What pictures of an island show beside its grid and its robots' ways.
 struct IslandContent {
-  std::size_t island = 0;           ///< K
-  std::size_t islands = 0;          ///< how many there are
-  std::vector<std::size_t> robots;  ///< indices among all robots as they came, whose patches or sessions are here
+  std::size_t island = 0;   ///< K
+  std::size_t islands = 0;  ///< how many there are
+  std::vector<std::size_t>
+      robots;  ///< indices among all robots as they came, whose patches or sessions are here
   std::size_t patches = 0;
   std::vector<const TagRecord*> tags;  ///< placed ones
   std::vector<ShownClosure> closures;  ///< by id

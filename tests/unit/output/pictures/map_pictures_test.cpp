@@ -23,7 +23,7 @@ MapCopy two_islands() {
 
 TEST(IslandContent, RobotsKeepTheColoursThatTheyCameWith) {
   MapCopy map = room();
-  const Session& first = map.sessions[0];
+  const Session first = map.sessions[0];
   for (const char* robot : {"R3", "R2"})
     map.sessions.push_back({robot, 1, first.from_utime, first.to_utime, first.first_patch});
   EXPECT_EQ(robots_as_they_came(map), (std::vector<std::string>{"R1", "R3", "R2"}));
