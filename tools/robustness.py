@@ -12,6 +12,7 @@ when no map comes of it; a table has the mean error, of teams that between robot
 """
 
 import argparse
+import bisect
 import concurrent.futures
 import dataclasses
 import glob
@@ -57,24 +58,46 @@ class Reading:
 
 
 @dataclasses.dataclass
+class Relation:
+    """What is true of two scans, whatever becomes of their stamps: where one is missing there is nothing to compare."""
+
+    first: Reading
+    second: Reading
+    motion: list  # words: x y z roll pitch yaw of the second in the first
+
+    def line(self):
+        return " ".join([f"{self.first.stamp:.6f}", f"{self.second.stamp:.6f}", *self.motion])
+
+
+@dataclasses.dataclass
 class Drive:
     readings: list
-    relations: list  # of words: two stamps, then x y z roll pitch yaw of the second in the first
+    relations: list
     no_return_m: float  # what this laser writes where nothing comes back
 
     @staticmethod
     def load(log, relations=os.devnull):
         with gzip.open(log, "rt", encoding="ascii", errors="replace") as file:
             readings = [Reading.parse(line) for line in file if line.startswith(("ODOM ", "FLASER "))]
+        scans = sorted((reading for reading in readings if reading.ranges), key=lambda scan: scan.stamp)
+        stamps = [scan.stamp for scan in scans]
+
+        def scan_at(word):
+            after = bisect.bisect_left(stamps, float(word))
+            return min(scans[max(after - 1, 0):after + 1], key=lambda scan: abs(scan.stamp - float(word)))
+
         with open(relations, encoding="ascii") as file:
-            related = [line.split() for line in file if line.strip() and not line.startswith("#")]
-        return Drive(readings, related, max(max(reading.ranges) for reading in readings if reading.ranges))
+            rows = [line.split() for line in file if line.strip() and not line.startswith("#")]
+        related = [Relation(scan_at(words[0]), scan_at(words[1]), words[2:]) for words in rows]
+        return Drive(readings, related, max(max(scan.ranges) for scan in scans))
 
     def save(self, log, relations=os.devnull):
         with gzip.open(log, "wt", compresslevel=1, encoding="ascii") as file:
             file.writelines(reading.line() + "\n" for reading in self.readings)
         with open(relations, "w", encoding="ascii") as file:
-            file.writelines(" ".join(words) + "\n" for words in self.relations)
+            kept = {id(reading) for reading in self.readings}
+            file.writelines(relation.line() + "\n" for relation in self.relations
+                            if id(relation.first) in kept and id(relation.second) in kept)
 
     def scans(self):
         return (reading for reading in self.readings if reading.ranges)
@@ -86,9 +109,9 @@ def mirror(drive, _):
         reading.ranges.reverse()
         x, y, yaw = reading.pose
         reading.pose = (x, -y, -yaw)
-    for words in drive.relations:
-        for place in (3, 7):
-            words[place] = f"{-float(words[place]):.6f}"
+    for relation in drive.relations:
+        for place in (1, 5):
+            relation.motion[place] = f"{-float(relation.motion[place]):.6f}"
 
 
 def late(drive, chance):
@@ -96,7 +119,6 @@ def late(drive, chance):
     stamps = [reading.stamp for reading in drive.readings]
     begin = min(stamps) + chance.uniform(0.05, 0.4) * (max(stamps) - min(stamps))
     drive.readings = [reading for reading in drive.readings if reading.stamp >= begin]
-    drive.relations = [words for words in drive.relations if min(float(words[0]), float(words[1])) >= begin]
 
 
 def thin(drive, _):

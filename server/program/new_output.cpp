@@ -45,12 +45,13 @@ void check_new_directory(const std::string& directory, bool force) {
   check_writable(directory);
 }
 
-void check_new_files_in(const std::string& directory, const std::vector<std::string>& extensions,
-                        bool force) {
+void check_new_files_in(const std::string& directory, const std::vector<std::string>& endings, bool force) {
   std::error_code none;
   if (force || !fs::is_directory(directory, none)) return;
   for (const fs::directory_entry& entry : fs::directory_iterator(directory))
-    if (std::ranges::find(extensions, entry.path().extension().string()) != extensions.end())
+    if (std::ranges::any_of(endings, [name = entry.path().filename().string()](const std::string& ending) {
+          return name.ends_with(ending);
+        }))
       check_new_file(entry.path().string(), force);
 }
 

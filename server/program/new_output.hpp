@@ -13,8 +13,8 @@ void check_new_file(const std::string& file, bool force);
 /// be written into it, or where it holds results (a report.json) and `force` does not say that they may go.
 void check_new_directory(const std::string& directory, bool force);
 
-/// The same for files with one of these extensions (".png") that are to be written into a directory, which
-/// may hold others, and may be missing.
-void check_new_files_in(const std::string& directory, const std::vector<std::string>& extensions, bool force);
+/// The same for files whose names end so (".png") that are to be written into a directory, which may hold
+/// others, and may be missing.
+void check_new_files_in(const std::string& directory, const std::vector<std::string>& endings, bool force);
 
 }  // namespace isthmus

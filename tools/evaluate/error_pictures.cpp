@@ -57,11 +57,14 @@ OccupancyGrid grid_of(const ErrorPictures& pictures, int island, const Errors& e
 /// From yellow for none to dark blue for the largest: what is wrong stands out.
 Rgb colour_of(double error_m, double scale_m) { return scale_colour(1 - error_m / scale_m); }
 
-std::map<std::string, std::size_t> robots_of(const Errors& errors) {
+/// Of the robots that have errors the names, by the number of their colours.
+std::map<std::size_t, std::string> robots_of(const ErrorPictures& pictures, const Errors& errors) {
   std::set<std::string> names;
   for (const ErrorAt& one : errors) names.insert(one.robot);
-  std::map<std::string, std::size_t> index;
-  for (const std::string& name : names) index.emplace(name, index.size());
+  std::map<std::size_t, std::string> index;
+  for (std::size_t i = 0; i < pictures.robots.size(); ++i)
+    if (names.erase(pictures.robots[i]) > 0) index.emplace(i, pictures.robots[i]);
+  for (const std::string& name : names) index.emplace(pictures.robots.size() + index.size(), name);
   return index;
 }
 
@@ -84,7 +87,7 @@ Legend legend_of(const ErrorPictures& pictures, const Errors& errors, double sca
   if (!pictures.walls.empty())
     legend.push_back(line_entry("true wall", {.colour = true_wall_colour, .width_px = 1.5}));
   legend.push_back(note_entry("below, over time:"));
-  for (const auto& [robot, index] : robots_of(errors))
+  for (const auto& [index, robot] : robots_of(pictures, errors))
     legend.push_back(pictures.joined ? way_entry(robot, way_style(index)) : marker_entry(robot, index));
   return legend;
 }
@@ -126,12 +129,12 @@ void draw_dots(MapSheet& sheet, Errors errors, double scale_m) {
   }
 }
 
-std::vector<PlotSeries> series_of(const Errors& errors, bool joined) {
+std::vector<PlotSeries> series_of(const ErrorPictures& pictures, const Errors& errors) {
   std::vector<PlotSeries> series;
   std::int64_t first_utime = errors.front().utime;
   for (const ErrorAt& one : errors) first_utime = std::min(first_utime, one.utime);
-  for (const auto& [robot, index] : robots_of(errors)) {
-    PlotSeries own{way_style(index), {}, joined, index};
+  for (const auto& [index, robot] : robots_of(pictures, errors)) {
+    PlotSeries own{way_style(index), {}, pictures.joined, index};
     std::int64_t last_utime = first_utime;
     for (const ErrorAt& one : errors) {
       if (one.robot != robot) continue;
@@ -160,8 +163,7 @@ void write_island(const ErrorPictures& pictures, int island, const Errors& error
   }
   sheet.canvas().unclip();
   draw_plot(sheet.canvas(), sheet.layout().panel, sheet.layout().em,
-            {"seconds from the first", "error of " + pictures.what + " in m"},
-            series_of(errors, pictures.joined));
+            {"seconds from the first", "error of " + pictures.what + " in m"}, series_of(pictures, errors));
   sheet.write(file);
 }
 

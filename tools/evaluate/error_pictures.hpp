@@ -43,6 +43,7 @@ struct ErrorPictures {
   std::string what;  ///< error of what, for title and axis
   bool joined = true;  ///< errors follow one another along a way; else each stands for itself
   std::vector<ErrorAt> errors;
+  std::vector<std::string> robots;     ///< all that the map has, in the order of their colours
   std::vector<TrueWall> walls;         ///< none: the truth has no floor plan
   std::map<int, Pose> truth_from_map;  ///< by island; needed where there are walls
 };

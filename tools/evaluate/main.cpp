@@ -72,14 +72,15 @@ std::vector<TrueWall> read_walls(const std::string& truth) {
 
 /// Those of an earlier evaluation stay, unless --force is given.
 void check_no_pictures(const Arguments& arguments) {
-  for (const char* name : {"errors", "relation-errors"})
-    check_new_file(arguments.pictures + "/island-0-" + name + ".png", arguments.force);
+  check_new_files_in(arguments.pictures, {"-errors.png"}, arguments.force);
 }
 
 /// Of poses where there is their truth, else of relations.
 void draw(const Arguments& arguments, const Evaluation& evaluation) {
+  const TeamTrajectories team(arguments.output);
   ErrorPictures pictures;
   pictures.output = arguments.output;
+  pictures.robots = team.robots();
   if (evaluation.absolute) {
     pictures.name = "errors";
     pictures.what = "positions";
@@ -90,7 +91,6 @@ void draw(const Arguments& arguments, const Evaluation& evaluation) {
     write_error_pictures(pictures, arguments.pictures);
   }
   if (arguments.relations.empty()) return;
-  const TeamTrajectories team(arguments.output);
   pictures.name = "relation-errors";
   pictures.what = "relations";
   pictures.joined = false;

@@ -96,8 +96,17 @@ void TeamTrajectories::read_sessions(const std::string& file) {
     const auto to = parse_seconds_as_us(csv.text("to_s"));
     if (!from || !to) csv.fail("from_s or to_s is not a time in seconds");
     const int island = csv.text("island").empty() ? -1 : static_cast<int>(csv.integer("island"));
-    sessions_[upper_case(csv.text("robot"))].push_back({island, *from, *to});
+    const std::string robot = upper_case(csv.text("robot"));
+    if (!sessions_.contains(robot)) as_they_came_.push_back(robot);
+    sessions_[robot].push_back({island, *from, *to});
   }
+}
+
+std::vector<std::string> TeamTrajectories::robots() const {
+  std::vector<std::string> all = as_they_came_;
+  for (const auto& [robot, trajectory] : trajectories_)
+    if (!sessions_.contains(robot)) all.push_back(robot);
+  return all;
 }
 
 std::optional<PlacedPose> TeamTrajectories::pose(const std::string& robot, std::int64_t utime) const {

@@ -56,6 +56,9 @@ class TeamTrajectories {
   std::optional<PlacedPose> pose(const std::string& robot, std::int64_t utime) const;
 
   const std::map<std::string, Trajectory>& trajectories() const { return trajectories_; }
+  /// In the order in which they came, which is that of their colours on pictures of the map; those of whom
+  /// robots.csv says nothing come last.
+  std::vector<std::string> robots() const;
 
  private:
   struct Session {
@@ -67,6 +70,7 @@ class TeamTrajectories {
 
   std::map<std::string, Trajectory> trajectories_;  ///< by upper-case robot
   std::map<std::string, std::vector<Session>> sessions_;
+  std::vector<std::string> as_they_came_;
   bool has_sessions_ = false;
 };
 

@@ -144,6 +144,7 @@ int main(int argc, char** argv) {
   add_options(app, arguments);
   return run_program(app, argc, argv, [&] {
     check_new_directory(arguments.output, arguments.force);
+    if (!arguments.memory_file.empty()) check_new_file(arguments.memory_file, arguments.force);
     if (!arguments.estimator_given)
       arguments.features = feature_kind_of(arguments.log, arguments.config_file);
     if (arguments.features)

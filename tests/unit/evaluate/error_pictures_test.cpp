@@ -92,6 +92,21 @@ TEST(ErrorPictures, AreDrawnOverTheGridAndTheTrueWalls) {
             content(directory / "grid/island-2-errors.png"));
 }
 
+TEST(ErrorPictures, ARobotHasTheColourOfItsPlaceAmongAll) {
+  const TemporaryDirectory directory;
+  ErrorPictures pictures = pictures_of(directory);
+  for (const auto& [name, robots] : std::map<std::string, std::vector<std::string>>{
+           {"alone", {"R1"}}, {"first", {"R1", "R2"}}, {"second", {"R2", "R1"}}}) {
+    pictures.robots = robots;
+    write_error_pictures(pictures, directory / name);
+  }
+  const auto picture = [&](const std::string& name) {
+    return content(directory / (name + "/island-2-errors.png"));
+  };
+  EXPECT_EQ(picture("first"), picture("alone"));
+  EXPECT_NE(picture("second"), picture("alone"));
+}
+
 TEST(ErrorPictures, TheSameErrorsGiveTheSameBytes) {
   const TemporaryDirectory directory;
   for (const char* name : {"a", "b"}) write_error_pictures(pictures_of(directory), directory / name);

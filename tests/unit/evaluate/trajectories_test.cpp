@@ -67,6 +67,14 @@ TEST(TeamTrajectories, TheIslandComesFromTheSessionOfThePose) {
   EXPECT_FALSE(team.pose("R2", 1'000'000));
 }
 
+TEST(TeamTrajectories, RobotsStandInTheOrderInWhichTheyCame) {
+  const TemporaryDirectory directory;
+  for (const char* robot : {"r1", "r2", "r3", "r4"})
+    directory.write(std::string("trajectories/") + robot + ".tum", "1 1 0 0 0 0 0 1\n");
+  directory.write("robots.csv", "robot,island,from_s,to_s\nr3,0,1,1\nr1,0,2,2\nr3,1,3,3\nr4,0,4,4\n");
+  EXPECT_EQ(TeamTrajectories(directory / "").robots(), (std::vector<std::string>{"R3", "R1", "R4", "R2"}));
+}
+
 TEST(TeamTrajectories, APoseWithoutASessionOrIslandIsNone) {
   const TemporaryDirectory directory;
   directory.write("trajectories/R1.tum", "1 1 0 0 0 0 0 1\n9 2 0 0 0 0 0 1\n");

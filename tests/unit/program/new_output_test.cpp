@@ -46,6 +46,8 @@ TEST(NewOutput, KeepsFilesOfADirectoryThatWouldBeWrittenOver) {
   EXPECT_NO_THROW(check_new_files_in(directory / "", {".png"}, false));
   std::ofstream(directory / "run.png") << "a picture";
   EXPECT_THROW(check_new_files_in(directory / "", {".csv", ".png"}, false), std::runtime_error);
+  EXPECT_THROW(check_new_files_in(directory / "", {"un.png"}, false), std::runtime_error);
+  EXPECT_NO_THROW(check_new_files_in(directory / "", {"an.png"}, false));
   EXPECT_NO_THROW(check_new_files_in(directory / "", {".csv", ".png"}, true));
 }
 
