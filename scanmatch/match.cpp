@@ -41,11 +41,23 @@ double robust_weight(double squared, double kernel) {
   return 1 / (ratio * ratio);
 }
 
+// What a line through a point says so far aside of it, as a share of what it says there: its direction is
+// known from how far its points are spread, and adds aside² / spread to the variance of one point (Draper and
+// Smith, 1998, "Applied regression analysis", section 3.1).
+double sureness(const ScanPoint& line, const Eigen::Vector2d& at) {
+  const Eigen::Vector2d off = at - line.position;
+  const double aside = line.normal.x() * off.y() - line.normal.y() * off.x();
+  constexpr double least_m2 = 1e-6;
+  const double spread_m2 = std::max<double>(line.spread_m2, least_m2);
+  return spread_m2 / (spread_m2 + aside * aside);
+}
+
 // A beam on a line of a patch, in the local frame: what is left of it while it stays paired.
 struct Hit {
   Eigen::Vector2d normal;    // of the line
   double offset = 0;         // of the line along its normal
   Eigen::Vector2d position;  // of the beam's end, in the robot's frame
+  double sureness = 1;       // of the line where the beam ends
   double residual = 0;
   double weight = 0;
   int beam = 0;
@@ -142,8 +154,8 @@ class Matcher {
                                            f.ls * target.normal.x() + f.lc * target.normal.y());
         hits_.push_back(
             {local_normal,
-             target.normal.dot(target.position) + local_normal.x() * f.lx + local_normal.y() * f.ly, p, 0, 0,
-             static_cast<int>(i), static_cast<int>(k), line});
+             target.normal.dot(target.position) + local_normal.x() * f.lx + local_normal.y() * f.ly, p,
+             sureness(target, at), 0, 0, static_cast<int>(i), static_cast<int>(k), line});
       }
     }
   }
@@ -178,7 +190,7 @@ class Matcher {
   }
 
   static void add(Hit& hit, const Eigen::Vector2d& arm, double share, NormalEquations& sums) {
-    hit.weight *= share;
+    hit.weight *= share * hit.sureness;
     const Eigen::Vector3d jacobian(hit.normal.x(), hit.normal.y(),
                                    hit.normal.y() * arm.x() - hit.normal.x() * arm.y());
     const Eigen::Vector3d weighted = hit.weight * jacobian;

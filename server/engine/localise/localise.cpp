@@ -127,6 +127,9 @@ class BestFit {
 
   bool is_good() const { return fits(best_); }
   const Match& match() const { return best_; }
+  /// Of what was expected, that the best was fitted with: where wheels slipped they say little of where the
+  /// robot is.
+  double share_of_expectation() const { return slipped_ ? its_.loose_share : 1; }
 
  private:
   // Where odometry cannot be believed, a match needs more to be.
@@ -141,7 +144,9 @@ class BestFit {
   void try_from(const Pose& start, double better_by) {
     const Match match =
         match_scan(local_map_, points_, {start, its_.loose_share * information_}, match_options_);
-    if (fits(match) && (!is_good() || match.quality.score > best_.quality.score + better_by)) best_ = match;
+    if (!fits(match) || (is_good() && match.quality.score <= best_.quality.score + better_by)) return;
+    best_ = match;
+    held_loosely_ = true;
   }
 
   // Wheels that slip, or tell motion late, are wrong by no more than they told, or the robot went before.
@@ -151,7 +156,9 @@ class BestFit {
     const Pose off = ominus(best_.local_from_robot, held.local_from_robot);
     const double most = way_m(expectation_.claimed_step) + way_m(place_.last_step) +
                         its_.window_sigmas * std::sqrt(its_.match_variance_m2);
-    if (way_m(off) > most) best_ = held;
+    if (way_m(off) <= most) return;
+    best_ = held;
+    held_loosely_ = false;
   }
 
   static double way_m(const Pose& step) { return std::hypot(step.x, step.y); }
@@ -159,7 +166,22 @@ class BestFit {
   void weigh() {
     std::optional<Match> held =
         held_by_odometry(local_map_, points_, expectation_, best_, match_options_, options_);
-    if (held) best_ = *std::move(held);
+    if (held) {
+      best_ = *std::move(held);
+    } else if (held_loosely_) {
+      weigh_with_odometry();
+    }
+  }
+
+  // A match that was held loosely has not been weighed against odometry yet: where wheels need not have
+  // slipped for it, what it says little of is left to them.
+  void weigh_with_odometry() {
+    slipped_ = surprise(best_.local_from_robot, expectation_, its_) >= its_.doubted_surprise.value();
+    if (slipped_) return;
+    const Match both =
+        match_scan(local_map_, points_, {expectation_.local_from_robot, information_, best_.local_from_robot},
+                   match_options_);
+    if (fits(both)) best_ = both;
   }
 
   const Localisation& place_;
@@ -173,6 +195,8 @@ class BestFit {
   bool doubtful_;
   double min_score_;
   Match best_;
+  bool held_loosely_ = false;  ///< whether the best was,
+  bool slipped_ = false;       ///< and is far from where odometry has the robot
 };
 
 }  // namespace
@@ -194,7 +218,7 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
 
   BestFit fit(robot, expectation, local_map, points, options);
   fit.try_all();
-  if (fit.is_good()) return placement_of(fit.match(), expectation, 1, options);
+  if (fit.is_good()) return placement_of(fit.match(), expectation, fit.share_of_expectation(), options);
   placement.reason = fit.match().ok ? Unmatched::low_score : Unmatched::few_pairs;
   placement.match = fit.match();
   return placement;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
 
 #include "tests/support/patch_scenes.hpp"
 
@@ -133,6 +134,69 @@ TEST(Scan, NormalsEndAtAJumpThatIsNearerThanTheirArcReaches) {
     if (point.beam < 140 || point.beam > 220) continue;
     ASSERT_TRUE(point.has_normal()) << point.beam;
     EXPECT_NEAR((point.normal - Eigen::Vector2d(-1, 0)).norm(), 0, 1e-3) << point.beam;
+  }
+}
+
+// A wall 1.3 m to the left of a coarse laser, whose beams look aside by tenths of a degree at random: far
+// ahead their ends lie half a metre apart.
+//
+//    ===========.===.====.======.==========.
+//      o->
+TEST(Scan, NoiseTurnsNormalsOfAWallThatRunsAwayNoMoreOneWayThanTheOther) {
+  std::mt19937 engine(1);
+  std::normal_distribution<double> aside_rad(0, 0.003);
+  double sum_rad = 0;
+  int count = 0;
+  for (int drawn = 0; drawn < 2000; ++drawn) {
+    Scan scan = half_turn(121, infinite_range);
+    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+      const double yaw_rad = testing::bearing_rad(scan, i) + aside_rad(engine);
+      if (std::sin(yaw_rad) > 0.2) scan.ranges_m[i] = static_cast<float>(1.3 / std::sin(yaw_rad));
+    }
+    for (const ScanPoint& point : to_points(scan, {}, {})) {
+      if (point.position.x() < 1.5 || point.position.x() > 5 || !point.has_normal()) continue;
+      sum_rad += std::atan2(point.normal.x(), -point.normal.y());
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 10'000);
+  EXPECT_NEAR(sum_rad / count, 0, 0.0015);
+}
+
+// Ahead of the robot a pillar stands out by 15 cm from the wall beside it, and hides some of it.
+//
+//    ===================.      ===========
+//                       |______|. . .
+//      o->
+TEST(Scan, AShadowIsNoPartOfTheWallBehindIt) {
+  Scan scan = half_turn(121, infinite_range);
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const double yaw_rad = testing::bearing_rad(scan, i);
+    if (yaw_rad <= 0.2) continue;
+    const bool on_pillar = 1.85 / std::tan(yaw_rad) > 2 && 1.85 / std::tan(yaw_rad) < 3;
+    scan.ranges_m[i] = static_cast<float>((on_pillar ? 1.85 : 2) / std::sin(yaw_rad));
+  }
+  NormalOptions options;
+  options.max_flatness_m = 0.2;
+  int beyond = 0;
+  for (const ScanPoint& point : to_points(scan, {}, options)) {
+    if (point.position.x() < 2.4 || point.position.x() > 6.5 || !point.has_normal()) continue;
+    EXPECT_NEAR((point.normal - Eigen::Vector2d(0, -1)).norm(), 0, 1e-3) << point.position.transpose();
+    if (point.position.x() > 3) ++beyond;
+  }
+  EXPECT_GT(beyond, 3);
+}
+
+TEST(Scan, APointTellsHowFarThePointsOfItsLineAreSpread) {
+  NormalOptions options;
+  options.half_width_m = 1;
+  for (const auto& [beams, spread_m2] : {std::pair(3, 0.02), {5, 0.1}}) {
+    Scan scan;
+    scan.bearing_step_rad = 1e-3;
+    scan.bearing0_rad = -1e-3 * (beams / 2);
+    for (int i = -(beams / 2); i <= beams / 2; ++i) scan.ranges_m.push_back(100);
+    const auto points = to_points(scan, {{}, 0, 200}, options);
+    EXPECT_NEAR(points[static_cast<std::size_t>(beams / 2)].spread_m2, spread_m2, 1e-4);
   }
 }
 

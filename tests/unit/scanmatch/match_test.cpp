@@ -121,6 +121,24 @@ TEST(MatchScan, TheOtherFaceOfAWallIsNoPair) {
   EXPECT_EQ(match.local_from_robot, (Pose{0.2, 0, 0}));
 }
 
+// The patch saw a piece of wall half a metre long, and the scan sees on beyond both its ends.
+TEST(MatchScan, ALineSaysLessAsideOfItsPoints) {
+  const Walls piece = {{{-0.25, 1}, {0.25, 1}}}, wall = {{{-1, 1}, {1, 1}}};
+  const LocalMap map = local_map_of(piece, {{0, 0, 0}});
+  const auto points = to_points(scan_from(wall, {}), laser_of(), {});
+  const Match match = match_scan(map, points, vague({}), {});
+  ASSERT_TRUE(match.ok);
+  double inside = 1, beyond = 1;
+  for (const Pair& pair : match.pairs) {
+    const double x = std::abs(points[static_cast<std::size_t>(pair.point)].position.x());
+    if (x < 0.2) inside = std::min(inside, pair.weight);
+    if (x > 0.45) beyond = std::min(beyond, pair.weight);
+  }
+  EXPECT_GT(inside, 0.95);
+  EXPECT_LT(beyond, 0.6);
+  EXPECT_GT(beyond, 0.1);
+}
+
 // A quarter of what the scan sees ahead has moved by 10 cm since: it pairs with the old place, and would pull
 // the pose there by centimetres.
 TEST(MatchScan, WhatStandsAsideOfItsLineHasNextToNoWeight) {

@@ -196,7 +196,7 @@ Walls corridor_of_pillars(double to_x) {
 Match matched_off(const Step& step, const Pose& start) {
   MatchOptions near = EngineOptions{}.match;
   near.start_kernel_m = near.kernel_m;
-  return match_scan(step.before, step.now, {start, Eigen::Matrix3d::Zero()}, near);
+  return match_scan(step.before, step.now, {start, 400 * Eigen::Matrix3d::Identity()}, near);
 }
 
 // Odometry whose yaw froze while the robot turned has counted its way all the same.

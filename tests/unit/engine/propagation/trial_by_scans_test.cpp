@@ -5,271 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "server/engine/propagation/trial_account.hpp"
-#include "tests/support/ways.hpp"
+#include "tests/unit/engine/propagation/trial_scenes.hpp"
 
 namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
-
-Relation tie(PatchId a, PatchId b, const Pose& a_from_b, double sigma_m = 0.02, double sigma_rad = 0.01) {
-  const double by_m = 1 / (sigma_m * sigma_m);
-  Relation relation;
-  relation.a = a;
-  relation.b = b;
-  relation.kind = RelationKind::relative_pose;
-  relation.measurement =
-      RelativePose{a_from_b, Eigen::Vector3d(by_m, by_m, 1 / (sigma_rad * sigma_rad)).asDiagonal()};
-  relation.origin = {OriginKind::sighting, ClosureId{0}};
-  return relation;
-}
-
-/// Two ways whose poses in the world are known, and what a closure says of them.
-struct Case {
-  Map map;
-  std::vector<Pose> world;  // by patch
-  std::vector<PatchId> first;
-  std::vector<PatchId> second;
-  Proposal proposal;
-
-  Case() { proposal.prior_log_odds = TrialOptions{}.agreed_log_odds; }
-  template <class Seen>
-  void add(const Seen& walls, const std::vector<Pose>& poses, bool to_first, const Pose& map_from_world) {
-    (to_first ? first : second) = add_way(map, walls, poses, map_from_world);
-    world.insert(world.end(), poses.begin(), poses.end());
-  }
-  const Pose& truth(PatchId id) const { return world[static_cast<std::size_t>(id.value)]; }
-  Pose true_relative(PatchId a, PatchId b) const { return ominus(truth(b), truth(a)); }
-  /// That b lies in a where it truly does, but for `off`.
-  void say(PatchId a, PatchId b, const Pose& off = {}, double sigma_m = 0.02, double sigma_rad = 0.01) {
-    proposal.relations.push_back(tie(a, b, true_relative(a, b) * off, sigma_m, sigma_rad));
-  }
-  Trial tried(const EngineOptions& options = {}) const {
-    Trial trial(map, proposal, options, 0);
-    trial.finish(0);
-    return trial;
-  }
-};
-
-/// A merge of the islands of two ways, proposed by six sightings of either direction.
-template <class Seen>
-Case merge_of(const Seen& of_first, const std::vector<Pose>& first, const Seen& of_second,
-              const std::vector<Pose>& second) {
-  Case made;
-  made.add(of_first, first, true, {});
-  made.add(of_second, second, false, second_from_world);
-  made.proposal.id = ClosureId{0};
-  made.proposal.merge = true;
-  made.proposal.older = PatchId{0};
-  made.proposal.younger = made.second.front();
-  made.proposal.older_from_younger = inverse(second_from_world);
-  made.proposal.supporters = 6;
-  made.proposal.two_way = true;
-  return made;
-}
-
-/// A loop of one island that has lost its way between the two: a link that says next to nothing ties them.
-template <class Seen>
-Case loop_of(const Seen& of_first, const std::vector<Pose>& first, const Seen& of_second,
-             const std::vector<Pose>& second) {
-  Case made = merge_of(of_first, first, of_second, second);
-  made.map.move_island(made.second.front(), inverse(second_from_world));
-  const PatchId a = made.first.back(), b = made.second.front();
-  made.map.relate(tie(a, b, made.true_relative(a, b), 1, 0.5));
-  made.proposal.merge = false;
-  return made;
-}
-
-const std::vector<Pose> outward = {{-1, -1.5, 0}, {0.5, -1.4, 0.1}, {1.8, -1, 1.2}};
-const std::vector<Pose> homeward = {{2, 0.2, 3}, {0.8, 0.1, 3.1}, {-0.5, 0, -3.1}};
-
-TEST(TrialBySightings, OfWhatIsTrueIsAccepted) {
-  Case its = merge_of(crooked_room(), outward, crooked_room(), homeward);
-  its.say(PatchId{1}, PatchId{4});
-  const Trial trial = its.tried();
-  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
-  EXPECT_GE(trial.patches_touched(), 3) << "the scans bear it out";
-  trial.commit(its.map);
-  EXPECT_EQ(its.map.graph().islands().size(), 1U);
-}
-
-// The ways lie where they truly do, and one half of the sightings pulls against the other.
-TEST(TrialBySightings, ThatPullAtOneAnotherIsRefused) {
-  for (const double off_m : {0.0, 0.06}) {
-    Case its = merge_of(crooked_room(), outward, crooked_room(), homeward);
-    for (const double sign : {-1, 1}) its.say(PatchId{1}, PatchId{4}, {sign * off_m, 0, 0});
-    const Trial trial = its.tried();
-    EXPECT_EQ(trial.refusal(), off_m == 0 ? Reason::none : Reason::sightings_disagree);
-    EXPECT_EQ(trial.accepted(), off_m == 0);
-  }
-}
-
-// As those do of a robot whose clock is late: more than their noise tells, far less than what is false.
-TEST(TrialBySightings, ThatPullALittleAreAcceptedWhereManySayTheSame) {
-  for (const auto& [supporters, off_m] : {std::pair{3, 0.06}, {20, 0.06}, {20, 1.0}}) {
-    Case its = merge_of(crooked_room(), outward, crooked_room(), homeward);
-    for (const double sign : {-1, 1}) its.say(PatchId{1}, PatchId{4}, {sign * off_m, 0, 0});
-    its.proposal.supporters = supporters;
-    const Trial trial = its.tried();
-    EXPECT_GT(trial.account().cost, TrialOptions{}.even_sighting_cost);
-    EXPECT_LT(trial.account().fit_log_odds, 0);
-    EXPECT_EQ(trial.accepted(), supporters == 20 && off_m < 1) << supporters << ' ' << off_m;
-  }
-}
-
-//   +---------------+
-//   |      |        |    A screen where the first way looked through. All else is alike, and matches.
-//   |   o  |        |
-//   +---------------+
-Walls with_a_screen(Walls walls) {
-  walls.push_back({{1, -1.5}, {1, 1.5}});
-  return walls;
-}
-
-TEST(TrialBySightings, ThatPutsWallsInFreeSpaceIsRefused) {
-  for (const bool contradicts : {false, true}) {
-    const Walls room = crooked_room();
-    Case its =
-        merge_of(room, {{-1.5, -0.4, 0.2}}, contradicts ? with_a_screen(room) : room, {{-1.4, -0.3, 0.4}});
-    its.say(PatchId{0}, PatchId{1});
-    const Trial trial = its.tried();
-    EXPECT_EQ(trial.refusal(), contradicts ? Reason::walls_in_free_space : Reason::none);
-    EXPECT_EQ(trial.accepted(), !contradicts);
-  }
-}
-
-// Thirty that agree are not all wrong, whatever a door or a screen does.
-TEST(TrialBySightings, OfManyThatAgreeOutweighsWallsInFreeSpace) {
-  Case its =
-      merge_of(crooked_room(), {{-1.5, -0.4, 0.2}}, with_a_screen(crooked_room()), {{-1.4, -0.3, 0.4}});
-  its.say(PatchId{0}, PatchId{1});
-  its.proposal.supporters = 30;
-  const Trial trial = its.tried();
-  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
-  EXPECT_LT(trial.account().fit_log_odds, -1) << "it is told all the same";
-}
-
-/// A loop on an island that is sure of something wrong: a relation as narrow as any other has the second way
-/// two metres and a right angle from where it truly is.
-Case loop_across_a_slip(int supporters) {
-  Case made = loop_of(crooked_room(), outward, crooked_room(), homeward);
-  const PatchId a = made.first.back(), b = made.second.front();
-  const Pose slip{2, 0.3, 1.6};
-  made.map.remove(made.map.graph().between(a, b));
-  const Pose of_b = made.map.manifold().pose(b);
-  const Pose wrong = made.map.manifold().pose(a) * made.true_relative(a, b) * slip;
-  made.map.move_island(b, wrong * inverse(of_b));
-  Relation sure = tie(a, b, made.true_relative(a, b) * slip);
-  sure.origin = {OriginKind::odometry, {}};
-  made.map.relate(sure);
-  made.say(PatchId{1}, PatchId{4});
-  made.proposal.supporters = supporters;
-  made.proposal.older_from_younger = made.truth(b) * inverse(wrong);
-  made.proposal.loop = {{PatchId{1}}, {PatchId{4}}, made.truth(b) * inverse(wrong), 5};
-  return made;
-}
-
-TEST(TrialBySightings, OfManyThatAgreeBlamesTheLinkThatTheMapWasSureOf) {
-  Case its = loop_across_a_slip(12);
-  const Trial trial = its.tried();
-  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
-  ASSERT_EQ(trial.blamed().size(), 1U);
-  const RelationId wrong = trial.blamed().front();
-  EXPECT_GE(trial.account().blamed_log_odds, WeakLinkOptions{}.odometry_log_odds);
-  trial.commit(its.map);
-  EXPECT_EQ(its.map.graph().find(wrong), nullptr);
-  const Pose mapped = its.map.relative_pose(PatchId{0}, PatchId{5});
-  EXPECT_NEAR(mapped.x, its.true_relative(PatchId{0}, PatchId{5}).x, 0.05);
-  EXPECT_NEAR(mapped.y, its.true_relative(PatchId{0}, PatchId{5}).y, 0.05);
-}
-
-// Three agree by chance now and then, oftener than a link is wrong that the map is so sure of.
-TEST(TrialBySightings, OfFewThatAgreeBlamesNothingThatTheMapIsSureOf) {
-  Case its = loop_across_a_slip(3);
-  EngineOptions options;
-  options.weak_links.odometry_log_odds = 20;
-  const Trial trial = its.tried(options);
-  EXPECT_FALSE(trial.accepted());
-  EXPECT_EQ(trial.refusal(), Reason::sightings_disagree);
-}
-
-// Somebody who came and went while the first robot was there: its own map contradicts itself as much.
-TEST(TrialBySightings, MayContradictAsMuchAsTheMapsContradictThemselves) {
-  const Walls without = crooked_room(), with = with_a_screen(without);
-  Case its = merge_of(
-      std::vector{with, without, with}, {{-1.5, -0.4, 0.2}, {-1.6, -0.3, 0.1}, {-1.7, -0.5, 0}},
-      std::vector{without, with, without}, {{-1.4, -0.3, 0.2}, {-1.5, -0.5, 0.1}, {-1.6, -0.4, 0.3}});
-  its.say(PatchId{1}, PatchId{4});
-  const Trial trial = its.tried();
-  EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
-}
-
-/// A room whose walls are of teeth, so steep that no beam finds its line on a plain wall.
-Walls toothed_room() {
-  Walls walls;
-  const auto add = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-    const Eigen::Vector2d along = (to - from).normalized(), out(along.y(), -along.x());
-    Eigen::Vector2d before = from;
-    for (int i = 1; i * 0.1 < (to - from).norm(); ++i) {
-      const Eigen::Vector2d next = from + i * 0.1 * along + (i % 2 == 0 ? -0.1 : 0.1) * out;
-      walls.push_back({before, next});
-      before = next;
-    }
-    walls.push_back({before, to});
-  };
-  add({-4, -3}, {4, -3});
-  add({4, -3}, {4, 3});
-  add({4, 3}, {-4, 3});
-  add({-4, 3}, {-4, -3});
-  return walls;
-}
-
-TEST(TrialBySightings, WhoseScansDoNotMatchIsRefused) {
-  Walls plain;
-  add_box(plain, -4, -3, 4, 3);
-  for (const bool matches : {true, false}) {
-    Case its = merge_of(plain, outward, matches ? plain : toothed_room(), homeward);
-    its.say(PatchId{1}, PatchId{4});
-    const Trial trial = its.tried();
-    EXPECT_EQ(trial.refusal(), matches ? Reason::none : Reason::scans_disagree);
-    EXPECT_EQ(trial.accepted(), matches);
-  }
-}
-
-// Nothing to compare: sightings must say it alone, and then they must be enough.
-TEST(TrialBySightings, WithoutScansNeedsMoreSupportFromOneDirectionThanFromTwo) {
-  Walls none;
-  for (const auto& [supporters, two_way, enough] :
-       {std::tuple{3, true, false}, {4, true, true}, {5, false, false}, {6, false, true}}) {
-    Case its = merge_of(none, outward, none, homeward);
-    its.say(PatchId{1}, PatchId{4});
-    its.proposal.supporters = supporters;
-    its.proposal.two_way = two_way;
-    const Trial trial = its.tried();
-    EXPECT_EQ(trial.accepted(), enough) << supporters;
-    EXPECT_EQ(trial.undecided(), !enough) << supporters;
-  }
-}
-
-// A metre to the side in a chain good to some centimetres, and nothing else to judge it by.
-TEST(TrialBySightings, ThatBendsALoopBeyondItsCovarianceIsRefusedUnlessManySayIt) {
-  const Walls none;
-  for (const auto& [off_m, supporters, refusal] :
-       {std::tuple{0.2, 4, Reason::none}, {1.5, 4, Reason::implausible_jump}, {1.5, 6, Reason::none}}) {
-    Case its;
-    its.add(none, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, true, {});
-    its.proposal.older = its.proposal.younger = PatchId{0};
-    its.proposal.supporters = supporters;
-    its.proposal.two_way = true;
-    its.say(PatchId{0}, PatchId{3}, {0, off_m, 0}, 3e-5, 1);
-    const Trial trial = its.tried();
-    EXPECT_EQ(trial.refusal(), refusal) << off_m << " by " << supporters;
-    EXPECT_EQ(trial.accepted(), refusal == Reason::none);
-  }
-}
 
 // A loop found so far from where the map had it, over so much way.
 void found(Case& its, double off_m, double way_m = 60) {
@@ -298,7 +40,7 @@ TEST(TrialByScans, OfALoopTellsByWhichOthersTheMapHadItsEnds) {
   Case its = by_scans(loop_of(crooked_room(), outward, crooked_room(), homeward));
   const PatchId a = its.first.back(), b = its.second.front();
   its.map.remove(its.map.graph().between(a, b));
-  Relation earlier = tie(a, b, its.true_relative(a, b));
+  Relation earlier = sighting_tie(a, b, its.true_relative(a, b));
   earlier.origin = {OriginKind::hypothesis, ClosureId{7}};
   its.map.relate(earlier);
   its.say(PatchId{1}, PatchId{4});
@@ -564,7 +306,7 @@ TEST(TrialByScans, OfAMergeThatSharesLittleWaits) {
 }
 
 TEST(TrialByScans, OfAMergeWithNothingBeyondWhatIsSharedWaits) {
-  const Trial trial = merge_along(10, 29, 10.3, 38, long_corridor()).tried();
+  const Trial trial = merge_along(10, 32, 10.3, 41, long_corridor()).tried();
   EXPECT_TRUE(trial.undecided());
   EXPECT_EQ(trial.refusal(), Reason::nothing_beyond_the_seam);
 }
@@ -596,5 +338,6 @@ TEST(TrialByScans, OfAMergeWhoseMapsContradictOneAnotherAtTheBorderIsRefused) {
   const Trial trial = merge_along(0, 40, 10.3, 44, corridor_into_a_hall()).tried();
   EXPECT_EQ(trial.refusal(), Reason::walls_in_free_space);
 }
+
 }  // namespace
 }  // namespace isthmus
