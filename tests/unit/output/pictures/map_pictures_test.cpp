@@ -9,8 +9,6 @@ namespace isthmus {
 namespace {
 
 using testing::add_tag;
-using testing::map_of;
-using testing::rectangle;
 using testing::room;
 
 /// The room with a second robot that has an island of its own.
