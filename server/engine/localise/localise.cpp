@@ -127,9 +127,6 @@ class BestFit {
 
   bool is_good() const { return fits(best_); }
   const Match& match() const { return best_; }
-  /// Of what was expected, that the best was fitted with: where wheels slipped they say little of where the
-  /// robot is.
-  double share_of_expectation() const { return slipped_ ? its_.loose_share : 1; }
 
  private:
   // Where odometry cannot be believed, a match needs more to be.
@@ -176,8 +173,7 @@ class BestFit {
   // A match that was held loosely has not been weighed against odometry yet: where wheels need not have
   // slipped for it, what it says little of is left to them.
   void weigh_with_odometry() {
-    slipped_ = surprise(best_.local_from_robot, expectation_, its_) >= its_.doubted_surprise.value();
-    if (slipped_) return;
+    if (surprise(best_.local_from_robot, expectation_, its_) >= its_.doubted_surprise.value()) return;
     const Match both =
         match_scan(local_map_, points_, {expectation_.local_from_robot, information_, best_.local_from_robot},
                    match_options_);
@@ -195,8 +191,7 @@ class BestFit {
   bool doubtful_;
   double min_score_;
   Match best_;
-  bool held_loosely_ = false;  ///< whether the best was,
-  bool slipped_ = false;       ///< and is far from where odometry has the robot
+  bool held_loosely_ = false;  ///< whether the best was
 };
 
 }  // namespace
@@ -218,7 +213,7 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
 
   BestFit fit(robot, expectation, local_map, points, options);
   fit.try_all();
-  if (fit.is_good()) return placement_of(fit.match(), expectation, fit.share_of_expectation(), options);
+  if (fit.is_good()) return placement_of(fit.match(), expectation, 1, options);
   placement.reason = fit.match().ok ? Unmatched::low_score : Unmatched::few_pairs;
   placement.match = fit.match();
   return placement;
