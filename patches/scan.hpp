@@ -46,8 +46,7 @@ struct ScanPoint {
 ///
 /// Where the ends of beams lie far apart, as on a wall that runs away from the laser, no neighbour may be
 /// left out for its distance: noise would choose those that it has brought nearer, outward on one side and
-/// inward on the other, and turn every such normal the same way. Maps made of them bend, by up to 5° in 100
-/// m.
+/// inward on the other, and turn every such normal the same way. Maps made of them bend, by 2° in 100 m.
 struct NormalOptions {
   double half_width_m = 0.30;
   double max_jump_m = 0.30;
