@@ -234,6 +234,15 @@ Eigen::Matrix2d direction_trust(const Directions& directions, double thin) {
   return directions.axes * trust.asDiagonal() * directions.axes.transpose();
 }
 
+Eigen::Matrix3d damped(const Eigen::Matrix3d& h, double damping) {
+  return h + damping * Eigen::Matrix3d::Identity();
+}
+
+// Of the beams alone.
+Eigen::Vector3d newton_step(const NormalEquations& sums, double damping) {
+  return -damped(sums.h, damping).ldlt().solve(sums.g);
+}
+
 MatchQuality quality_of(const NormalEquations& sums, const Directions& directions, int beams, double thin) {
   MatchQuality quality;
   quality.beams = beams;
@@ -261,10 +270,13 @@ Match match_scan(const LocalMap& local_map, std::span<const ScanPoint> points, c
     Eigen::Matrix3d trust = Eigen::Matrix3d::Identity();
     trust.topLeftCorner<2, 2>() = direction_trust(directions_of(sums), options.thin_direction);
     const Eigen::Vector3d innovation = wrapped_difference(pose, prediction.local_from_robot);
-    Eigen::Matrix3d h = information_of_unit * (trust * sums.h * trust) + prediction.information;
-    const Eigen::Vector3d g = information_of_unit * (trust * sums.g) + prediction.information * innovation;
-    h.diagonal().array() += options.damping;
-    Eigen::Vector3d step = -h.ldlt().solve(g);
+    const Eigen::Matrix3d of_beams = information_of_unit * (trust * sums.h * trust);
+    // While the loss is wide, beams may lead far from where the fit begins. At the end they pull to where they
+    // alone would have the pose, by no more than the information that they are trusted with.
+    Eigen::Vector3d pull = -information_of_unit * (trust * sums.g);
+    if (kernel <= options.kernel_m) pull = of_beams * newton_step(sums, options.damping);
+    const Eigen::Matrix3d h = damped(of_beams + prediction.information, options.damping);
+    Eigen::Vector3d step = h.ldlt().solve(pull - prediction.information * innovation);
     if (!step.allFinite()) return match;
     const double length = step.head<2>().norm();
     if (length > options.max_step_m) step *= options.max_step_m / length;

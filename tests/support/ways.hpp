@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,14 +25,15 @@ inline Relation odometry_relation(PatchId a, PatchId b, const Pose& a_from_b,
 }
 
 /// A robot's way: a patch at each pose of the world, which saw walls of its own, each tied to the one before
-/// by odometry, on an island of its own. Returns its patches.
+/// by odometry, on an island of its own, a second apart. Returns its patches.
 inline std::vector<PatchId> add_way(Map& map, const std::vector<Walls>& walls_seen,
                                     const std::vector<Pose>& world_from_patches, const Pose& map_from_world,
                                     const std::string& robot = "R1") {
   std::vector<PatchId> way;
   for (std::size_t i = 0; i < world_from_patches.size(); ++i) {
     const PatchId id = map.manifold().next_id();
-    map.add(make_patch(id, robot, scan_from(walls_seen[i], world_from_patches[i]), laser_of(), {}),
+    const std::int64_t utime = id.value * 1'000'000;
+    map.add(make_patch(id, robot, scan_from(walls_seen[i], world_from_patches[i], utime), laser_of(), {}),
             map_from_world * world_from_patches[i]);
     if (!way.empty()) map.relate(odometry_relation(way.back(), id, map.relative_pose(way.back(), id)));
     way.push_back(id);

@@ -83,6 +83,12 @@ double by_sightings(const Entry& merge, const TrialOptions& its) {
   return its.log_odds_per_sighting * std::max(0.0, static_cast<double>(merge.evidence.size()) - 2);
 }
 
+// By so much as a loop must be likely, or the one would be accepted now and the other no more.
+bool is_likelier(const RivalledMerge& found, double enough) {
+  return found.as_rival - found.as_it_lies >= enough ||
+         (found.as_rival >= enough && found.as_it_lies < enough);
+}
+
 }  // namespace
 
 std::optional<RivalledMerge> rivalled_merge(const World& world, const ClosureLedger& ledger,
@@ -101,7 +107,7 @@ std::optional<RivalledMerge> rivalled_merge(const World& world, const ClosureLed
     const Overlay overlay = as_it_lies(world.map, apart, joining, world.options);
     const RivalledMerge found{id, log_odds(overlay, merge.record.account, its) + by_sightings(merge, its),
                               as_rival};
-    if (found.as_rival - found.as_it_lies < its.min_loop_log_odds) continue;
+    if (!is_likelier(found, its.min_loop_log_odds)) continue;
     if (!least || found.as_it_lies < least->as_it_lies) least = found;
   }
   return least;

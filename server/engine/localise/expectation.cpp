@@ -36,9 +36,12 @@ double apart(const Pose& one, const Pose& other, double seconds, const LocaliseO
 
 // Odometry that stands still where the robot drove before may have frozen. As far as the robot would have
 // gone on, it is not known where it is, and scans may tell: held to rest, they would follow a freeze along a
-// corridor.
-Eigen::Matrix3d covariance_of_freeze(const Pose& last_step, double probability) {
-  const Eigen::Vector3d lost = to_vector(last_step);
+// corridor. It goes on no faster than it drove before: a scan that was placed too far ahead would let the
+// next one be placed farther still.
+Eigen::Matrix3d covariance_of_freeze(const Localisation& place, double probability) {
+  const double way_m = position(place.last_step).norm(), told_m = position(place.last_told).norm();
+  Eigen::Vector3d lost = to_vector(place.last_step);
+  if (way_m > told_m) lost.head<2>() *= told_m / way_m;
   return probability * lost * lost.transpose();
 }
 
@@ -63,6 +66,19 @@ void OdometryPath::append(const Pose& step, const Eigen::Matrix3d& step_covarian
   start_from_end = start_from_end * step;
 }
 
+void OdometryPath::face(double yaw, double variance_rad2) {
+  start_from_end.yaw = wrap_angle(yaw);
+  covariance.row(2).setZero();
+  covariance.col(2).setZero();
+  covariance(2, 2) = variance_rad2;
+}
+
+void Localisation::append(const Pose& odometry_step, const Eigen::Matrix3d& step_covariance) {
+  since_last_patch.append(odometry_step, step_covariance);
+  told_since_last_patch.rad = wrap_angle(told_since_last_patch.rad + odometry_step.yaw);
+  told_since_last_patch.variance_rad2 += step_covariance(2, 2);
+}
+
 Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
                    const EngineOptions& options) {
   const Localisation& place = *robot.place;
@@ -84,7 +100,7 @@ Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t
                 .asDiagonal();
   }
   if (expectation.plausible && is_rest(expectation.claimed_step, options.odometry_learning))
-    noise += covariance_of_freeze(place.last_step, its.freeze_probability);
+    noise += covariance_of_freeze(place, its.freeze_probability);
   // What wheels err by goes on from scan to scan while no match tells: the standard deviations add up.
   noise *= 1 + 2.0 * place.lost_scans;
   expectation.step_covariance = noise;

@@ -80,6 +80,14 @@ bool has_looked_from_here(const Map& map, PatchId reference, const Pose& local_f
   });
 }
 
+// The way since the last patch, with the turn that odometry by itself tells of it: where a scan was matched,
+// its relations say what scans do.
+OdometryPath told_path(const Localisation& place) {
+  OdometryPath path = place.since_last_patch;
+  path.face(place.told_since_last_patch.rad, place.told_since_last_patch.variance_rad2);
+  return path;
+}
+
 }  // namespace
 
 Relation odometry_relation(Robot& robot, PatchId next, const EngineOptions& options) {
@@ -96,6 +104,7 @@ void put_robot_on(Robot& robot, PatchId patch) {
   place.covariance = place.tracking_covariance = Eigen::Matrix3d::Identity() * 1e-8;
   place.last_patch = patch;
   place.since_last_patch = {};
+  place.told_since_last_patch = {};
   ++robot.patches;
 }
 
@@ -200,7 +209,7 @@ bool extend(Map& map, Robot& robot, Observation observation, const Placement& pl
   }
   const Pose map_from_robot = map.manifold().pose(robot.surroundings.reference()) * local_from_robot;
   map.add(make_patch(id, robot.declaration.robot, std::move(observation), options.patch), map_from_robot);
-  const OdometryPath& path = robot.place->since_last_patch;
+  const OdometryPath path = placement.matched ? told_path(*robot.place) : robot.place->since_last_patch;
   const PatchId previous = robot.place->last_patch;
   const bool well_seen =
       placement.matched && placement.match.direction_trust.determinant() > options.follow.well_seen;

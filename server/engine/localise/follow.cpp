@@ -95,11 +95,14 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
   place.last_step = matched_step;
   if (!is_rest(expectation.claimed_step, options.odometry_learning)) {
     place.untold = {};
+    place.last_told = matched_step;
   } else if (placement.matched) {
     place.untold = place.untold * matched_step;
   }
-  place.since_last_patch.append(expectation.plausible ? expectation.step : matched_step,
-                                expectation.step_covariance);
+  const double yaw_before = place.since_last_patch.start_from_end.yaw;
+  place.append(expectation.plausible ? expectation.step : matched_step, expectation.step_covariance);
+  if (placement.matched)
+    place.since_last_patch.face(yaw_before + matched_step.yaw, placement.tracking_covariance(2, 2));
   place.odom_from_robot = odom_from_robot;
   place.utime = utime;
   place.suspect = placement.matched ? false : place.suspect || !expectation.plausible;

@@ -109,7 +109,7 @@ std::optional<ScanOutcome> take_odometry(Map& map, Robot& robot, const Pose& odo
   place.covariance = expectation.covariance;
   place.tracking_covariance = expectation.tracking_covariance;
   place.last_step = expectation.step;
-  place.since_last_patch.append(expectation.step, expectation.step_covariance);
+  place.append(expectation.step, expectation.step_covariance);
   place.odom_from_robot = odom_from_robot;
   place.utime = utime;
   const Pose since = ominus(odom_from_robot, robot.way.back());

@@ -35,9 +35,9 @@ void answer(const FitJob::LoopQuestion& question, const RelationGraph& graph, st
   result.covariance = covariances.front();
   result.rests_on = closures_between(question.before, question.a, question.b);
   const double max_log_odds = max_blamed_log_odds(question, poses, *result.covariance);
-  std::optional<Blame> found =
-      blame(question.loop, question.before, poses, graph, cost, max_log_odds,
-            log_search_window(question.loop.way_m, question.drift), question.weak_links);
+  std::optional<Blame> found = blame({question.loop, question.before, poses, graph, cost, max_log_odds,
+                                      log_search_window(question.loop.way_m, question.drift), question.reach},
+                                     question.weak_links);
   if (!found) return;
   result.blamed = std::move(found->wrong);
   result.blamed_closure = found->closure;

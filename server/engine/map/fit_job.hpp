@@ -45,6 +45,7 @@ class FitJob {
     PatchId a;
     PatchId b;
     OpenLoop loop;
+    Reach reach;
     WeakLinkOptions weak_links;
     PlaceCandidateOptions drift;  ///< how far the map may have drifted on the way between them
     double link_spacing_m = 1;    ///< between links on that way

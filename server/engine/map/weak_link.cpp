@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 
 #include "server/engine/map/dependencies.hpp"
 #include "server/engine/map/slip_density.hpp"
@@ -45,31 +47,26 @@ bool agrees(const Relation& relation, std::span<const Pose> poses, const WeakLin
   return misfit(relation, poses) < options.agreeing.value();
 }
 
-/// A map and a loop that is at odds with it, see blame().
-struct Contradicted {
-  const OpenLoop& loop;
-  const RelationGraph& before;
-  std::span<const Pose> poses_before;
-  const RelationGraph& fitted;
-  double cost;
-  double max_log_odds;
-  double log_window;
+IslandId island_of(const Contradiction& map) { return map.before.island(map.loop.first.front()); }
 
-  IslandId island() const { return before.island(loop.first.front()); }
-};
+constexpr double certain_log_odds = 1e6;  // far beyond what any evidence adds up to
 
 double log_density_of_no_slip(const WeakLinkOptions& options) {
   return log_slip_density(Eigen::Vector3d::Zero(), options);
 }
 
 // Log-odds against a link's being off by so much as it would have to if one side of it moved as the loop has
-// it, rather than by little. Where the move turns the map, that is least at the pole of the rotation.
-double against_slip(const Contradicted& map, const Relation& link, const WeakLinkOptions& options) {
+// it, rather than by little: certain where no robot gets so far. Where the move turns the map, that is least
+// at the pole of the rotation.
+double against_slip(const Contradiction& map, const Relation& link, const WeakLinkOptions& options) {
   const Pose &a = map.poses_before[index(link.a)], &b = map.poses_before[index(link.b)];
   const auto* measured = std::get_if<RelativePose>(&link.measurement);
   const Pose a_from_b = measured ? measured->a_from_b : ominus(b, a);
+  const double reach_m = map.reach.between_m(link.a, link.b);
   const auto log_density = [&](const Pose& moved) {
-    return log_slip_density(wrapped_difference(moved, a_from_b), options);
+    return std::hypot(moved.x, moved.y) <= reach_m
+               ? log_slip_density(wrapped_difference(moved, a_from_b), options)
+               : -certain_log_odds;
   };
   const Pose& moves = map.loop.first_from_second;
   return log_density_of_no_slip(options) -
@@ -79,8 +76,8 @@ double against_slip(const Contradicted& map, const Relation& link, const WeakLin
 // The links that are least sure by where they are and by how far they would have to be off. Against the
 // closure there is only that another place looks alike just there: nothing for small slips, as what looks
 // alike is often near, too.
-std::optional<WeakestCut> least_sure(const Contradicted& map, const WeakLinkOptions& options) {
-  std::vector<UncertainLink> links = uncertain_links(map.before, map.island(), map.poses_before, options);
+std::optional<WeakestCut> least_sure(const Contradiction& map, const WeakLinkOptions& options) {
+  std::vector<UncertainLink> links = uncertain_links(map.before, island_of(map), map.poses_before, options);
   std::vector<double> slips;
   for (UncertainLink& link : links) {
     slips.push_back(against_slip(map, *map.before.find(link.relation), options));
@@ -95,21 +92,21 @@ std::optional<WeakestCut> least_sure(const Contradicted& map, const WeakLinkOpti
   return weakest_cut(links, map.loop.first, map.loop.second);
 }
 
-std::optional<Blame> weakest_link(const Contradicted& map, const WeakLinkOptions& options) {
+std::optional<Blame> weakest_link(const Contradiction& map, const WeakLinkOptions& options) {
   std::optional<WeakestCut> link = least_sure(map, options);
   if (!link || link->log_odds > map.max_log_odds) return std::nullopt;
   std::vector<Pose> poses(map.poses_before.begin(), map.poses_before.end());
   for (const PatchId id : link->beyond) poses[index(id)] = map.loop.first_from_second * poses[index(id)];
   RelationGraph without = map.fitted;
   without.remove(link->relations);
-  FitReport report = fit_island(without, map.island(), poses);
+  FitReport report = fit_island(without, island_of(map), poses);
   if (!report.ok || map.cost - report.cost_after < link->log_odds) return std::nullopt;
   std::vector<RelationId> wrong = link->relations;
   std::erase_if(wrong, [&](RelationId id) { return agrees(*map.fitted.find(id), poses, options); });
   if (wrong.size() < link->relations.size()) {
     without = map.fitted;
     without.remove(wrong);
-    report = fit_island(without, map.island(), poses);
+    report = fit_island(without, island_of(map), poses);
     if (!report.ok) return std::nullopt;
   }
   const double log_odds = link->log_odds;
@@ -125,14 +122,14 @@ std::vector<RelationId> resting_on(const RelationGraph& graph, ClosureId closure
 }
 
 // The way from where the earlier closure bent the map to may be long: the linear solution knows no way.
-std::optional<Blame> earlier_closure(const Contradicted& map, const UncertainClosure& earlier) {
+std::optional<Blame> earlier_closure(const Contradiction& map, const UncertainClosure& earlier) {
   if (earlier.log_odds > map.max_log_odds) return std::nullopt;
   std::vector<RelationId> wrong = resting_on(map.before, earlier.id);
   RelationGraph without = map.fitted;
   without.remove(wrong);
   if (wrong.empty() || without.islands().size() != map.fitted.islands().size()) return std::nullopt;
   std::vector<Pose> poses(map.poses_before.begin(), map.poses_before.end());
-  const FitReport report = fit_island(without, map.island(), poses, {.chordal_start = true});
+  const FitReport report = fit_island(without, island_of(map), poses, {.chordal_start = true});
   if (!report.ok || map.cost - report.cost_after < earlier.log_odds) return std::nullopt;
   return Blame{earlier.log_odds, {}, earlier.id, std::move(wrong), report.cost_after, std::move(poses)};
 }
@@ -154,17 +151,21 @@ std::vector<UncertainLink> uncertain_links(const RelationGraph& graph, IslandId 
   return links;
 }
 
-std::optional<Blame> blame(const OpenLoop& loop, const RelationGraph& before,
-                           std::span<const Pose> poses_before, const RelationGraph& fitted, double cost,
-                           double max_log_odds, double log_window, const WeakLinkOptions& options) {
-  if (loop.first.empty() || loop.second.empty()) return std::nullopt;
-  const IslandId island = before.island(loop.first.front());
-  const double bent_by = cost - cost_of_island(before, island, poses_before);
-  const Contradicted map{loop,      before, poses_before, fitted, cost, std::min(max_log_odds, bent_by),
-                         log_window};
+double Reach::between_m(PatchId a, PatchId b) const {
+  if (patches.empty()) return std::numeric_limits<double>::infinity();
+  const Patch &one = *patches[index(a)], &other = *patches[index(b)];
+  if (one.robot != other.robot) return std::numeric_limits<double>::infinity();
+  return slack_m + max_speed_m_per_s * static_cast<double>(std::abs(one.utime - other.utime)) * 1e-6;
+}
+
+std::optional<Blame> blame(const Contradiction& contradiction, const WeakLinkOptions& options) {
+  Contradiction map = contradiction;
+  if (map.loop.first.empty() || map.loop.second.empty()) return std::nullopt;
+  const double bent_by = map.cost - cost_of_island(map.before, island_of(map), map.poses_before);
+  map.max_log_odds = std::min(map.max_log_odds, bent_by);
   if (map.max_log_odds <= 0) return std::nullopt;
   std::optional<Blame> found = weakest_link(map, options);
-  for (const UncertainClosure& earlier : loop.closed_before) {
+  for (const UncertainClosure& earlier : map.loop.closed_before) {
     std::optional<Blame> other = earlier_closure(map, earlier);
     if (other && (!found || other->log_odds + other->cost < found->log_odds + found->cost))
       found = std::move(other);

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "patches/patch.hpp"
 #include "relations/fit.hpp"
 #include "relations/weakest_cut.hpp"
 #include "server/engine/input/options/map_options.hpp"
@@ -49,15 +50,35 @@ struct Blame {
   std::vector<Pose> poses;        ///< of the island by that fit
 };
 
+/// How far robots can have gone from one of their patches to another.
+struct Reach {
+  std::vector<PatchPtr> patches;  ///< by id; none: as far as may be
+  double max_speed_m_per_s = 0;
+  double slack_m = 0;  ///< that patches may be off beyond it
+
+  /// Bounds the way that a robot made in the time between two of its patches; what different robots made
+  /// has no bound.
+  double between_m(PatchId a, PatchId b) const;
+};
+
+/// A map and a loop that is at odds with it. Keeps references.
+struct Contradiction {
+  const OpenLoop& loop;
+  const RelationGraph& before;  ///< without the closure,
+  std::span<const Pose> poses_before;
+  const RelationGraph& fitted;  ///< and with it,
+  double cost;                  ///< which its fit costs
+  double max_log_odds;          ///< what is surer is not to blame
+  double log_window;  ///< logarithm of the volume (m² rad) that was searched: a place that looks alike is
+                      ///< anywhere in it
+  const Reach& reach;
+};
+
 /// Whether the link that is weakest around a loop, or a loop that was closed before, was wrong, rather than
 /// all relations off by a little: where the island, fitted with the closure, costs more than without the
 /// culprit by more than the log-odds that it is right. (The costs are negative log-likelihoods.) Of several
-/// that which explains most. `before` is the graph without the closure, with `poses_before`; `fitted` that
-/// with it, and what its fit costs. What is surer than `max_log_odds` is not to blame. A link is the surer
-/// the farther off it would have to be: what slips does so by metres, where a place that looks alike is
-/// anywhere in the window that was searched, whose volume's logarithm (m² rad) is `log_window`.
-std::optional<Blame> blame(const OpenLoop& loop, const RelationGraph& before,
-                           std::span<const Pose> poses_before, const RelationGraph& fitted, double cost,
-                           double max_log_odds, double log_window, const WeakLinkOptions& options);
+/// that which explains most. A link is the surer the farther off it would have to be, what slips does so by
+/// metres, and certain where no robot gets so far.
+std::optional<Blame> blame(const Contradiction& map, const WeakLinkOptions& options);
 
 }  // namespace isthmus

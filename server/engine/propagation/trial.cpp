@@ -47,9 +47,17 @@ void Trial::begin_fit(std::int64_t now_utime, bool with_gate) {
     for (const auto& [id, relation] : before.relations())
       if (static_cast<std::size_t>(id.value) >= first_relation_) added.push_back(id);
     before.remove(added);
-    question = FitJob::LoopQuestion{std::move(before),       ends().first,        ends().second,
-                                    proposal_.loop,          options_.weak_links, options_.place_candidates,
-                                    options_.patch_spacing_m};
+    const std::span<const PatchPtr> patches = map_.manifold().patches();
+    const LocaliseOptions& robots = options_.localise;
+    question =
+        FitJob::LoopQuestion{std::move(before),
+                             ends().first,
+                             ends().second,
+                             proposal_.loop,
+                             {{patches.begin(), patches.end()}, robots.max_speed_m_per_s, robots.slack_m},
+                             options_.weak_links,
+                             options_.place_candidates,
+                             options_.patch_spacing_m};
   }
   job_ = std::make_unique<FitJob>(map_, map_.graph().island(proposal_.relations.front().a), now_utime,
                                   std::move(question), options_.map_fit);

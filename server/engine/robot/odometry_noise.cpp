@@ -61,15 +61,21 @@ Eigen::Matrix3d OdometryNoise::path_covariance(const Pose& odometry_path,
                                                const Pose& matched_path, bool well_seen,
                                                const OdometryNoiseOptions& options) {
   const Eigen::Vector3d off = wrapped_difference(matched_path, odometry_path);
-  const double squared = off.dot(summed_covariance.inverse() * off);
+  const Eigen::Vector2d off_way = off.head<2>();
+  const double of_way = off_way.dot(summed_covariance.topLeftCorner<2, 2>().inverse() * off_way);
+  const double of_turn = off.z() * off.z() / summed_covariance(2, 2);
   if (well_seen) {
     const double outlier = options.outlier_sigmas * options.outlier_sigmas;
-    const double seen = std::min(squared / 3, outlier * path_variance_scale_);
+    const double seen = std::min((of_way + of_turn) / 3, outlier * path_variance_scale_);
     path_variance_scale_ =
         std::max(options.min_path_scale,
                  (1 - options.path_forgetting) * path_variance_scale_ + options.path_forgetting * seen);
   }
-  return summed_covariance * std::max(path_variance_scale_, squared / options.plausible_path.value());
+  const auto factor = [&](double squared) {
+    return std::sqrt(std::max(path_variance_scale_, squared / options.plausible_path.value()));
+  };
+  const Eigen::Vector3d factors(factor(of_way), factor(of_way), factor(of_turn));
+  return factors.asDiagonal() * summed_covariance * factors.asDiagonal();
 }
 
 }  // namespace isthmus

@@ -28,8 +28,8 @@ class OdometryNoise {
 
   /// Errors of successive steps have a common part (a wheel's diameter, a late stamp), so a path of many
   /// steps errs more than their sum says: a third scale, learned from patch to patch where `well_seen`.
-  /// Returns the covariance to believe for this path, after learning from it; where it is off by more than it
-  /// may be, even more.
+  /// Returns the covariance to believe for this path, after learning from it; where its way or its turn is
+  /// off by more than it may be, even more of that.
   Eigen::Matrix3d path_covariance(const Pose& odometry_path, const Eigen::Matrix3d& summed_covariance,
                                   const Pose& matched_path, bool well_seen,
                                   const OdometryNoiseOptions& options);

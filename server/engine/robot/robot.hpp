@@ -24,8 +24,18 @@ struct OdometryPath {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 
   void append(const Pose& step, const Eigen::Matrix3d& step_covariance);
+  /// Its end is turned so, as others than odometry know.
+  void face(double yaw, double variance_rad2);
 
   auto members() { return std::tie(start_from_end, covariance); }
+};
+
+/// A turn as odometry tells it.
+struct ToldTurn {
+  double rad = 0;
+  double variance_rad2 = 0;
+
+  auto members() { return std::tie(rad, variance_rad2); }
 };
 
 /// Where a robot is on the manifold, after its last scan.
@@ -38,16 +48,22 @@ struct Localisation {
   Eigen::Matrix3d tracking_covariance = Eigen::Matrix3d::Zero();
   Pose odom_from_robot;
   Pose last_step;  ///< motion over the last scan period
+  Pose last_told;  ///< the same over the last one in which odometry told any
   Pose untold;     ///< motion that scans showed while odometry stood still: it may yet tell it, all at once
   std::int64_t utime = 0;
-  PatchId last_patch;             ///< the robot's newest own patch
-  OdometryPath since_last_patch;  ///< odometry since that patch
-  int lost_scans = 0;             ///< unmatched in a row
-  bool suspect = false;           ///< odometry did something implausible since the last match
+  PatchId last_patch;  ///< the robot's newest own patch
+  /// Odometry since that patch, turned as scans showed. Turns that odometry tells wrong or late bend a way on
+  /// which every metre is right.
+  OdometryPath since_last_patch;
+  ToldTurn told_since_last_patch;  ///< what odometry by itself says of the turn since then
+  int lost_scans = 0;              ///< unmatched in a row
+  bool suspect = false;            ///< odometry did something implausible since the last match
+
+  void append(const Pose& odometry_step, const Eigen::Matrix3d& step_covariance);  ///< to the way
 
   auto members() {
-    return std::tie(pose, covariance, tracking_covariance, odom_from_robot, last_step, untold, utime,
-                    last_patch, since_last_patch, lost_scans, suspect);
+    return std::tie(pose, covariance, tracking_covariance, odom_from_robot, last_step, last_told, untold,
+                    utime, last_patch, since_last_patch, told_since_last_patch, lost_scans, suspect);
   }
 };
 

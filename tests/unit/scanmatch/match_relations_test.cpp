@@ -88,5 +88,18 @@ TEST(MatchRelations, AFewBeamsAlongTheCorridorAreHardlyTrusted) {
             0.5 * information(without[0].measurement, {0.5, 0.1, 0.05})(0, 0));
 }
 
+// However little they are trusted, they say that the patch is where they are, and not beyond.
+TEST(MatchRelations, OfAFewBeamsAlongTheCorridorAreAtTheirLeastWhereTheBeamsAre) {
+  Walls walls = corridor();
+  add_box(walls, 3, 0.6, 3.1, 1);
+  const Pose truth{0.5, 0.1, 0.05};
+  Matched m = matched(walls, {{0, 0, 0}}, truth);
+  ASSERT_LT(m.match.direction_trust(0, 0), 0.5);
+  m.match.local_from_robot.x += 0.05;
+  const auto relations = match_relations(m.map, m.points, m.match, PatchId{1}, {}, {});
+  ASSERT_EQ(relations.size(), 1U);
+  EXPECT_NEAR(minimiser(relations[0].measurement, truth).x, truth.x, 0.02);
+}
+
 }  // namespace
 }  // namespace isthmus

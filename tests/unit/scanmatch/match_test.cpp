@@ -52,6 +52,26 @@ TEST(MatchScan, ACorridorLeavesTheDirectionAlongItToThePrediction) {
   EXPECT_LT(match.beam_information(0, 0), 1e-3 * match.beam_information(1, 1));
 }
 
+// A door has moved since the map was made. What few beams say is trusted little, and so pulls little:
+// the pose lies between theirs and the predicted one as their information and the prediction's have it.
+TEST(MatchScan, IsPulledAlongACorridorByNoMoreThanTheFewBeamsThereAreTrusted) {
+  constexpr double moved_m = 0.06;
+  Walls before = corridor();
+  add_box(before, 3, 0.3, 3.1, 1);
+  Walls after = corridor();
+  add_box(after, 3 + moved_m, 0.3, 3.1 + moved_m, 1);
+  const LocalMap map = local_map_of(before, {{0, 0, 0}});
+  const Pose truth{0.5, 0.1, 0.05};
+  const auto points = to_points(scan_from(after, truth), laser_of(), {});
+  constexpr double along = 3000;  // 1/m²
+  const Prediction sure{truth, Eigen::Vector3d(along, 1, 1).asDiagonal()};
+  const Match match = match_scan(map, points, sure, {});
+  ASSERT_TRUE(match.ok);
+  EXPECT_LT(match.direction_trust(0, 0), 0.5);
+  const double of_beams = match.beam_information(0, 0) / (match.beam_information(0, 0) + along);
+  EXPECT_NEAR(match.local_from_robot.x - truth.x, -moved_m * of_beams, 0.002);
+}
+
 TEST(MatchScan, BeginsWhereItIsToldAndIsHeldByThePredictionAllTheSame) {
   const LocalMap room = local_map_of(furnished_room(), {{-1, 0, 0.2}, {0.5, -1, 0.4}});
   const Pose truth{0.2, -0.4, 0.3};

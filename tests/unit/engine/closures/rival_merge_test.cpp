@@ -71,8 +71,18 @@ TEST(RivalMerge, IsOneThatMatchesOverMuchMoreWay) {
 
 TEST(RivalMerge, IsNoneThatMatchesOverLittleMore) {
   Rivalled its;
-  its.refuse(10);
+  its.refuse(9);
   EXPECT_FALSE(its.found());
+}
+
+// 3 and 0.4 for each metre: 7 is enough to be accepted.
+TEST(RivalMerge, IsOneThatWouldBeAcceptedWhereTheMergeWouldNoMore) {
+  Rivalled its;
+  its.refuse(11);
+  const auto found = its.found();
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->as_rival - found->as_it_lies, 7);
+  EXPECT_LT(found->as_it_lies, 7);
 }
 
 TEST(RivalMerge, IsNoneWhereHalfOfWhatWasComparedDoesNotMatch) {

@@ -94,7 +94,7 @@ TEST(Frozen, LosesARobotThatWasCarriedAway) {
   OnTheMap on({0, 0, 0});
   ASSERT_TRUE(on.scan({0.1, 0, 0}));
   int told = 0;
-  for (int i = 0; i < 8; ++i) told += on.scan({12, 0, 2}, {30, 0, 0}) ? 1 : 0;
+  for (int i = 0; i < 8; ++i) told += on.scan({11, 0.8, 2}, {30, 0, 0}) ? 1 : 0;
   EXPECT_EQ(told, 0);
   EXPECT_FALSE(on.robot.place) << "after eight scans in vain it is not there";
 }

@@ -98,7 +98,7 @@ TEST(BeginIsland, SharesNothingWithTheIslandBefore) {
 TEST(Extend, PutsTheRobotAtTheOriginOfTheNewPatch) {
   InARoom in;
   const Pose truth{0.8, 0.3, 0.2};
-  in.robot.place->since_last_patch.append(truth, in.robot.noise.covariance(truth, {}));
+  in.robot.place->append(truth, in.robot.noise.covariance(truth, {}));
   in.extended_by(truth, in.matched(truth));
   ASSERT_EQ(in.map.manifold().size(), 2U);
   expect_near(in.map.manifold().pose(PatchId{1}), truth, 0.02);
@@ -110,6 +110,8 @@ TEST(Extend, PutsTheRobotAtTheOriginOfTheNewPatch) {
   EXPECT_LT(place.tracking_covariance.trace(), 1e-6);
   EXPECT_EQ(place.last_patch, PatchId{1});
   expect_near(place.since_last_patch.start_from_end, {});
+  EXPECT_EQ(place.told_since_last_patch.rad, 0);
+  EXPECT_EQ(place.told_since_last_patch.variance_rad2, 0);
   EXPECT_EQ(in.robot.patches, 2U);
 }
 
@@ -118,7 +120,7 @@ TEST(Extend, AppendsTheRelationsOfTheMatchAndOfOdometry) {
   InARoom in;
   const Pose truth{0.8, 0.3, 0.2};
   const Pose said{0.82, 0.31, 0.2};
-  in.robot.place->since_last_patch.append(said, in.robot.noise.covariance(said, {}));
+  in.robot.place->append(said, in.robot.noise.covariance(said, {}));
   EXPECT_FALSE(in.extended_by(truth, in.matched(truth))) << "no loop";
   const std::vector<const Relation*> relations = relations_between(in.map, 0, 1);
   ASSERT_EQ(relations.size(), 2U);
@@ -130,10 +132,31 @@ TEST(Extend, AppendsTheRelationsOfTheMatchAndOfOdometry) {
   expect_near(minimiser(relations[1]->measurement, truth), truth, 0.02);
 }
 
+// Odometry told a turn of 2 rad that the robot never made, as one that tells a turn on the spot late does: it
+// has counted its way all the same.
+TEST(Extend, KeepsTheWayOfOdometryThatTurnsAreCountedWrongIn) {
+  InARoom in(corridor());
+  const Eigen::Matrix3d noise = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
+  for (int i = 0; i < 10; ++i) {
+    in.robot.place->append({0.1, 0, 0.2}, noise);
+    in.robot.place->since_last_patch.face(0, 1e-6);
+  }
+  const Pose truth{1, 0, 0};
+  in.extended_by(truth, in.matched(truth));
+  const std::vector<const Relation*> relations = relations_between(in.map, 0, 1);
+  ASSERT_EQ(relations[0]->kind, RelationKind::odometry);
+  const auto& told = std::get<RelativePose>(relations[0]->measurement);
+  expect_near(told.a_from_b, {1, 0, 2});
+  const Eigen::Matrix3d covariance = told.information.inverse();
+  EXPECT_LT(covariance(0, 0), 5 * 10 * noise(0, 0)) << "the way is as sure as ever";
+  EXPECT_GT(covariance(2, 2), 0.5) << "the turn is not";
+  EXPECT_NEAR(covariance(0, 2), 0, 1e-6);
+}
+
 TEST(Extend, RelatesAnUnmatchedScanByOdometryAlone) {
   InARoom in;
   const Pose said{0.8, 0.3, 0.2};
-  in.robot.place->since_last_patch.append(said, in.robot.noise.covariance(said, {}));
+  in.robot.place->append(said, in.robot.noise.covariance(said, {}));
   Placement placement = in.matched(said);
   placement.matched = false;
   in.extended_by(said, placement);
@@ -152,10 +175,10 @@ TEST(Extend, RelatesAnUnmatchedScanByOdometryAlone) {
 struct BackInACorridor : InARoom {
   explicit BackInACorridor(Walls seen = corridor()) : InARoom(std::move(seen)) {
     const Pose ahead{1, 0, 0};
-    robot.place->since_last_patch.append(ahead, robot.noise.covariance(ahead, {}));
+    robot.place->append(ahead, robot.noise.covariance(ahead, {}));
     extended_by(ahead, matched(ahead));
     robot.place->pose = {PatchId{0}, {}};
-    robot.place->since_last_patch = {{-0.6, 0, 0}, Eigen::Vector3d(1, 1, 0.1).asDiagonal()};
+    robot.place->append({-0.6, 0, 0}, Eigen::Vector3d(1, 1, 0.1).asDiagonal());
   }
   const Relation* ground_of_patch_2() const {
     for (const Relation* relation : relations_between(map, 0, 2))
@@ -185,7 +208,9 @@ TEST(Extend, KeepsAScanByNothingElseWhereItTellsOrOdometryDoes) {
   in_a_room.extended_by(in_a_room.back, in_a_room.matched(in_a_room.back));
   EXPECT_FALSE(in_a_room.ground_of_patch_2()) << "the scan tells";
   BackInACorridor in;
-  in.robot.place->since_last_patch = {{-1.6, 0, 0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()};
+  in.robot.place->since_last_patch = {};
+  in.robot.place->told_since_last_patch = {};
+  in.robot.place->append({-1.6, 0, 0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal());
   in.extended_by(in.back, in.matched(in.back));
   EXPECT_FALSE(in.ground_of_patch_2()) << "odometry tells more";
 }
@@ -194,7 +219,7 @@ TEST(Extend, KeepsAScanByNothingElseWhereItTellsOrOdometryDoes) {
 TEST(Extend, RefitsTheMapAroundTheNewPatch) {
   InARoom in;
   const Pose truth{0.8, 0.3, 0.2};
-  in.robot.place->since_last_patch.append({0.8, 0.3, 0.2}, 1e-8 * Eigen::Matrix3d::Identity());
+  in.robot.place->append({0.8, 0.3, 0.2}, 1e-8 * Eigen::Matrix3d::Identity());
   Placement placement = in.matched(truth);
   placement.local_from_robot = truth * Pose{0.3, 0, 0};
   in.extended_by(truth, placement);
@@ -203,7 +228,7 @@ TEST(Extend, RefitsTheMapAroundTheNewPatch) {
 
 TEST(OdometryRelation, TellsTheWayFromTheNewestOwnPatch) {
   InARoom in;
-  in.robot.place->since_last_patch.append({1, 0, 0}, Eigen::Matrix3d::Identity() * 0.01);
+  in.robot.place->append({1, 0, 0}, Eigen::Matrix3d::Identity() * 0.01);
   const Relation relation = odometry_relation(in.robot, PatchId{5}, {});
   EXPECT_EQ(relation.a, PatchId{0});
   EXPECT_EQ(relation.b, PatchId{5});

@@ -118,21 +118,26 @@ TEST(Follow, RemembersTheScan) {
   OnPatches on({{0, 0, 0}});
   on.robot.place->suspect = true;
   on.robot.place->lost_scans = 3;
-  const Eigen::Matrix3d expected = on.robot.noise.covariance({0.45, 0, 0.1}, {});
-  on.follow_to({0.5, 0, 0.1}, true, true, {0.45, 0, 0.1});
+  Eigen::Matrix3d expected = on.robot.noise.covariance({0.45, 0, 0.08}, {});
+  const double told_rad2 = expected(2, 2);
+  expected(2, 2) = 18;
+  on.follow_to({0.5, 0, 0.1}, true, true, {0.45, 0, 0.08});
   const Localisation& place = *on.robot.place;
   EXPECT_EQ(place.utime, 5'000'000);
   expect_near(place.odom_from_robot, {7, 8, 0.5});
   expect_near(place.last_step, {0.5, 0, 0.1});
   expect_near(place.since_last_patch.start_from_end, {0.45, 0, 0.1});
-  EXPECT_TRUE(place.since_last_patch.covariance.isApprox(expected, 1e-6));
+  EXPECT_TRUE(place.since_last_patch.covariance.isApprox(expected, 1e-6))
+      << "turned as surely as the scan says";
+  EXPECT_NEAR(place.told_since_last_patch.rad, 0.08, 1e-9);
+  EXPECT_NEAR(place.told_since_last_patch.variance_rad2, told_rad2, 1e-12);
   EXPECT_FALSE(place.suspect);
   EXPECT_EQ(place.lost_scans, 0);
 }
 
 TEST(Follow, CountsScansThatWereNotMatched) {
   OnPatches on({{0, 0, 0}});
-  on.follow_to({0.1, 0, 0}, false, true, {0.1, 0, 0});
+  on.follow_to({0.1, 0, 0.1}, false, true, {0.1, 0, 0});
   on.follow_to({0.2, 0, 0}, false, true, {0.1, 0, 0});
   EXPECT_EQ(on.robot.place->lost_scans, 2);
   EXPECT_FALSE(on.robot.place->suspect);
@@ -141,6 +146,7 @@ TEST(Follow, CountsScansThatWereNotMatched) {
   on.follow_to({0.3, 0, 0}, false, true, {0.1, 0, 0});
   EXPECT_TRUE(on.robot.place->suspect) << "until a scan is matched";
   EXPECT_NEAR(on.robot.place->since_last_patch.start_from_end.x, 0.3, 1e-9) << "a jump is no way";
+  EXPECT_EQ(on.robot.place->since_last_patch.start_from_end.yaw, 0) << "nothing has shown a turn";
 }
 
 // Odometry that says too little, as matching tells again and again, is trusted less.
@@ -212,11 +218,14 @@ TEST(Expect, OfARobotWhoseOdometryStandsStillAfterItDroveIsAsWideAsItMayHaveGone
   Robot robot;
   robot.place = Localisation{};
   robot.place->covariance = robot.place->tracking_covariance = Eigen::Matrix3d::Zero();
-  robot.place->last_step = {0.2, 0, 0};
+  robot.place->last_step = robot.place->last_told = {0.2, 0, 0};
   const Expectation frozen = expect(robot, {}, 200'000, {});
   EXPECT_NEAR(std::sqrt(frozen.covariance(0, 0)), 0.1, 0.01) << "of a quarter that it goes on";
   EXPECT_LT(frozen.covariance(1, 1), 1e-4) << "along its way alone";
   EXPECT_EQ(frozen.covariance, frozen.step_covariance);
+  robot.place->last_step = {0.6, 0, 0};
+  EXPECT_EQ(expect(robot, {}, 200'000, {}).covariance, frozen.covariance) << "no faster than it drove before";
+  robot.place->last_step = {0.2, 0, 0};
   const Expectation drives = expect(robot, {0.2, 0, 0}, 200'000, {});
   EXPECT_LT(drives.covariance(0, 0), 1e-3);
   robot.place->last_step = {};

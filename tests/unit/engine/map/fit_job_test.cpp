@@ -47,7 +47,7 @@ TEST(FitJob, TellsHowSurelyOnePatchWasKnownFromAnother) {
   RelationGraph before;
   for (int i = 0; i < 5; ++i) before.add_patch(PatchId{i});
   for (int i = 1; i < 4; ++i) before.add(odometry_relation(PatchId{i - 1}, PatchId{i}, {}, {100, 100, 1e6}));
-  FitJob job(map, PatchId{0}, 0, FitJob::LoopQuestion{before, PatchId{0}, PatchId{3}, {}, {}, {}}, {});
+  FitJob job(map, PatchId{0}, 0, FitJob::LoopQuestion{before, PatchId{0}, PatchId{3}, {}, {}, {}, {}}, {});
   const FitJob::Result result = job.take();
   ASSERT_TRUE(result.covariance);
   EXPECT_NEAR((*result.covariance)(0, 0), 0.03, 1e-4);
@@ -63,7 +63,7 @@ TEST(FitJob, TellsByWhichClosuresThatWasKnown) {
   Relation closure = odometry_relation(PatchId{0}, PatchId{3}, {}, {100, 100, 1e6});
   closure.origin = {OriginKind::hypothesis, ClosureId{7}};
   before.add(closure);
-  FitJob job(map, PatchId{0}, 0, FitJob::LoopQuestion{before, PatchId{0}, PatchId{3}, {}, {}, {}}, {});
+  FitJob job(map, PatchId{0}, 0, FitJob::LoopQuestion{before, PatchId{0}, PatchId{3}, {}, {}, {}, {}}, {});
   EXPECT_EQ(job.take().rests_on, std::vector<ClosureId>{ClosureId{7}});
 }
 

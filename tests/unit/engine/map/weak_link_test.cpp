@@ -23,6 +23,7 @@ struct Square {
   std::vector<Pose> truth;
   RelationGraph graph;
   std::vector<Pose> poses;  ///< as the map has them, without the loop
+  Reach reach;
 
   /// The scan of patch `slipped` was placed so far from where it was, odometry or not.
   explicit Square(int slipped = -1, const Pose& slip = {}, const Pose& drift = {}, bool wheels_too = false) {
@@ -43,6 +44,16 @@ struct Square {
       if (i > 1 && i != slipped && i != slipped + 1) graph.add(match(i - 2, i));
     }
   }
+  /// One robot made the way, a patch every so many seconds.
+  void take_s(double seconds, double max_speed_m_per_s) {
+    reach = {{}, max_speed_m_per_s, 0.5};
+    for (int i = 0; i < 16; ++i) {
+      auto patch = std::make_shared<Patch>();
+      patch->robot = "R1";
+      patch->utime = static_cast<std::int64_t>(i * seconds * 1e6);
+      reach.patches.push_back(std::move(patch));
+    }
+  }
   Pose step(int a, int b) const { return ominus(truth[at(b)], truth[at(a)]); }
   Relation match(int a, int b) const {
     Relation relation =
@@ -60,7 +71,7 @@ struct Square {
     std::vector<Pose> fitted = poses;
     const FitReport report = fit_island(with, IslandId{PatchId{0}}, fitted);
     const OpenLoop loop{{PatchId{0}}, {PatchId{15}}, truth[15] * inverse(poses[15]), 15, closed_before};
-    return blame(loop, graph, poses, with, report.cost_after, max_log_odds, std::log(1000), options);
+    return blame({loop, graph, poses, with, report.cost_after, max_log_odds, std::log(1000), reach}, options);
   }
 
   static std::size_t at(int patch) { return static_cast<std::size_t>(patch); }
@@ -143,6 +154,32 @@ TEST(WeakLink, IsTheSurerTheFartherOffItWouldHaveToBe) {
   EXPECT_NEAR(far->log_odds, options.match_log_odds - std::log(1000 * in_plane * of_yaw), 0.01)
       << "odometry, which would be right then, says nothing against it";
   EXPECT_FALSE(square.closed(options.match_log_odds + 1)) << "though the link by itself is no surer";
+}
+
+// A place that looks alike lies 50 m from where the robot is: what it left no link may be wrong by.
+TEST(WeakLink, IsNoneThatRobotsAreTooSlowFor) {
+  Square square;
+  for (int i = 6; i < 16; ++i) square.truth[Square::at(i)] = Pose{30, 40, 0} * square.truth[Square::at(i)];
+  const auto found_after_s = [&](double seconds, double max_speed_m_per_s) {
+    square.take_s(seconds, max_speed_m_per_s);
+    return square.closed(1e5).has_value();
+  };
+  EXPECT_TRUE(square.closed(1e5)) << "where nothing is known of robots";
+  EXPECT_TRUE(found_after_s(11, 5)) << "carried, or driven without a word";
+  EXPECT_FALSE(found_after_s(9, 5));
+  EXPECT_TRUE(found_after_s(9, 6));
+}
+
+TEST(Reach, IsTheSameEitherWayAndWithoutBoundAmongRobots) {
+  Square square;
+  square.take_s(2, 1.5);
+  EXPECT_NEAR(square.reach.between_m(PatchId{3}, PatchId{5}), 0.5 + 4 * 1.5, 1e-9);
+  EXPECT_NEAR(square.reach.between_m(PatchId{5}, PatchId{3}), 0.5 + 4 * 1.5, 1e-9);
+  auto other = std::make_shared<Patch>();
+  other->robot = "R2";
+  square.reach.patches[5] = std::move(other);
+  EXPECT_TRUE(std::isinf(square.reach.between_m(PatchId{3}, PatchId{5})));
+  EXPECT_TRUE(std::isinf(Reach{}.between_m(PatchId{3}, PatchId{5})));
 }
 
 // Where nothing else tells the links of a way apart, that is to blame which has to move least: at the pole of

@@ -74,6 +74,18 @@ TEST(OdometryNoise, APathThatIsFarOffIsBelievedLess) {
   EXPECT_LE(0.25 / far(0, 0), 7.9);
 }
 
+TEST(OdometryNoise, AWayIsBelievedAsMuchWhereOnlyTheTurnIsFarOff) {
+  const Eigen::Matrix3d summed = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
+  const auto of = [&](const Pose& matched) {
+    return OdometryNoise{}.path_covariance({1, 0, 0}, summed, matched, false, {});
+  };
+  const Eigen::Matrix3d turn = of({1, 0, 1}), way = of({1.5, 0, 0}), neither = of({1, 0, 0});
+  EXPECT_EQ((turn.topLeftCorner<2, 2>()), (neither.topLeftCorner<2, 2>()));
+  EXPECT_GT(turn(2, 2), 10 * neither(2, 2));
+  EXPECT_EQ(way(2, 2), neither(2, 2));
+  EXPECT_GT(way(0, 0), 10 * neither(0, 0));
+}
+
 /// A robot whose left wheel is larger, whose turns are counted a fiftieth short, whose laser looks aside.
 struct BiasedWheels {
   static constexpr double turn_per_m = 0.03;
