@@ -271,8 +271,8 @@ Match match_scan(const LocalMap& local_map, std::span<const ScanPoint> points, c
     trust.topLeftCorner<2, 2>() = direction_trust(directions_of(sums), options.thin_direction);
     const Eigen::Vector3d innovation = wrapped_difference(pose, prediction.local_from_robot);
     const Eigen::Matrix3d of_beams = information_of_unit * (trust * sums.h * trust);
-    // While the loss is wide, beams may lead far from where the fit begins. At the end they pull to where they
-    // alone would have the pose, by no more than the information that they are trusted with.
+    // While the loss is wide, beams may lead far from where the fit begins. At the end they pull to where
+    // they alone would have the pose, by no more than the information that they are trusted with.
     Eigen::Vector3d pull = -information_of_unit * (trust * sums.g);
     if (kernel <= options.kernel_m) pull = of_beams * newton_step(sums, options.damping);
     const Eigen::Matrix3d h = damped(of_beams + prediction.information, options.damping);

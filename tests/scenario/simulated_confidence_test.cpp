@@ -19,8 +19,8 @@ bool is_calibrated(const Confidence& c) {
   return covered && c.mean_nees >= 0.8 && c.mean_nees <= 1.25;
 }
 
-// Known to fall short: errors are half of what covariances say, or less. `nees` as measured, give or take a seventh.
-// The test fails where that becomes worse, and where it becomes true what is asked.
+// Known to fall short: errors are half of what covariances say, or less. `nees` as measured, give or take a
+// seventh. The test fails where that becomes worse, and where it becomes true what is asked.
 void expect_known_shortfall(const Confidence& c, double nees) {
   EXPECT_GT(c.pairs, 4000U);
   EXPECT_FALSE(is_calibrated(c)) << "covariances are calibrated now: ask for it";

@@ -18,7 +18,8 @@ struct RivalledMerge {
 
 /// After a trial has not accepted a loop that scans propose: the merge that brought its ends to one island
 /// and that has them elsewhere than drift explains, if the loop would have so much more for it as a merge
-/// of the two maps (`trial.min_loop_log_odds`), or so much at all where the merge has it no more. Of several the one that has least. Measured starts stay.
+/// of the two maps (`trial.min_loop_log_odds`), or so much at all where the merge has it no more. Of several
+/// the one that has least. Measured starts stay.
 std::optional<RivalledMerge> rivalled_merge(const World& world, const ClosureLedger& ledger,
                                             const ClosureLedger::Entry& rival);
 
