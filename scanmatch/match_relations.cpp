@@ -6,7 +6,6 @@
 #include <utility>
 
 namespace isthmus {
-
 namespace {
 
 // What a pair says, the line as the match trusted it: turned away from a direction that few beams hold.

@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <thread>
 
 #include "isthmus/answer_t.hpp"
@@ -16,7 +14,6 @@
 #include "isthmus/status_t.hpp"
 #include "server/wire/message/encoded.hpp"
 #include "tests/support/box_room.hpp"
-#include "tests/support/failing_disk.hpp"
 #include "tests/support/log_files.hpp"
 #include "tests/support/published.hpp"
 #include "tests/support/replayed.hpp"
@@ -36,13 +33,6 @@ void drive(Inbox& inbox, const std::string& name, int rounds, milliseconds pause
     for (const Message& message : robot.round(i)) push(inbox, name, message);
     std::this_thread::sleep_for(pause);
   }
-}
-
-/// Without the records of what was dropped.
-std::size_t events_in(const std::string& journal) {
-  const std::vector<Message> messages = read_log(journal).messages;
-  return static_cast<std::size_t>(std::count_if(messages.begin(), messages.end(),
-                                                [](const Message& message) { return !read_drops(message); }));
 }
 
 TEST(LiveServer, MakesTheMapThatAReplayOfItsJournalMakes) {
@@ -242,205 +232,6 @@ TEST(LiveServer, AnswersAndLogsEachOrder) {
             "reason=no_such_name");
 }
 
-TEST(LiveServer, CountsBadMessagesAndKeepsThemOutOfTheJournal) {
-  TemporaryDirectory directory;
-  LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
-  Published published;
-  Inbox inbox;
-  LiveServer server(options, inbox, published.sink());
-  const BoxRoomRobot robot("R1");
-  push(inbox, "R1", robot.introduction());
-  for (const Message& message : robot.round(0)) push(inbox, "R1", message);
-  push(inbox, "R1", {1, "R1_SCAN", {1, 2, 3}});
-  push(inbox, "R1", {1, "R1_SCAN", robot.round(1)[0].bytes});
-  push(inbox, "", {1, "CAMERA", {1, 2, 3}});
-  push(inbox, "", encode({1, TickEvent{}}));
-  push(inbox, "", encode({1, ConfigurationEvent{"tags = \"any\""}}));
-  inbox.close();
-  server.run();
-
-  const MapCopy map = server.engine().copy();
-  const std::map<DropReason, std::int64_t> expected = {
-      {DropReason::bad_length, 1}, {DropReason::bad_fingerprint, 1}, {DropReason::bad_channel, 2}};
-  EXPECT_EQ(map.counters.dropped, expected);
-  EXPECT_FALSE(server.engine().configuration().any_tag);
-  EXPECT_EQ(events_in(directory / "journal"), 4U) << "configuration, robot, odometry, scan";
-  EXPECT_EQ(replay_of(directory / "journal").dropped, expected);
-}
-
-TEST(LiveServer, RefusesAStrangersMessagesBeforeTheJournal) {
-  TemporaryDirectory directory;
-  LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
-  Published published;
-  Inbox inbox;
-  LiveServer server(options, inbox, published.sink());
-  for (const Message& message : BoxRoomRobot("R9").round(0)) push(inbox, "R9", message);
-  inbox.close();
-  server.run();
-  const MapCopy map = server.engine().copy();
-  EXPECT_EQ(map.counters.dropped.at(DropReason::unknown_robot), 2);
-  EXPECT_TRUE(map.patches.empty());
-  EXPECT_EQ(events_in(directory / "journal"), 1U) << "the configuration";
-  EXPECT_EQ(replay_of(directory / "journal").sha256, map_sha256(map));
-}
-
-// What comes before a robot's first introduction is lost, and no more than that.
-TEST(LiveServer, TakesARobotFromItsFirstIntroductionOn) {
-  LiveOptions options = quick_options();
-  Published published;
-  Inbox inbox;
-  LiveServer server(options, inbox, published.sink());
-  const BoxRoomRobot robot("R1");
-  for (const Message& message : robot.round(0)) push(inbox, "R1", message);
-  push(inbox, "R1", robot.introduction());
-  for (int i = 1; i <= 3; ++i)
-    for (const Message& message : robot.round(i)) push(inbox, "R1", message);
-  inbox.close();
-  server.run();
-  const MapCopy map = server.engine().copy();
-  EXPECT_EQ(map.counters.scans, 3);
-  EXPECT_EQ(map.counters.dropped.at(DropReason::unknown_robot), 2);
-}
-
-// Odometry of 200,000 robots that there are not, each under a name of its own.
-TEST(LiveServer, HoldsNothingOfMadeUpRobots) {
-  constexpr int strangers = 200'000;
-  TemporaryDirectory directory;
-  LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
-  std::string metrics;
-  options.metrics = [&](std::string text) { metrics = std::move(text); };
-  options.status_interval = std::chrono::milliseconds(50);
-  Inbox inbox;
-  LiveServer server(options, inbox, [](const auto&, const auto&) {});
-  std::thread engine([&] { server.run(); });
-  Message message = BoxRoomRobot("R9").round(0)[0];
-  for (int i = 0; i < strangers; ++i) {
-    const std::string name = "X" + std::to_string(i);
-    inbox.push_waiting(name, false, message.utime, name + "_ODOMETRY", message.bytes);
-    inbox.count_drop(name, DropReason::bad_length);
-  }
-  inbox.close();
-  engine.join();
-  const Counters counters = server.engine().copy().counters;
-  EXPECT_EQ(counters.dropped.at(DropReason::unknown_robot), strangers);
-  EXPECT_EQ(counters.dropped_by_robot.at("(others)").at(DropReason::unknown_robot), strangers);
-  EXPECT_LE(counters.dropped_by_robot.size(), 257U);
-  EXPECT_LT(metrics.size(), 50'000U);
-  EXPECT_EQ(events_in(directory / "journal"), 1U);
-}
-
-TEST(LiveServer, KeepsTheRobotsAndTagsThatItKnowsAndRefusesMore) {
-  TemporaryDirectory directory;
-  LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
-  options.admission = {2, 1};
-  for (const int start : {1, 2}) {  // what the journal holds counts
-    Published published;
-    Inbox inbox;
-    LiveServer server(options, inbox, published.sink());
-    for (const std::string name : {"R1", "R2", "R3"}) push(inbox, name, BoxRoomRobot(name).introduction());
-    for (const std::int32_t barcode : {7, 7, 8}) push(inbox, "", encode({1, TagEvent{1, barcode}}));
-    inbox.close();
-    server.run();
-    const std::map<DropReason, std::int64_t> expected = {{DropReason::too_many_robots, start},
-                                                         {DropReason::too_many_tags, start}};
-    EXPECT_EQ(server.engine().copy().counters.dropped, expected);
-  }
-}
-
-/// A server on a disk that fails, and a robot's rounds of odometry and scan handled before and after.
-class LiveServerOnFailingDisk : public ::testing::Test {
- protected:
-  std::unique_ptr<LiveServer> start(std::int64_t waiting_bytes = 64 * 1024 * 1024) {
-    LiveOptions options = quick_options();
-    options.journal_directory = directory_ / "journal";
-    options.journal.disk = disk_.operations();
-    options.journal.waiting_bytes = waiting_bytes;
-    return std::make_unique<LiveServer>(options, inbox_, published_.sink());
-  }
-  /// Returns a status of the time when all of them were handled.
-  status_t rounds(int from, int to) {
-    for (int i = from; i < to; ++i) {
-      for (const Message& message : robot_.round(i)) push(inbox_, "R1", message);
-    }
-    EXPECT_TRUE(happens([&] { return inbox_.size() == 0; })) << "rounds are not handled";
-    const std::size_t known = published_.of<status_t>("ISTHMUS_STATUS").size();
-    std::vector<status_t> all;
-    EXPECT_TRUE(happens([&] {
-      all = published_.of<status_t>("ISTHMUS_STATUS");
-      return all.size() > known + 1;
-    })) << "no status";
-    if (all.empty()) return {};
-    return all.back();  // the one before may have been on its way
-  }
-
-  TemporaryDirectory directory_;
-  FailingDisk disk_;
-  BoxRoomRobot robot_{"R1"};
-  Published published_;
-  Inbox inbox_;
-};
-
-TEST_F(LiveServerOnFailingDisk, LosesNothingToADiskThatIsFullForAWhile) {
-  const auto server = start();
-  std::thread engine_thread([&] { server->run(); });
-  push(inbox_, "R1", robot_.introduction());
-  rounds(0, 50);
-  disk_.refuse_with(ENOSPC);
-  EXPECT_GE(rounds(50, 100).journal_waiting, 100) << "and ticks";
-  EXPECT_EQ(published_.of<manifold_pose_t>("R1_POSE").size(), 100U) << "robots are answered meanwhile";
-  disk_.refuse_with(0);
-  rounds(100, 150);
-  inbox_.close();
-  engine_thread.join();
-  const MapCopy map = server->engine().copy();
-  EXPECT_TRUE(map.counters.dropped.empty());
-  const Replayed replayed = replay_of(directory_ / "journal");
-  EXPECT_GE(replayed.events, 2U + 300U);
-  EXPECT_EQ(replayed.sha256, map_sha256(map));
-}
-
-TEST_F(LiveServerOnFailingDisk, RefusesEventsBeforeTheEngineHasThemWhereNoMoreCanWait) {
-  const auto server = start(20'000);
-  std::thread engine_thread([&] { server->run(); });
-  push(inbox_, "R1", robot_.introduction());
-  rounds(0, 50);
-  disk_.refuse_with(ENOSPC);
-  rounds(50, 150);
-  disk_.refuse_with(0);
-  const status_t status = rounds(150, 200);
-  inbox_.close();
-  engine_thread.join();
-  const MapCopy map = server->engine().copy();
-  const std::int64_t refused = map.counters.dropped_by_robot.at("R1").at(DropReason::journal_full);
-  EXPECT_GT(refused, 100);
-  ASSERT_EQ(status.robots.size(), 1U);
-  ASSERT_EQ(status.robots[0].dropped.size(), 1U);
-  EXPECT_EQ(status.robots[0].dropped[0].reason, "journal_full");
-  const Replayed replayed = replay_of(directory_ / "journal");
-  EXPECT_GE(replayed.events + static_cast<std::size_t>(refused), 2U + 400U);
-  EXPECT_EQ(replayed.sha256, map_sha256(map));
-}
-
-TEST_F(LiveServerOnFailingDisk, SaysWhatTheJournalLacksWhereTheDiskIsFullForGood) {
-  const auto server = start();
-  push(inbox_, "R1", robot_.introduction());
-  disk_.refuse_with(ENOSPC);
-  inbox_.close();
-  EXPECT_EQ(error_of([&] { server->run(); }),
-            directory_ / "journal" +
-                ": events that the disk refused to the end: 1; the map has them, the journal does not");
-}
-
-TEST_F(LiveServerOnFailingDisk, DoesNotBeginAJournalThatTheDiskRefuses) {
-  disk_.refuse_with(EROFS);
-  EXPECT_EQ(error_of([&] { start(); }),
-            directory_ / "journal" + ": the disk refuses the journal's first event");
-}
-
 TEST(LiveServer, GivesReceiveTimesThatNeverGoBack) {
   TemporaryDirectory directory;
   LiveOptions options = quick_options();
@@ -458,14 +249,6 @@ TEST(LiveServer, GivesReceiveTimesThatNeverGoBack) {
   const LogContent content = read_log(directory / "journal");
   EXPECT_TRUE(std::is_sorted(content.messages.begin(), content.messages.end(),
                              [](const Message& a, const Message& b) { return a.utime < b.utime; }));
-}
-
-TEST(LiveServer, RefusesAWrongConfiguration) {
-  LiveOptions options = quick_options();
-  options.toml = "tags = 5";
-  Inbox inbox;
-  EXPECT_EQ(error_of([&] { LiveServer server(options, inbox, [](const auto&, const auto&) {}); }),
-            "configuration:1: tags must be a string");
 }
 
 }  // namespace
