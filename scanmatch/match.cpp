@@ -229,7 +229,8 @@ Eigen::Matrix2d direction_trust(const Directions& directions, double thin) {
   Eigen::Vector2d trust;
   for (int i = 0; i < 2; ++i) {
     const double squared = directions.share(i) * directions.share(i);
-    trust(i) = std::sqrt(squared / (squared + thin * thin + 1e-12));
+    const double of_information = std::sqrt(squared / (squared + thin * thin + 1e-12));
+    trust(i) = std::sqrt(of_information);
   }
   return directions.axes * trust.asDiagonal() * directions.axes.transpose();
 }

@@ -45,7 +45,7 @@ struct MatchOptions {
     option(thin_direction, "thin_direction", share_unit,
            "a direction of the plane with a smaller share f of the beams' information is held by a few beams "
            "only, which may well be wrong together (a corridor's door frames, somebody walking): it is "
-           "trusted by f² / (f² + thin²)");
+           "trusted with a share f / √(f² + thin²) of their information");
     option(pair_again_m, "pair_again_m", "m",
            "beams are paired anew after so much motion; a tenth of the index's cell, so that few beams would "
            "have found another line");

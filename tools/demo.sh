@@ -7,7 +7,9 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 if [[ ${1:-} == -* ]]; then
   sed -n '2,/^set/s/^# \?//p' tools/demo.sh
-  [[ $1 == -h || $1 == --help ]] && exit 0 || exit 2
+  [[ $1 == -h || $1 == --help ]] && exit 0
+  echo "tools/demo.sh: no such option: $1" >&2
+  exit 2
 fi
 out=${1:-build/demo}
 

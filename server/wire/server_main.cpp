@@ -24,6 +24,7 @@
 #include "server/wire/live/lcm_link.hpp"
 #include "server/wire/live/live_server.hpp"
 #include "server/wire/message/configuration_doubts.hpp"
+#include "server/wire/page/http/access.hpp"
 #include "server/wire/page/page_server.hpp"
 #include "server/wire/watch/http_page.hpp"
 #include "server/wire/watch/metrics.hpp"
@@ -118,8 +119,11 @@ void add_page_options(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--http-token-file", arguments.http_token_file,
                  "file with a token that viewers of the page and the WebSocket must have");
-  app.callback([&app, needs_port] {
+  app.callback([&app, &arguments, needs_port] {
     if (app.count("--http-bind") + app.count("--http-token-file") > 0) needs_port();
+    if (!is_loopback(arguments.http_address) && arguments.http_token_file.empty())
+      throw CLI::ValidationError("--http-bind " + arguments.http_address,
+                                 "what others can reach needs a token (--http-token-file)");
   });
 }
 
@@ -300,8 +304,8 @@ Viewers viewers_of(PageServer* page, FoxgloveServer* foxglove, bool frozen) {
   if (foxglove) viewers.event = [=](const Event& event) { foxglove->show(event); };
   if (!page) return viewers;
   viewers.goals = [=](TeamGoals team) { page->model().show(std::move(team)); };
-  viewers.order = [=](std::int64_t order_utime, DropReason reason) {
-    page->orders().answered(order_utime, reason);
+  viewers.order = [=](std::int64_t order_utime, DropReason reason, const std::string& remark) {
+    page->orders().answered(order_utime, reason, remark);
   };
   return viewers;
 }

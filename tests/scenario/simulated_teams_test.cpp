@@ -86,7 +86,7 @@ TEST(SimulatedTeams, OneMeetingCollapsesADoubleSpiral) {
   std::printf("double spiral: %zu patches, %d touched; intra mean %.4f m, at most %.3f m\n",
               spiral.map.patches.size(), merge->patches_touched, error.mean_m, error.max_m);
   EXPECT_LT(error.mean_m, 0.012);
-  EXPECT_LT(error.max_m, 0.1);
+  EXPECT_LT(error.max_m, 0.2);
   EXPECT_LT(inter_error_m(spiral), 0.02);
 }
 

@@ -9,6 +9,7 @@
 #include "server/client/ask.hpp"
 #include "server/program/command_line.hpp"
 #include "server/program/values.hpp"
+#include "server/wire/message/reason_sentence.hpp"
 #include "server/wire/questions/question.hpp"
 #include "tools/ask/reply_text.hpp"
 #include "tools/command/heard_server.hpp"
@@ -83,10 +84,13 @@ void add_kinds(CLI::App& app, request_t& request) {
       ->required();
 }
 
+std::runtime_error refused(const reply_t& reply) {
+  return std::runtime_error("refused: " + with_sentence(reply.reason, sentence_of_question(reply.reason)));
+}
+
 /// Where the question is refused for good there is nothing to follow.
 bool print_update(const reply_t& reply) {
-  if (!reply.done && !reply.followed && reply.update == 0)
-    throw std::runtime_error("refused: " + reply.reason);
+  if (!reply.done && !reply.followed && reply.update == 0) throw refused(reply);
   std::fputs(update_text(reply).c_str(), stdout);
   std::fflush(stdout);
   return true;
@@ -111,7 +115,7 @@ void ask_server(const Arguments& arguments) {
   }
   const std::optional<reply_t> reply = ask(lcm, arguments.request, key);
   if (!reply) throw silent();
-  if (!reply->done) throw std::runtime_error("refused: " + reply->reason);
+  if (!reply->done) throw refused(*reply);
   std::fputs(to_text(*reply).c_str(), stdout);
 }
 

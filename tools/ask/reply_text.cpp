@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "server/wire/message/reason_sentence.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -64,8 +66,9 @@ std::string to_text(const reply_t& reply) {
 
 std::string update_text(const reply_t& reply) {
   const std::string head = "# " + (reply.change.empty() ? "path" : reply.change);
-  return reply.done ? head + ", " + number(reply.length_m) + " m\n" + to_text(reply)
-                    : head + ", none: " + reply.reason + "\n";
+  return reply.done
+             ? head + ", " + number(reply.length_m) + " m\n" + to_text(reply)
+             : head + ", none: " + with_sentence(reply.reason, sentence_of_question(reply.reason)) + "\n";
 }
 
 }  // namespace isthmus

@@ -10,7 +10,7 @@
 #include "server/program/command_line.hpp"
 #include "server/program/values.hpp"
 #include "server/wire/live/lcm_link.hpp"
-#include "server/wire/message/answer_remark.hpp"
+#include "server/wire/message/reason_sentence.hpp"
 #include "tools/command/heard_server.hpp"
 #include "tools/command/order.hpp"
 #include "tools/command/send.hpp"
@@ -154,9 +154,8 @@ std::int64_t wall_clock_utime() {
 /// Of an order that is done, with what is to be known of it.
 std::string done_text(const Order& order, const answer_t& answer) {
   std::string text = "done: " + to_text(order);
-  if (answer.reason != not_proposed_yet) return text;
-  return text + ": no closure " + std::to_string(answer.closure) +
-         " is known yet; it is forbidden should it be proposed";
+  const std::string_view remark = sentence_of_order(answer.reason);
+  return remark.empty() ? text : text + ": " + std::string(remark);
 }
 
 void send(const Arguments& arguments) {
@@ -177,7 +176,9 @@ void send(const Arguments& arguments) {
   if (outcome.answer && outcome.answer->done)
     std::printf("%s\n", done_text(order, *outcome.answer).c_str());
   else if (outcome.answer)
-    throw std::runtime_error("refused: " + to_text(order) + ": " + outcome.answer->reason);
+    throw std::runtime_error(
+        "refused: " + to_text(order) + ": " +
+        with_sentence(outcome.answer->reason, sentence_of_order(outcome.answer->reason)));
   else if (wait.count() == 0)
     std::printf("sent: %s\n", to_text(order).c_str());
   else

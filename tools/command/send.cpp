@@ -11,6 +11,7 @@
 #include "server/wire/file/text_file.hpp"
 #include "server/wire/message/byte_check.hpp"
 #include "server/wire/message/message.hpp"
+#include "server/wire/message/reason_sentence.hpp"
 #include "server/wire/trust/envelope.hpp"
 #include "tools/command/heard_server.hpp"
 
@@ -78,7 +79,9 @@ std::string why_unreadable(const Order& order) {
   // Any time will do: it is set when the order is sent.
   const Message message = std::visit([](const auto& body) { return encode(Event{1, body}); }, order);
   const Decoded decoded = decode({}, message.channel, message.bytes, 1);
-  return decoded.event ? "" : "no such order can be given: " + std::string(word(decoded.reason));
+  if (decoded.event) return "";
+  const std::string_view reason = word(decoded.reason);
+  return "no such order can be given: " + with_sentence(reason, sentence_of_order(reason));
 }
 
 OrderOutcome send_order(lcm::LCM& lcm, const Order& order, const std::optional<OperatorKey>& key,

@@ -46,4 +46,7 @@ def main(name, barcode, seconds=60, port=7667):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:]) if len(sys.argv) > 2 else sys.exit("usage: robot.py NAME BARCODE [SECONDS] [PORT]")
+    if len(sys.argv) < 3:
+        print("usage: robot.py NAME BARCODE [SECONDS] [PORT]", file=sys.stderr)
+        sys.exit(2)
+    main(*sys.argv[1:])

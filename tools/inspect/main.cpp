@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -108,6 +109,12 @@ std::string confidence(const Arguments& arguments, const MapCopy& map) {
   return text;
 }
 
+std::string why_no_patch_id(const std::string& text) {
+  const bool digits = !text.empty() && text.size() < 10 &&
+                      std::ranges::all_of(text, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return digits ? "" : "'" + text + "' is no patch's id: a number, as in patches.csv";
+}
+
 /// An output directory is read as it is; of anything else the map is made.
 std::string inspect(const Arguments& arguments) {
   if (!arguments.picture.empty()) check_new_file(arguments.picture, arguments.force);
@@ -135,7 +142,9 @@ int main(int argc, char** argv) {
   auto* confidence =
       app.add_option("--confidence", arguments.confidence,
                      "A B: how well patch B is determined with respect to patch A (ids as in patches.csv)")
-          ->expected(2);
+          ->expected(2)
+          ->type_name("PATCH")
+          ->check(CLI::Validator(why_no_patch_id, ""));
   app.add_option("--picture", arguments.picture,
                  "PNG to write: the island with the ellipses in which patches lie with 95 %, relative to A")
       ->type_name("FILE")

@@ -80,13 +80,15 @@ void Localisation::append(const Pose& odometry_step, const Eigen::Matrix3d& step
 }
 
 Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
-                   const EngineOptions& options) {
+                   const EngineOptions& options, TurnErrors errors) {
   const Localisation& place = *robot.place;
   Expectation expectation;
   expectation.step = expectation.claimed_step = ominus(odom_from_robot, place.odom_from_robot);
   const LocaliseOptions& its = options.localise;
   const double seconds = std::max(its.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
   expectation.step = robot.bias.corrected(expectation.claimed_step);
+  if (errors == TurnErrors::going_on)
+    expectation.step.yaw = wrap_angle(expectation.step.yaw + robot.turn_error.expected_rad());
   Eigen::Matrix3d noise = robot.noise.covariance(expectation.step, options.odometry_noise);
   const Pose caught_up = inverse(place.untold) * expectation.step;
   expectation.catches_up = is_catching_up(place, expectation.claimed_step, caught_up, seconds, options);

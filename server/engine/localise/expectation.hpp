@@ -18,10 +18,15 @@ struct Expectation {
   bool plausible = true;  ///< false: no robot moves like that
   bool catches_up = false;  ///< what odometry said is taken to hold what it had not told before
 };
+
+/// What odometry is taken to err by in a turn: nothing that anybody knows, or what it erred by before
+/// (TurnError).
+enum class TurnErrors : std::uint8_t { at_random, going_on };
+
 /// Whether a motion is so small that it tells only how matching trembles.
 bool is_rest(const Pose& step, const OdometryLearningOptions& options);
 
 Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t utime,
-                   const EngineOptions& options);
+                   const EngineOptions& options, TurnErrors errors = TurnErrors::at_random);
 
 }  // namespace isthmus

@@ -74,6 +74,14 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
              const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options) {
   Localisation& place = *robot.place;
   const Pose matched_step = ominus(placement.local_from_robot, place.pose.patch_from_object);
+  if (placement.matched && expectation.plausible) {
+    const Pose told = robot.bias.corrected(expectation.claimed_step);
+    robot.turn_error.learn(wrap_angle(matched_step.yaw - told.yaw),
+                           robot.noise.covariance(told, options.odometry_noise)(2, 2),
+                           options.odometry_noise);
+  } else if (!placement.matched) {
+    robot.turn_error.go_on();
+  }
   if (placement.matched && expectation.plausible && !expectation.catches_up) {
     const double yaw = place.pose.patch_from_object.yaw;
     const Eigen::Matrix2d local_from_step = Eigen::Rotation2Dd(yaw).toRotationMatrix();

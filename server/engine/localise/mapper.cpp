@@ -38,6 +38,16 @@ Placement place_scan(const Map& map, Robot& robot, const Expectation& expectatio
   return *std::move(anew);
 }
 
+// A scan that fits nowhere lies where odometry has it, and what odometry told of turns errs on as before.
+Expectation expect_unmatched(const Robot& robot, Placement& placement, const Pose& odom_from_robot,
+                             std::int64_t utime, const EngineOptions& options) {
+  Expectation expectation = expect(robot, odom_from_robot, utime, options, TurnErrors::going_on);
+  placement.local_from_robot = expectation.local_from_robot;
+  placement.covariance = expectation.covariance;
+  placement.tracking_covariance = expectation.tracking_covariance;
+  return expectation;
+}
+
 }  // namespace
 
 bool has_all_patches(const Robot& robot, const EngineOptions& options) {
@@ -56,15 +66,17 @@ ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pos
     return {answer(map, robot, true), {}, true};
   }
   const bool full = has_all_patches(robot, options);
-  const Expectation expectation = expect(robot, odom_from_robot, observation.scan.utime, options);
-  const Placement placement = place_scan(map, robot, expectation, points, observation.scan.utime, options);
+  const std::int64_t utime = observation.scan.utime;
+  Expectation expectation = expect(robot, odom_from_robot, utime, options);
+  Placement placement = place_scan(map, robot, expectation, points, utime, options);
+  if (!placement.matched) expectation = expect_unmatched(robot, placement, odom_from_robot, utime, options);
   if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
       robot.place->lost_scans + 1 >= options.follow.max_lost_scans && !full) {
     robot.health.unmatched();
     begin_island(map, robot, std::move(observation), odom_from_robot, options);
     return {answer(map, robot, true), {}, true};
   }
-  follow(map, robot, expectation, placement, odom_from_robot, observation.scan.utime, options);
+  follow(map, robot, expectation, placement, odom_from_robot, utime, options);
   const bool worth_it = placement.matched
                             ? worth_a_patch(map, robot.surroundings, placement, observation.star, options)
                             : worth_a_patch_unmatched(robot, placement, points, options);

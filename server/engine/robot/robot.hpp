@@ -15,6 +15,7 @@
 #include "server/engine/robot/odometry_track.hpp"
 #include "server/engine/robot/pose_history.hpp"
 #include "server/engine/robot/robot_health.hpp"
+#include "server/engine/robot/turn_error.hpp"
 
 namespace isthmus {
 
@@ -99,6 +100,7 @@ struct Robot {
   OdometryTrack odometry;
   OdometryNoise noise;
   OdometryBias bias;
+  TurnError turn_error;  ///< beyond that
   RobotHealth health;
   std::deque<PendingScan> pending;  ///< scans that wait for odometry
   std::optional<Localisation> place;
@@ -119,7 +121,7 @@ struct Robot {
   std::size_t patches = 0;                   ///< that it has added to the map
 
   auto members() {
-    return std::tie(declaration, declared, odometry, noise, bias, health, pending, place, session,
+    return std::tie(declaration, declared, odometry, noise, bias, turn_error, health, pending, place, session,
                     surroundings, local_map, local_map_centre, local_map_stamp, last_scan_utime,
                     newest_scan_utime, local_loops, unplaced, history, way, seen, first_patch, stale_scans,
                     patches);

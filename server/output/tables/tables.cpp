@@ -29,13 +29,13 @@ std::vector<Eigen::Matrix3d> covariances(const MapCopy& map, const RankedIslands
 }  // namespace
 
 void write_robots(const MapCopy& map, const RankedIslands& islands, const std::string& path) {
-  std::vector<Session> sessions = map.sessions;
-  std::stable_sort(sessions.begin(), sessions.end(),
-                   [](const Session& a, const Session& b) { return a.robot < b.robot; });
   CsvFile csv(path, "robot,island,from_s,to_s");
-  for (const Session& session : sessions) {
-    csv.row(session.robot, islands.rank(session.first_patch), seconds(session.from_utime),
-            seconds(session.to_utime));
+  for (const std::string& robot : robots_as_they_came(map)) {
+    for (const Session& session : map.sessions) {
+      if (session.robot != robot) continue;
+      csv.row(robot, islands.rank(session.first_patch), seconds(session.from_utime),
+              seconds(session.to_utime));
+    }
   }
   csv.commit();
 }

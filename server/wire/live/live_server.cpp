@@ -120,9 +120,9 @@ void LiveServer::tell_sender(const Message& message, const Decoded& decoded, Dro
   if (!decoded.ours) return;
   const std::optional<command_t> said = order_in(message.channel, message.bytes);
   if (!said) return;
-  if (options_.viewers.order) options_.viewers.order(said->utime, reason);
-  answers_.tell(*said, message.signature, reason, reason == DropReason::none ? remark_on(decoded) : "",
-                message.utime);
+  const std::string remark = reason == DropReason::none ? remark_on(decoded) : "";
+  if (options_.viewers.order) options_.viewers.order(said->utime, reason, remark);
+  answers_.tell(*said, message.signature, reason, remark, message.utime);
 }
 
 /// Of an order that is done: whether it is about a closure that nobody has proposed.

@@ -41,8 +41,8 @@ struct Viewers {
   std::function<void(std::shared_ptr<const MapCopy>, const status_t&, double latency_p99_s)> map;
   /// What a team that explores was told. From another thread.
   std::function<void(TeamGoals)> goals;
-  /// What became of an order, by its stamp; none: it is done.
-  std::function<void(std::int64_t order_utime, DropReason)> order;
+  /// What became of an order, by its stamp; none: it is done, with a remark or an empty one (answer_t).
+  std::function<void(std::int64_t order_utime, DropReason, const std::string& remark)> order;
 };
 
 struct LiveOptions {

@@ -139,18 +139,18 @@ OrderAnswer Orders::send(PageOrder order) {
       },
       order);
   if (const Decoded decoded = decode({}, message.channel, message.bytes, utime); !decoded.event)
-    return {true, decoded.reason};
+    return {true, decoded.reason, ""};
   return send(utime, message.channel, message.bytes);
 }
 
 OrderAnswer Orders::send_signed(std::span<const std::uint8_t> bytes) {
   Envelope envelope;
   if (const DropReason reason = read_envelope(bytes, envelope); reason != DropReason::none)
-    return {true, reason};
+    return {true, reason, ""};
   const Decoded decoded = decode({}, envelope.channel, envelope.payload, 0);
   const std::optional<command_t> order = order_in(envelope.channel, envelope.payload);
   if (!order || !decoded.event)
-    return {true, decoded.reason == DropReason::none ? DropReason::foreign_channel : decoded.reason};
+    return {true, decoded.reason == DropReason::none ? DropReason::foreign_channel : decoded.reason, ""};
   return send(order->utime, signed_channel, bytes);
 }
 
@@ -162,16 +162,17 @@ OrderAnswer Orders::send(std::int64_t order_utime, const std::string& channel,
   const DropReason refused = take_(channel, bytes);
   lock.lock();
   if (refused == DropReason::none) changed_.wait_for(lock, wait_, [&] { return stopped_ || entry->second; });
-  const std::optional<DropReason> reason = refused == DropReason::none ? entry->second : refused;
+  OrderAnswer answer{true, refused, ""};
+  if (refused == DropReason::none) answer = entry->second.value_or(OrderAnswer{});
   waiting_.erase(entry);
-  return {reason.has_value(), reason.value_or(DropReason::none)};
+  return answer;
 }
 
-void Orders::answered(std::int64_t order_utime, DropReason reason) {
+void Orders::answered(std::int64_t order_utime, DropReason reason, const std::string& remark) {
   {
     const std::lock_guard lock(mutex_);
     const auto [begin, end] = waiting_.equal_range(order_utime);
-    for (auto entry = begin; entry != end; ++entry) entry->second = reason;
+    for (auto entry = begin; entry != end; ++entry) entry->second = OrderAnswer{true, reason, remark};
   }
   changed_.notify_all();
 }

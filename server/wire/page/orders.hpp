@@ -41,6 +41,7 @@ ParsedOrder parse_order(const std::string& json);
 struct OrderAnswer {
   bool answered = false;                 ///< false: the server had not taken it when time was over
   DropReason reason = DropReason::none;  ///< none: it is done
+  std::string remark;                    ///< on one that is done, as of answer_t
 };
 
 /// Sends operators' orders the way of those from the network, and waits for what becomes of each. Any thread.
@@ -55,7 +56,7 @@ class Orders {
   OrderAnswer send_signed(std::span<const std::uint8_t> envelope);
 
   /// From the live server: what became of an order, whoever sent it, by its stamp.
-  void answered(std::int64_t order_utime, DropReason reason);
+  void answered(std::int64_t order_utime, DropReason reason, const std::string& remark = "");
   /// From now on nobody waits.
   void stop();
 
@@ -68,7 +69,7 @@ class Orders {
   std::condition_variable changed_;
   std::int64_t last_utime_ = 0;
   bool stopped_ = false;
-  std::multimap<std::int64_t, std::optional<DropReason>> waiting_;  ///< by the order's stamp
+  std::multimap<std::int64_t, std::optional<OrderAnswer>> waiting_;  ///< by the order's stamp
 };
 
 }  // namespace isthmus

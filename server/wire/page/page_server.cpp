@@ -12,6 +12,7 @@
 #include "isthmus/command_t.hpp"
 #include "isthmus/initial_pose_t.hpp"
 #include "isthmus/signed_t.hpp"
+#include "server/wire/message/reason_sentence.hpp"
 #include "server/wire/page/http/asset.hpp"
 #include "server/wire/page/http/connection_pool.hpp"
 #include "server/wire/page/http/map_resources.hpp"
@@ -293,16 +294,22 @@ class PageServer::Site {
     }
     // A type that pages of other sites cannot send without asking first.
     if (type != json_type) return refuse(response, 415, "application/json or application/octet-stream");
-    if (options_.orders_signed) return refuse(response, 403, std::string(word(DropReason::not_signed)));
+    if (options_.orders_signed) return refuse_order(response, 403, DropReason::not_signed);
     const ParsedOrder parsed = parse_order(request.body);
     if (!parsed.order) return refuse(response, 400, parsed.error);
     tell(orders_.send(*parsed.order), response);
   }
 
+  static void refuse_order(Response& response, int status, DropReason reason) {
+    const std::string_view error = word(reason);
+    answer(response, status, {{"error", error}, {"words", sentence_of_order(error)}});
+  }
+
   static void tell(const OrderAnswer& outcome, Response& response) {
     if (!outcome.answered) return refuse(response, 504, "no answer in time");
-    if (outcome.reason != DropReason::none) return refuse(response, 409, std::string(word(outcome.reason)));
-    answer(response, 200, {{"done", true}});
+    if (outcome.reason != DropReason::none) return refuse_order(response, 409, outcome.reason);
+    answer(response, 200,
+           {{"done", true}, {"remark", outcome.remark}, {"words", sentence_of_order(outcome.remark)}});
   }
 
   PageOptions options_;

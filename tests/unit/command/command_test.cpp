@@ -163,7 +163,8 @@ TEST(SendOrder, NoServerWouldReadAZoneOfTwoCorners) {
   zone.name = "Stairs";
   zone.island = IslandId{0};
   zone.points = {{PatchId{}, {1, 1}}, {PatchId{}, {2, 1}}};
-  EXPECT_EQ(why_unreadable(zone), "no such order can be given: bad_polygon");
+  EXPECT_EQ(why_unreadable(zone),
+            "no such order can be given: bad_polygon: its sides cross or touch, or it has no area");
   zone.points.push_back({PatchId{}, {2, 2}});
   EXPECT_EQ(why_unreadable(zone), "");
 }

@@ -100,7 +100,7 @@ TEST(Numbers, SecondsAreExactMicroseconds) {
   EXPECT_EQ(seconds(std::numeric_limits<std::int64_t>::min()), "-9223372036854.775808");
 }
 
-TEST(Tables, RobotsHaveARowPerSessionTheLastOneCurrent) {
+TEST(Tables, RobotsHaveARowPerSessionInTheOrderInWhichTheyCame) {
   MapCopy map = split_map();
   map.sessions = {{"R2", 0, 1'000'000, 1'500'000, PatchId{0}},
                   {"R1", 1, 2'000'000, 3'000'001, PatchId{1}},
@@ -108,8 +108,8 @@ TEST(Tables, RobotsHaveARowPerSessionTheLastOneCurrent) {
   const TemporaryDirectory directory;
   write_robots(map, rank_islands(map), directory.file("robots.csv"));
   EXPECT_EQ(lines(directory.file("robots.csv")),
-            (std::vector<std::string>{"robot,island,from_s,to_s", "R1,0,2.000000,3.000001",
-                                      "R2,1,1.000000,1.500000", "R2,-1,5.000000,6.000000"}));
+            (std::vector<std::string>{"robot,island,from_s,to_s", "R2,1,1.000000,1.500000",
+                                      "R2,-1,5.000000,6.000000", "R1,0,2.000000,3.000001"}));
 }
 
 TEST(Tables, PatchesHavePoseCovarianceAndFreeSpaceInTheIslandsFrame) {

@@ -5,31 +5,6 @@ import { keyOf, signedOrder } from "./sign.js";
 import { fetched } from "./stream.js";
 import { counted } from "./words.js";
 
-const WORDS = {
-  unsigned: "this server takes signed orders only",
-  unknown_sender: "no such operator",
-  forged: "the key is another than the server's",
-  replayed: "an order with a later time has been taken already",
-  not_accepted: "it is not accepted (any more)",
-  no_such_closure: "there is no such closure",
-  not_forbidden: "it is not forbidden (any more)",
-  not_dropped: "the robot is not dropped",
-  unknown_robot: "there is no such robot",
-  frozen: "the map is frozen",
-  journal_full: "the disk is full",
-  bad_polygon: "its sides cross or touch, or it has no area",
-  bad_name: "a name has 1 to 48 letters, digits, spaces, '.', '_' and '-', and begins and ends with a letter or digit",
-  name_taken: "another place or zone has this name",
-  no_such_name: "there is none of this name (any more)",
-  off_the_map: "it is too far from everything that is mapped",
-  other_island: "its corners are on several islands",
-  unknown_patch: "the map has changed meanwhile: draw it again",
-  no_manifold: "the server makes maps of features, which have no patches for this",
-  too_many_annotations: "there are as many places and zones as there may be",
-  not_finished: "robots are placed on finished maps only (--frozen)",
-  absurd_value: "a number is none that can be",
-};
-
 const element = (id) => document.getElementById(id);
 
 /** What an island comes to, from least to most: the sizes of its parts. */
@@ -119,7 +94,7 @@ async function linesOf(order, status) {
 }
 
 const titleOf = (order) => {
-  const what = order.name ?? order.robot ?? (order.closure === undefined ? "the map" : `closure ${order.closure}`);
+  const what = order.name ?? order.robot ?? (order.closure === undefined ? "the map" : `${order.kind ?? "closure"} ${order.closure}`);
   return `${order.verb[0].toUpperCase()}${order.verb.slice(1)} ${what}?`;
 };
 
@@ -145,7 +120,8 @@ async function send(order, about) {
     const { body, type } = bodyOf(await order(), about);
     const answer = await fetched("command", { method: "POST", body, headers: { "Content-Type": type } });
     const content = await answer.json();
-    return answer.ok ? { done: true, words: "Done." } : { done: false, words: `Refused: ${WORDS[content.error] ?? content.error}.` };
+    if (!answer.ok) return { done: false, words: `Refused: ${content.words || content.error}.` };
+    return { done: true, words: content.words ? `Done: ${content.words}.` : "Done." };
   } catch (error) {
     return { done: false, words: `Not sent: ${error.message}.` };
   }

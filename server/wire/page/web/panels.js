@@ -194,7 +194,7 @@ export function showClosures(closures, order, show) {
     tell(more, closureText(closure));
     bring(acts, [actOf(closure)], (verb) => verb, (verb) => {
       const button = made("button", { type: "button", className: "order", textContent: verb[0].toUpperCase() + verb.slice(1) });
-      button.onclick = () => order({ verb, closure: closure.id });
+      button.onclick = () => order({ verb, closure: closure.id, kind: closure.kind });
       return button;
     }, () => {});
   });

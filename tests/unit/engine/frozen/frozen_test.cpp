@@ -35,10 +35,11 @@ struct OnTheMap {
     robot.place->covariance = robot.place->tracking_covariance = 0.01 * Eigen::Matrix3d::Identity();
     robot.place->last_patch = PatchId{0};
   }
-  std::optional<ScanOutcome> scan(const Pose& truth, const Pose& odometry) {
+  std::optional<ScanOutcome> scan(const Pose& truth, const Pose& odometry,
+                                  const Walls& walls = niched_hall()) {
     utime += 100'000;
-    return frozen.take_scan(map, robot, observe(scan_from(niched_hall(), truth, utime), laser_of(), {}),
-                            odometry, options);
+    return frozen.take_scan(map, robot, observe(scan_from(walls, truth, utime), laser_of(), {}), odometry,
+                            options);
   }
   std::optional<ScanOutcome> scan(const Pose& truth) { return scan(truth, truth); }
   // Time for searches.
@@ -93,8 +94,10 @@ TEST(Frozen, FindsARobotOnItsWay) {
 TEST(Frozen, LosesARobotThatWasCarriedAway) {
   OnTheMap on({0, 0, 0});
   ASSERT_TRUE(on.scan({0.1, 0, 0}));
+  Walls closet;
+  add_box(closet, -0.9, -0.9, 1.1, 0.8);
   int told = 0;
-  for (int i = 0; i < 8; ++i) told += on.scan({11, 0.8, 2}, {30, 0, 0}) ? 1 : 0;
+  for (int i = 0; i < 8; ++i) told += on.scan({}, {30, 0, 0}, closet) ? 1 : 0;
   EXPECT_EQ(told, 0);
   EXPECT_FALSE(on.robot.place) << "after eight scans in vain it is not there";
 }

@@ -103,6 +103,19 @@ TEST(TakeScan, MakesNoPatchOfAScanThatSawNothing) {
   EXPECT_NEAR(driven.robot.place->pose.patch_from_object.x, 2.7, 1e-9);
 }
 
+// Odometry tells half of a turn on the spot, and three scans see nothing.
+TEST(TakeScan, WhereNothingMatchesTurnsAreToldAsWronglyAsBefore) {
+  Driven driven;
+  for (int i = 0; i <= 6; ++i) driven.scan({0, 0, 0.2 * i}, {0, 0, 0.1 * i}, furnished_room());
+  ASSERT_NEAR(driven.map.relative_pose(PatchId{0}, driven.robot.place->pose.patch).yaw +
+                  driven.robot.place->pose.patch_from_object.yaw,
+              1.2, 0.02);
+  ScanOutcome lost;
+  for (int i = 7; i <= 9; ++i) lost = driven.blind_scan({0, 0, 0.1 * i});
+  EXPECT_FALSE(lost.pose.matched);
+  EXPECT_NEAR(lost.pose.map_from_robot.yaw, 1.8, 0.06);
+}
+
 // Carried away: odometry jumps, and what the robot sees fits nowhere near.
 TEST(TakeScan, BeginsAnotherIslandWhereOdometryJumpedAndNothingFitsForLong) {
   Driven driven;

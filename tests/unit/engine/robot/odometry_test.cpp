@@ -3,6 +3,7 @@
 #include "server/engine/robot/odometry_bias.hpp"
 #include "server/engine/robot/odometry_noise.hpp"
 #include "server/engine/robot/odometry_track.hpp"
+#include "server/engine/robot/turn_error.hpp"
 
 namespace isthmus {
 namespace {
@@ -38,6 +39,30 @@ TEST(OdometryTrack, TakesTheNewestPairWhenStampsWentBack) {
   track.add(900'000, {3, 0, 0});
   track.add(1'100'000, {5, 0, 0});
   EXPECT_NEAR(track.at(1'000'001)->x, 4, 1e-4);
+}
+
+TEST(TurnError, GoesOnWhereErrorsFollowOneAnother) {
+  TurnError error;
+  EXPECT_EQ(error.expected_rad(), 0);
+  for (int i = 0; i < 6; ++i) error.learn(0.2, 1e-4, {});
+  EXPECT_NEAR(error.expected_rad(), 0.2, 0.01);
+  for (int i = 0; i < 3; ++i) error.go_on();
+  EXPECT_NEAR(error.expected_rad(), 0.2, 0.04) << "over scans that tell nothing";
+}
+
+TEST(TurnError, IsNotExpectedWhereErrorsAreAtRandom) {
+  TurnError error;
+  for (int i = 0; i < 40; ++i) error.learn((i % 4 < 2 ? 1 : -1) * 0.2, 0.04, {});
+  EXPECT_NEAR(error.expected_rad(), 0, 0.02);
+  error.learn(-0.2, 0.04, {});
+  error.learn(0.2, 0.04, {});
+  EXPECT_GE(error.expected_rad(), 0) << "errors that take turns are noise";
+}
+
+TEST(TurnError, OfOneScanAloneSaysNothingOfTheNext) {
+  TurnError error;
+  error.learn(0.3, 1e-4, {});
+  EXPECT_EQ(error.expected_rad(), 0);
 }
 
 TEST(OdometryNoise, LearnsToTrustOdometryThatAgreesAndToDoubtOneThatDoesNot) {

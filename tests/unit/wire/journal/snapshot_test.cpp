@@ -236,8 +236,8 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
   const std::string journal = write_team_journal(directory, 60);
   update_snapshots(journal);
   const std::string newest = list_journal(journal).snapshots.rbegin()->second;
-  std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(10);
-  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 10; this program reads version 9");
+  std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(11);
+  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 11; this program reads version 10");
   EXPECT_TRUE(is_snapshot(newest));
   EXPECT_FALSE(is_snapshot(segment_path(journal, 1)));
 }
@@ -245,18 +245,18 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
 /// Of each version that there ever was there is a file. A change of what is written needs a new version
 /// (server/wire/journal/snapshot.cpp), and the old file must then be refused by word, or migrated.
 TEST(Snapshots, OfEveryEarlierVersionAreRefusedByWord) {
-  for (int version = 1; version < 9; ++version) {
+  for (int version = 1; version < 10; ++version) {
     const std::string name = "version " + std::to_string(version);
     const std::string directory = "tests/unit/wire/snapshots/version-" + std::to_string(version);
     const JournalFiles files = list_journal(directory);
     ASSERT_EQ(files.snapshots.size(), 1U) << name;
     const std::string why = why_unreadable(files.snapshots.begin()->second);
-    EXPECT_NE(why.find("is of " + name + "; this program reads version 9"), std::string::npos) << why;
+    EXPECT_NE(why.find("is of " + name + "; this program reads version 10"), std::string::npos) << why;
   }
 }
 
-TEST(Snapshots, OfVersion9AreRead) {
-  const std::string path = "tests/unit/wire/snapshots/version-9/snapshot-000001.isthmus";
+TEST(Snapshots, OfVersion10AreRead) {
+  const std::string path = "tests/unit/wire/snapshots/version-10/snapshot-000001.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
   EXPECT_EQ(snapshot.map.events, 672);
@@ -264,7 +264,7 @@ TEST(Snapshots, OfVersion9AreRead) {
   EXPECT_EQ(map.trajectory_rows, 108U);
   EXPECT_EQ(map.sightings.size(), 10U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "323e31f308bf8bdd59d2533e9a8d617a739a3aee5a6ffc055821cd33ed39d432");
+  EXPECT_EQ(map_sha256(map), "117db6b6b7ff61e203249723258d218356b5fe6c695c6fb4219da8402385d2a7");
 }
 
 }  // namespace

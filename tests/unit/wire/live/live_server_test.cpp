@@ -121,7 +121,7 @@ TEST(LiveServer, ShowsViewersPosesTheMapAndWhatBecameOfOrders) {
     newest = map;
     EXPECT_EQ(status.patches, static_cast<int>(map->patches.size()));
   };
-  options.viewers.order = [&](std::int64_t order_utime, DropReason reason) {
+  options.viewers.order = [&](std::int64_t order_utime, DropReason reason, const std::string&) {
     orders.emplace_back(order_utime, reason);
   };
   Published published;

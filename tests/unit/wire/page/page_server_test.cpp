@@ -325,7 +325,10 @@ TEST(PageServer, AnOrderIsAnsweredWithWhatBecameOfIt) {
   PageServer* self = nullptr;
   const auto take = [&](const std::string& channel, std::span<const std::uint8_t> bytes) {
     const CommandEvent order = std::get<CommandEvent>(decode({}, channel, bytes, 0).event->body);
-    self->orders().answered(order.utime, order.closure == 3 ? DropReason::none : DropReason::not_accepted);
+    if (order.verb == Verb::forbid)
+      self->orders().answered(order.utime, DropReason::none, "not_proposed_yet");
+    else
+      self->orders().answered(order.utime, order.closure == 3 ? DropReason::none : DropReason::not_accepted);
     return DropReason::none;
   };
   PageServer page({}, take);
@@ -338,6 +341,10 @@ TEST(PageServer, AnOrderIsAnsweredWithWhatBecameOfIt) {
   const auto refused = post(R"({"verb": "withdraw", "closure": 4})");
   EXPECT_EQ(refused->status, 409);
   EXPECT_EQ(Json::parse(refused->body).at("error"), "not_accepted");
+  EXPECT_EQ(Json::parse(refused->body).at("words"), "it is not accepted (any more)");
+  const Json forbidden = Json::parse(post(R"({"verb": "forbid", "closure": 77})")->body);
+  EXPECT_EQ(forbidden.at("remark"), "not_proposed_yet");
+  EXPECT_EQ(forbidden.at("words"), "nothing like it is known yet; it is forbidden should it be proposed");
   EXPECT_EQ(post("{}")->status, 400);
   EXPECT_EQ(post(R"({"verb": "withdraw", "closure": 3})", "text/plain")->status, 415);
   EXPECT_EQ(client
