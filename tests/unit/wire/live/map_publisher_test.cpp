@@ -81,10 +81,9 @@ TEST(MapPublisher, SendsTheGridOfEachIslandAsItIsWithAWholeMap) {
   ASSERT_TRUE(happens([&] {
     publisher.request_whole();
     publisher.offer(two_patches(true), 3);
-    return published.of<grid_t>("ISTHMUS_GRID").back().utime == 3;
-  }));
-  EXPECT_GT(published.of<grid_t>("ISTHMUS_GRID").back().width, width)
-      << "with what has come on the island since";
+    return published.of<grid_t>("ISTHMUS_GRID").back().width > width;
+  })) << "with what has come on the island since";
+  EXPECT_GT(published.of<grid_t>("ISTHMUS_GRID").back().utime, 1) << "of whichever of the later maps";
 }
 
 TEST(MapPublisher, SendsZonesWhenTheyChangeAndWithAWholeMap) {
