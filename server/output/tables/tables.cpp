@@ -1,12 +1,12 @@
 #include "server/output/tables/tables.hpp"
 
-#include <algorithm>
 #include <limits>
 
 #include "relations/confidence.hpp"
 #include "relations/mount_survey.hpp"
 #include "server/engine/map/dependencies.hpp"
 #include "server/output/format/csv.hpp"
+#include "server/output/tables/trajectories.hpp"
 
 namespace isthmus {
 namespace {
