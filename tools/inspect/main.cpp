@@ -84,7 +84,7 @@ ListedIsland island_of(const std::string& directory, PatchId patch) {
 
 std::string confidence_on_disk(const Arguments& arguments) {
   const PoseGraph map = read_pose_graph(arguments.path + "/graph.g2o");
-  const std::string text = confidence_text(map.graph, map.poses, first(arguments), second(arguments));
+  std::string text = confidence_text(map.graph, map.poses, first(arguments), second(arguments));
   if (arguments.picture.empty()) return text;
   const ListedIsland island = island_of(arguments.path, first(arguments));
   const OccupancyGrid grid = read_grid(arguments.path + "/island-" + std::to_string(island.rank));
@@ -95,7 +95,7 @@ std::string confidence_on_disk(const Arguments& arguments) {
 }
 
 std::string confidence(const Arguments& arguments, const MapCopy& map) {
-  const std::string text = confidence_text(map.graph, map.poses, first(arguments), second(arguments));
+  std::string text = confidence_text(map.graph, map.poses, first(arguments), second(arguments));
   const RankedIslands islands = rank_islands(map);
   const int k = islands.rank(first(arguments));
   if (arguments.picture.empty() || k < 0) return text;
