@@ -95,6 +95,16 @@ std::string plain_reason(const CLI::App& app, const CLI::Error& error) {
   return text;
 }
 
+/// Lines that follow on the first begin as far in as that does.
+std::string indented(const std::string& text, std::size_t columns) {
+  std::string all;
+  for (const char c : text) {
+    all += c;
+    if (c == '\n') all.append(columns, ' ');
+  }
+  return all;
+}
+
 /// The commands there are, where one should have been given.
 std::string list_of_commands(const CLI::App& app) {
   if (commands_of(app).empty() || !app.get_subcommands().empty()) return "";
@@ -104,7 +114,7 @@ std::string list_of_commands(const CLI::App& app) {
   for (const CLI::App* command : commands_of(app)) {
     std::string name = command->get_name();
     name.resize(width, ' ');
-    list += "  " + name + "  " + command->get_description() + "\n";
+    list += "  " + name + "  " + indented(command->get_description(), width + 4) + "\n";
   }
   return list;
 }

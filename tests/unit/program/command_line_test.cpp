@@ -26,7 +26,7 @@ Result run(const std::vector<std::string>& arguments, const std::vector<std::str
   int island = 0, patch = 0;
   double speed = 0;
   for (const std::string& command : commands) {
-    CLI::App* one = app.add_subcommand(command, "does " + command);
+    CLI::App* one = app.add_subcommand(command, "does " + command + "\nand more");
     one->add_option("--speed", speed, "how fast")->check(number_in(0.01, 100));
     CLI::Option_group* frame = one->add_option_group("frame", "One of them");
     frame->require_option(1);
@@ -90,7 +90,8 @@ TEST(CommandLine, AnOptionsValueIsNoOption) { EXPECT_EQ(run({"--output=--outptu"
 TEST(CommandLine, AsksWhichCommandAndSuggestsOne) {
   const Result none = run({}, {"withdraw", "forbid"});
   EXPECT_EQ(none.exit_code, exit_usage);
-  EXPECT_NE(none.err.find("  withdraw  does withdraw\n  forbid    does forbid\n"), std::string::npos)
+  EXPECT_NE(none.err.find("  withdraw  does withdraw\n            and more\n  forbid    does forbid\n"),
+            std::string::npos)
       << none.err;
   const Result wrong = run({"withdrw"}, {"withdraw", "forbid"});
   EXPECT_EQ(wrong.exit_code, exit_usage);
