@@ -565,7 +565,7 @@ class Page(InBrowser):
         self.server.start("--config", config, "--status-period", "0.25")
         self.open_page()
         drive = subprocess.Popen([program("isthmus-simulate"), "--scenario", "meeting", "--live", "--lcm-url", self.server.url,
-                                  "--speed", "4", "--max-time", "160"], stdout=subprocess.PIPE, text=True)
+                                  "--speed", "4", "--max-time", "240"], stdout=subprocess.PIPE, text=True)
         self.addCleanup(drive.wait)
         self.addCleanup(drive.kill)
         self.wait_for("both are sent somewhere by a way", lambda: self.js(
