@@ -2,6 +2,8 @@
 
 #include <span>
 
+#include "server/wire/message/answer_remark.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -11,7 +13,7 @@ struct Meaning {
 };
 
 constexpr Meaning of_both[] = {
-    {"unsigned", "this server takes what is signed only (--key-file)"},
+    {"unsigned", "this server takes signed messages only"},
     {"no_keys", "this server has no keys: send it unsigned"},
     {"unknown_sender", "the server knows no such operator"},
     {"forged", "the key is another than the server's"},
@@ -42,7 +44,7 @@ constexpr Meaning of_orders[] = {
     {"not_finished", "robots are placed on finished maps only (--frozen)"},
     {"absurd_value", "a number is none that can be"},
     {"not_finite", "a number is infinite or none"},
-    {"not_proposed_yet", "nothing like it is known yet; it is forbidden should it be proposed"},
+    {not_proposed_yet, "nothing like it is known yet; it is forbidden should it be proposed"},
 };
 
 constexpr Meaning of_questions[] = {

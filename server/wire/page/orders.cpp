@@ -157,13 +157,13 @@ OrderAnswer Orders::send_signed(std::span<const std::uint8_t> bytes) {
 OrderAnswer Orders::send(std::int64_t order_utime, const std::string& channel,
                          std::span<const std::uint8_t> bytes) {
   std::unique_lock lock(mutex_);
-  const auto entry = waiting_.emplace(order_utime, std::nullopt);
+  const auto entry = waiting_.emplace(order_utime, OrderAnswer{});
   lock.unlock();
   const DropReason refused = take_(channel, bytes);
   lock.lock();
-  if (refused == DropReason::none) changed_.wait_for(lock, wait_, [&] { return stopped_ || entry->second; });
-  OrderAnswer answer{true, refused, ""};
-  if (refused == DropReason::none) answer = entry->second.value_or(OrderAnswer{});
+  if (refused == DropReason::none)
+    changed_.wait_for(lock, wait_, [&] { return stopped_ || entry->second.answered; });
+  const OrderAnswer answer = refused == DropReason::none ? entry->second : OrderAnswer{true, refused, ""};
   waiting_.erase(entry);
   return answer;
 }

@@ -69,7 +69,7 @@ class Orders {
   std::condition_variable changed_;
   std::int64_t last_utime_ = 0;
   bool stopped_ = false;
-  std::multimap<std::int64_t, std::optional<OrderAnswer>> waiting_;  ///< by the order's stamp
+  std::multimap<std::int64_t, OrderAnswer> waiting_;  ///< by the order's stamp
 };
 
 }  // namespace isthmus

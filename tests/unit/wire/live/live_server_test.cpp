@@ -37,8 +37,7 @@ void drive(Inbox& inbox, const std::string& name, int rounds, milliseconds pause
 
 TEST(LiveServer, MakesTheMapThatAReplayOfItsJournalMakes) {
   TemporaryDirectory directory;
-  LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
+  LiveOptions options = journalled(directory / "journal");
   options.output_directory = directory / "out";
   Published published;
   Inbox inbox;
@@ -234,8 +233,7 @@ TEST(LiveServer, AnswersAndLogsEachOrder) {
 
 TEST(LiveServer, GivesReceiveTimesThatNeverGoBack) {
   TemporaryDirectory directory;
-  LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
+  LiveOptions options = journalled(directory / "journal");
   Published published;
   Inbox inbox;
   LiveServer server(options, inbox, published.sink());

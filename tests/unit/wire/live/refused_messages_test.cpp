@@ -26,8 +26,7 @@ std::size_t events_in(const std::string& journal) {
 
 TEST(LiveServer, CountsBadMessagesAndKeepsThemOutOfTheJournal) {
   TemporaryDirectory directory;
-  LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
+  LiveOptions options = journalled(directory / "journal");
   Published published;
   Inbox inbox;
   LiveServer server(options, inbox, published.sink());
@@ -53,8 +52,7 @@ TEST(LiveServer, CountsBadMessagesAndKeepsThemOutOfTheJournal) {
 
 TEST(LiveServer, RefusesAStrangersMessagesBeforeTheJournal) {
   TemporaryDirectory directory;
-  LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
+  LiveOptions options = journalled(directory / "journal");
   Published published;
   Inbox inbox;
   LiveServer server(options, inbox, published.sink());
@@ -90,8 +88,7 @@ TEST(LiveServer, TakesARobotFromItsFirstIntroductionOn) {
 TEST(LiveServer, HoldsNothingOfMadeUpRobots) {
   constexpr int strangers = 200'000;
   TemporaryDirectory directory;
-  LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
+  LiveOptions options = journalled(directory / "journal");
   std::string metrics;
   options.metrics = [&](std::string text) { metrics = std::move(text); };
   options.status_interval = std::chrono::milliseconds(50);
@@ -116,8 +113,7 @@ TEST(LiveServer, HoldsNothingOfMadeUpRobots) {
 
 TEST(LiveServer, KeepsTheRobotsAndTagsThatItKnowsAndRefusesMore) {
   TemporaryDirectory directory;
-  LiveOptions options = quick_options();
-  options.journal_directory = directory / "journal";
+  LiveOptions options = journalled(directory / "journal");
   options.admission = {2, 1};
   for (const int start : {1, 2}) {  // what the journal holds counts
     Published published;
