@@ -163,7 +163,7 @@ OrderAnswer Orders::send(std::int64_t order_utime, const std::string& channel,
   lock.lock();
   if (refused == DropReason::none)
     changed_.wait_for(lock, wait_, [&] { return stopped_ || entry->second.answered; });
-  const OrderAnswer answer = refused == DropReason::none ? entry->second : OrderAnswer{true, refused, ""};
+  OrderAnswer answer = refused == DropReason::none ? entry->second : OrderAnswer{true, refused, ""};
   waiting_.erase(entry);
   return answer;
 }
