@@ -149,6 +149,8 @@ bool FeatureEstimator::is_left_out(std::size_t input) const {
 
 FeatureMaps FeatureEstimator::maps() const {
   FeatureMaps maps = mapper_.maps();
+  for (std::size_t team = 0; team < maps.teams.size(); ++team)
+    smooth(maps.journeys, static_cast<int>(team), maps.teams[team].filter.state());
   maps.counts.withdrawn = withdrawn_;
   for (const auto& [reason, count] : dropped_) maps.counts.dropped[std::string(word(reason))] += count;
   return maps;

@@ -186,8 +186,8 @@ void FeatureMapper::apply(const MapInput& input) {
     tell(sightings_.size() - 1);
     return;
   }
-  const bool is_new_place =
-      input.kind == MapInputKind::scanned && observe(robot, std::get<ScanEvent>(input.event->body).scan);
+  const bool is_new_place = input.kind == MapInputKind::scanned &&
+                            observe(robot, std::get<ScanEvent>(input.event->body).scan, input.utime);
   add_row(robot, input.utime);
   if (is_new_place) lay_over_others(journey(robot).team, input);
 }

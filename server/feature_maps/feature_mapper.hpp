@@ -136,12 +136,14 @@ class FeatureMapper {
   void move_by_odometry(FeatureRobot& robot);
   void move_by_scan(FeatureRobot& robot, const Scan& scan);
   OdometryPath pose_of(const FeatureRobot& robot) const;
-  bool observe(FeatureRobot& robot, const Scan& scan);
+  bool observe(FeatureRobot& robot, const Scan& scan, std::int64_t utime);
+  void stop(FeatureRobot& robot, std::int64_t utime, std::vector<FeatureView> views,
+            std::vector<RobotView> robots = {});
   bool keep_view(const FeatureRobot& robot, const Scan& scan);
   std::string use(FeatureRobot& robot, const MapInput& input);
-  std::string use_landmark(const FeatureRobot& robot, const MapInput& input);
-  std::string use_robot(const FeatureRobot& robot, const MapInput& input, const FeatureRobot& target);
-  std::string use_on_one_map(const SightingEvent& sighting, int observer, int target);
+  std::string use_landmark(FeatureRobot& robot, const MapInput& input);
+  std::string use_robot(FeatureRobot& robot, const MapInput& input, FeatureRobot& target);
+  std::string use_on_one_map(const MapInput& input, FeatureRobot& robot, FeatureRobot& target);
   std::string hear(const MapInput& input, int observer, int target, const FeatureRobot& seen);
   int encounter_of(int one, int two, std::int64_t utime);
   void consider(int one, int two);

@@ -37,6 +37,20 @@ void load(SnapshotReader& reader, FeatureState& state) {
     throw std::runtime_error("a state of its map is not one");
 }
 
+void save(SnapshotWriter& writer, const ObservedFeature& seen) {
+  Feature feature = seen.feature;
+  writer(feature, static_cast<std::uint8_t>(seen.covariance.rows()));
+  writer.write(seen.covariance.data(), static_cast<std::size_t>(seen.covariance.size()) * sizeof(double));
+}
+
+void load(SnapshotReader& reader, ObservedFeature& seen) {
+  std::uint8_t rows = 0;
+  reader(seen.feature, rows);
+  if (rows > 4) throw std::runtime_error("it holds a value that there is not");
+  seen.covariance.resize(rows, rows);
+  reader.read(seen.covariance.data(), static_cast<std::size_t>(seen.covariance.size()) * sizeof(double));
+}
+
 /// They are the configuration's.
 void save(SnapshotWriter&, const FeatureMapOptions&) {}
 void load(SnapshotReader&, FeatureMapOptions&) {}

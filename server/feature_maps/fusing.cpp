@@ -172,12 +172,12 @@ bool FeatureMapper::fuse_at(int one, int two, const std::vector<Heard>& heard, c
       ominus_jacobians(met, pose_1).by_q * compose_jacobians(placement.one_from_two, pose_2).by_left;
   const RobotAlignment alignment{ominus(met, pose_1), by * placement.covariance * by.transpose()};
   const JoinedTeams joined = joined_at_meeting(first, member_1, second, member_2, alignment, options_.fusion);
-  record.duplicates = joined.duplicates;
+  record.duplicates = joined.duplicates.size();
   record.twins_log_odds = 0;
   if (placement.log_odds < options_.clues_suffice_log_odds)
     record.twins_log_odds = twins_log_odds(
-        joined.duplicates, twins_by_chance(first.filter.state(), member_1, second.filter.state(), member_2,
-                                           alignment, options_.fusion, options_.twins));
+        joined.duplicates.size(), twins_by_chance(first.filter.state(), member_1, second.filter.state(),
+                                                  member_2, alignment, options_.fusion, options_.twins));
   if (record.log_odds() < options_.fusion_log_odds) return false;
   record.state = FusionState::accepted;
   record.side_1 = first.journeys;

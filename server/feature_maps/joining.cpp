@@ -22,15 +22,27 @@ void FeatureMapper::join(int one, int two, const JoinedTeams& joined) {
   Team& gone = teams_[static_cast<std::size_t>(two)];
   const int ids = kept.filter.state().next_id;
   FeatureState state = joined.state;
+  std::map<int, int> kept_as;  // features of the map that goes, by ids in the joint state
+  for (const Fusion::Duplicate& duplicate : joined.duplicates) kept_as[duplicate.gone] = duplicate.kept;
   for (const auto& [barcode, id] : gone.landmarks) {
     if (kept.landmarks.try_emplace(barcode, id + ids).second) continue;
-    if (const auto twin = index_of(state, id + ids)) remove_feature(state, *twin);
+    if (const auto twin = index_of(state, id + ids)) {
+      remove_feature(state, *twin);
+      kept_as[id + ids] = kept.landmarks.at(barcode);
+    }
   }
   for (const int number : gone.journeys) {
     Journey& moved = journeys_[static_cast<std::size_t>(number)];
     moved.team = one;
     moved.member = static_cast<int>(kept.journeys.size());
     for (JourneyRow& row : moved.rows) row.map_from_robot = joined.one_from_two * row.map_from_robot;
+    for (Stop& stop : moved.stops) {
+      stop.map_from_robot = joined.one_from_two * stop.map_from_robot;
+      for (FeatureView& view : stop.views) {
+        const auto twin = kept_as.find(view.id + ids);
+        view.id = twin == kept_as.end() ? view.id + ids : twin->second;
+      }
+    }
     for (FreeView& view : moved.views) view.map_from_laser = joined.one_from_two * view.map_from_laser;
     for (Heard& heard : heard_) {  // with other maps
       if (heard.observer == number) heard.clue.observer = joined.one_from_two * heard.clue.observer;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "server/feature_maps/feature_mapper.hpp"
 
@@ -35,6 +36,14 @@ class FreeInScan {
   Pose laser_from_robot_;
 };
 
+std::vector<FeatureView> seen_by(const FeatureScanOutcome& outcome, std::span<const ObservedFeature> seen) {
+  std::vector<FeatureView> views;
+  for (const auto* pairs : {&outcome.paired, &outcome.added})
+    for (const FeatureScanOutcome::Pair& pair : *pairs)
+      views.push_back({pair.id, pair.line_alone, seen[pair.seen]});
+  return views;
+}
+
 }  // namespace
 
 void FeatureMapper::begin_journey(FeatureRobot& robot, const Pose& odom_from_robot) {
@@ -43,9 +52,9 @@ void FeatureMapper::begin_journey(FeatureRobot& robot, const Pose& odom_from_rob
   robot.journey = static_cast<int>(journeys_.size());
   robot.odom_from_last = robot.odom_from_robot = odom_from_robot;
   robot.tracker = ScanTracker(options_.engine.odometry_noise);
-  robot.since_tracked = {};
+  robot.since_tracked = robot.since_stop = {};
   robot.way_m = options_.observe_every_m;  // its first scan is used
-  journeys_.push_back({robot.declared.robot, static_cast<int>(teams_.size()), 0, {}, {}});
+  journeys_.push_back({robot.declared.robot, static_cast<int>(teams_.size()), 0, {}, {}, {}});
   teams_.push_back(std::move(team));
 }
 
@@ -65,6 +74,7 @@ void FeatureMapper::move_by_odometry(FeatureRobot& robot) {
   const Journey& own = journey(robot);
   team_of(own).filter.move(own.member, step, covariance);
   robot.since_tracked.append(step, covariance);
+  robot.since_stop.append(step, covariance);
 }
 
 /// The same by the scan there.
@@ -76,9 +86,14 @@ void FeatureMapper::move_by_scan(FeatureRobot& robot, const Scan& scan) {
     const OdometryPath& told = robot.since_tracked;
     const OminusJacobians by = ominus_jacobians(tracked->from_last, told.start_from_end);
     const Journey& own = journey(robot);
-    team_of(own).filter.move(own.member, ominus(tracked->from_last, told.start_from_end),
-                             by.by_q * tracked->covariance * by.by_q.transpose() +
-                                 by.by_pi * told.covariance * by.by_pi.transpose());
+    const Pose rest = ominus(tracked->from_last, told.start_from_end);
+    const Eigen::Matrix3d covariance = by.by_q * tracked->covariance * by.by_q.transpose() +
+                                       by.by_pi * told.covariance * by.by_pi.transpose();
+    team_of(own).filter.move(own.member, rest, covariance);
+    if (robot.since_stop.start_from_end == told.start_from_end)  // its last stop was at the last scan
+      robot.since_stop = {tracked->from_last, tracked->covariance};
+    else
+      robot.since_stop.append(rest, covariance);
     robot.odom_from_last = robot.odom_from_robot;
     counts_.scans_tracked += tracked->matched ? 1 : 0;
   } else {
@@ -88,7 +103,7 @@ void FeatureMapper::move_by_scan(FeatureRobot& robot, const Scan& scan) {
 }
 
 /// Whether it was seen from where no scan was used before.
-bool FeatureMapper::observe(FeatureRobot& robot, const Scan& scan) {
+bool FeatureMapper::observe(FeatureRobot& robot, const Scan& scan, std::int64_t utime) {
   if (options_.kind != FeatureMapKind::segments) return false;
   if (robot.way_m < options_.observe_every_m && robot.turn_rad < options_.observe_every_rad) return false;
   robot.way_m = robot.turn_rad = 0;
@@ -105,11 +120,22 @@ bool FeatureMapper::observe(FeatureRobot& robot, const Scan& scan) {
   const std::vector<int> gone =
       filter.contradict(own.member, still_there, FreeInScan(scan, robot.declared.laser));
   robot.matched = !outcome.paired.empty();
+  stop(robot, utime, seen_by(outcome, seen));
   ++counts_.scans_used;
   counts_.segments_seen += static_cast<std::int64_t>(seen.size());
   counts_.segments_paired += static_cast<std::int64_t>(outcome.paired.size());
   counts_.contradicted += static_cast<std::int64_t>(gone.size());
   return keep_view(robot, scan);
+}
+
+/// It is where it has seen so much of its map.
+void FeatureMapper::stop(FeatureRobot& robot, std::int64_t utime, std::vector<FeatureView> views,
+                         std::vector<RobotView> robots) {
+  Journey& own = journey(robot);
+  const Pose& pose = team_of(own).filter.state().robots[static_cast<std::size_t>(own.member)].map_from_robot;
+  const std::int64_t last = own.stops.empty() ? utime : own.stops.back().utime;  // stamps may go back
+  own.stops.push_back({std::max(utime, last), pose, std::exchange(robot.since_stop, {}), std::move(views),
+                       std::move(robots)});
 }
 
 bool FeatureMapper::keep_view(const FeatureRobot& robot, const Scan& scan) {

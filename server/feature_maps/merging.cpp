@@ -143,7 +143,7 @@ bool FeatureMapper::merge_by_walls(int one, int two, const MapInput& input) {
   record.state = FusionState::accepted;
   record.side_1 = first.journeys;
   record.side_2 = second.journeys;
-  record.duplicates = joined->duplicates;
+  record.duplicates = joined->duplicates.size();
   close_account(one, two, agreeing, record.id);
   join(one, two, *joined);
   return true;

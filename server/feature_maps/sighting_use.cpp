@@ -56,7 +56,7 @@ std::string FeatureMapper::use(FeatureRobot& robot, const MapInput& input) {
   return use_robot(robot, input, target);
 }
 
-std::string FeatureMapper::use_landmark(const FeatureRobot& robot, const MapInput& input) {
+std::string FeatureMapper::use_landmark(FeatureRobot& robot, const MapInput& input) {
   const auto& sighting = std::get<SightingEvent>(input.event->body);
   Journey& own = journey(robot);
   Team& team = team_of(own);
@@ -83,6 +83,7 @@ std::string FeatureMapper::use_landmark(const FeatureRobot& robot, const MapInpu
   const std::vector<int> used = team.filter.observe_known(own.member, {&seen, 1}, {&id, 1});
   if (used.front() < 0) return "not_used";
   team.landmarks[sighting.barcode] = used.front();
+  stop(robot, input.utime, {{used.front(), false, seen}});
   first_seen_.try_emplace({robot.journey, sighting.barcode}, input.number);
   if (options_.kind == FeatureMapKind::points) {
     join_by_landmarks();
@@ -94,28 +95,28 @@ std::string FeatureMapper::use_landmark(const FeatureRobot& robot, const MapInpu
   return "";
 }
 
-std::string FeatureMapper::use_robot(const FeatureRobot& robot, const MapInput& input,
-                                     const FeatureRobot& target) {
-  const auto& sighting = std::get<SightingEvent>(input.event->body);
-  if (journey(robot).team == journey(target).team)
-    return use_on_one_map(sighting, robot.journey, target.journey);
+std::string FeatureMapper::use_robot(FeatureRobot& robot, const MapInput& input, FeatureRobot& target) {
+  if (journey(robot).team == journey(target).team) return use_on_one_map(input, robot, target);
   if (options_.kind == FeatureMapKind::points) return "maps_share_no_landmarks";
   return hear(input, robot.journey, target.journey, target);
 }
 
-std::string FeatureMapper::use_on_one_map(const SightingEvent& sighting, int observer, int target) {
-  const Journey& own = journeys_[static_cast<std::size_t>(observer)];
-  const Journey& other = journeys_[static_cast<std::size_t>(target)];
+std::string FeatureMapper::use_on_one_map(const MapInput& input, FeatureRobot& robot, FeatureRobot& target) {
+  const auto& sighting = std::get<SightingEvent>(input.event->body);
+  const Journey &own = journey(robot), &other = journey(target);
   FeatureFilter& filter = team_of(own).filter;
   const RelativeSighting seen{own.member,           other.member,           sighting.range_m,
                               sighting.bearing_rad, sighting.range_sigma_m, sighting.bearing_sigma_rad};
   const auto measured = measure_robot(filter.state(), seen);
   if (!measured) return "not_used";
-  judge_fusion(observer, target, *measured, sighting);
+  judge_fusion(robot.journey, target.journey, *measured, sighting);
   const double gate =
       chi2_quantile(options_.sighting_probability, static_cast<int>(measured->residual.size()));
   if (squared_distance(filter.state().covariance, *measured) > gate) return "contradicts_map";
-  return filter.observe_robot(seen) ? "" : "not_used";
+  if (!filter.observe_robot(seen)) return "not_used";
+  stop(target, target.last_utime, {});
+  stop(robot, input.utime, {}, {{target.journey, static_cast<int>(other.stops.size()) - 1, seen}});
+  return "";
 }
 
 void FeatureMapper::tell(std::size_t sighting) {

@@ -57,7 +57,7 @@ constexpr double identity_sigma_m = 1e-3;
 JoinedTeams joined_at_meeting(const Team& one, int member_1, const Team& two, int member_2,
                               const RobotAlignment& alignment, const FusionOptions& options) {
   Fusion fusion = fuse(one.filter.state(), member_1, two.filter.state(), member_2, alignment, options);
-  JoinedTeams joined{std::move(fusion.state), {}, fusion.duplicates.size()};
+  JoinedTeams joined{std::move(fusion.state), {}, std::move(fusion.duplicates)};
   const std::size_t after = one.filter.state().robots.size() + static_cast<std::size_t>(member_2);
   const Pose before = two.filter.state().robots[static_cast<std::size_t>(member_2)].map_from_robot;
   joined.one_from_two = joined.state.robots[after].map_from_robot * inverse(before);
@@ -68,7 +68,7 @@ std::optional<JoinedTeams> joined_by_twins(const Team& one, const Team& two, con
                                            std::span<const TwinSeed> twins, const FusionOptions& options) {
   std::optional<Fusion> fusion = fuse(one.filter.state(), two.filter.state(), one_from_two, twins, options);
   if (!fusion) return std::nullopt;
-  return JoinedTeams{std::move(fusion->state), fusion->one_from_two, fusion->duplicates.size()};
+  return JoinedTeams{std::move(fusion->state), fusion->one_from_two, std::move(fusion->duplicates)};
 }
 
 std::optional<JoinedTeams> joined_by_landmarks(const Team& one, const Team& two, std::size_t min_common,
@@ -81,7 +81,7 @@ std::optional<JoinedTeams> joined_by_landmarks(const Team& one, const Team& two,
   RobotAlignment alignment{ominus(maps * second, first), Eigen::Matrix3d::Zero()};
   alignment.covariance.diagonal() << std::pow(no_prior_sigma_m, 2), std::pow(no_prior_sigma_m, 2),
       std::pow(no_prior_sigma_rad, 2);
-  JoinedTeams joined{aligned(one.filter.state(), 0, two.filter.state(), 0, alignment), {}, common.size()};
+  JoinedTeams joined{aligned(one.filter.state(), 0, two.filter.state(), 0, alignment), {}, {}};
   const std::size_t offset = one.filter.state().features.size();
   std::vector<LinearMeasurement> identities;
   double squared = 0;
@@ -100,6 +100,7 @@ std::optional<JoinedTeams> joined_by_landmarks(const Team& one, const Team& two,
   for (auto c = common.rbegin(); c != common.rend(); ++c) {
     const int gone = two.filter.state().features[c->in_two].id + one.filter.state().next_id;
     if (const auto index = index_of(joined.state, gone)) remove_feature(joined.state, *index);
+    joined.duplicates.push_back({one.filter.state().features[c->in_one].id, gone});
   }
   return joined;
 }

@@ -7,6 +7,7 @@
 
 #include "server/feature_maps/feature_map_options.hpp"
 #include "server/features/feature_filter.hpp"
+#include "server/features/fusion/fusion.hpp"
 
 namespace isthmus {
 
@@ -22,8 +23,8 @@ struct Team {
 /// The second map in the frame of the first.
 struct JoinedTeams {
   FeatureState state;
-  Pose one_from_two;  ///< between the maps' frames
-  std::size_t duplicates = 0;
+  Pose one_from_two;                          ///< between the maps' frames
+  std::vector<Fusion::Duplicate> duplicates;  ///< ids in `state`, which those that are gone are not in
 };
 
 /// By a meeting of two robots, duplicates found by the fusion.

@@ -128,7 +128,7 @@ FeatureScanOutcome FeatureFilter::observe(int robot, std::span<const ObservedFea
   if (use(robot, chosen, sound)) {
     for (const Candidate& one : chosen) {
       used[one.seen] = true;
-      outcome.paired.push_back({place[one.seen], state_.features[one.index].id});
+      outcome.paired.push_back({place[one.seen], state_.features[one.index].id, one.line_alone});
     }
   }
   for (std::size_t i = 0; i < sound.size(); ++i) {

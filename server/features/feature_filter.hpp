@@ -11,8 +11,9 @@ namespace isthmus {
 /// What became of one scan's features.
 struct FeatureScanOutcome {
   struct Pair {
-    std::size_t seen = 0;  ///< its place in the scan
-    int id = 0;            ///< of the feature
+    std::size_t seen = 0;     ///< its place in the scan
+    int id = 0;               ///< of the feature
+    bool line_alone = false;  ///< of a segment: its ends told nothing
   };
   std::vector<Pair> paired;
   std::vector<Pair> added;    ///< features that are new in the state

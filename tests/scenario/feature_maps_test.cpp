@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "server/feature_maps/feature_estimator.hpp"
 #include "server/feature_maps/feature_files.hpp"
 #include "tools/evaluate/alignment.hpp"
 #include "tools/simulate/run/simulation.hpp"
@@ -13,10 +14,11 @@ namespace {
 
 TEST(FeatureMaps, FourRobotsInTheOfficeComeToOneAccurateMapOfSegments) {
   const SimulatedRun run = simulate(load_scenario("office", {}), 1);
-  FeatureMapper mapper(feature_map_options(FeatureMapKind::segments));
-  for (const Event& event : run.events) mapper.handle(event);
-  mapper.finish();
-  const FeatureMaps maps = mapper.maps();
+  FeatureEstimator estimator(feature_map_options(FeatureMapKind::segments));
+  for (const Event& event : run.events) estimator.handle(event);
+  Outcome outcome;
+  estimator.finish_step(outcome);
+  const FeatureMaps maps = estimator.maps();
   ASSERT_EQ(maps.teams.size(), 1u);
   std::map<std::pair<std::string, std::int64_t>, Pose> truth;
   for (const RobotTruth& robot : run.truth)
@@ -32,7 +34,7 @@ TEST(FeatureMaps, FourRobotsInTheOfficeComeToOneAccurateMapOfSegments) {
   for (const PosePair& pair : pairs)
     mean_m += (position(truth_from_map * pair.map_from_robot) - position(pair.truth_from_robot)).norm() /
               static_cast<double>(pairs.size());
-  EXPECT_LT(mean_m, 0.03);
+  EXPECT_LT(mean_m, 0.012);
   EXPECT_LT(features_csv(maps).size(), 60'000u);
 }
 

@@ -6,8 +6,11 @@
 #include <cmath>
 #include <filesystem>
 
+#include "server/feature_maps/feature_estimator.hpp"
+#include "server/feature_maps/feature_files.hpp"
 #include "tests/support/recorded_data.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tools/evaluate/alignment.hpp"
 #include "tools/evaluate/tags.hpp"
 #include "tools/evaluate/trajectories.hpp"
 #include "tools/import/mrclam.hpp"
@@ -50,6 +53,23 @@ class Mrclam : public testing::Test {
   std::vector<Event> events_;
   TruthOfSet truth_;
 };
+
+TEST_F(Mrclam, MappedByPointsRobotsAndLandmarksAreWithinADecimetre) {
+  FeatureEstimator estimator(feature_map_options(FeatureMapKind::points));
+  for (const Event& event : events_) estimator.handle(event);
+  Outcome outcome;
+  estimator.finish_step(outcome);
+  const TemporaryDirectory directory;
+  write_outputs(estimator.maps(), {}, directory / "map");
+  const AbsoluteErrors errors =
+      evaluate_absolute(truth_.robots, TeamTrajectories(directory / "map"),
+                        {truth_.tags, read_placed_tags(directory / "map/tags.csv")});
+  ASSERT_EQ(errors.islands.size(), 1U);
+  EXPECT_GT(errors.islands[0].team.count, 35'000U);
+  EXPECT_LE(errors.islands[0].team.translation_m.mean, 0.1);
+  EXPECT_EQ(errors.islands[0].tags, 15U);
+  EXPECT_LE(errors.islands[0].tag_translation_m.mean, 0.1);
+}
 
 TEST_F(Mrclam, EveryLineBecomesAnEvent) {
   EXPECT_EQ(report_.robots.size(), 5U);

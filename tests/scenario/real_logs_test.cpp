@@ -8,11 +8,13 @@
 #include <optional>
 #include <string>
 
+#include "server/feature_maps/feature_files.hpp"
 #include "server/wire/journal/event_log.hpp"
 #include "tests/support/recorded_data.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/evaluate/relation_error.hpp"
 #include "tools/import/import.hpp"
+#include "tools/replay/feature_replay.hpp"
 #include "tools/replay/replay.hpp"
 
 namespace isthmus {
@@ -96,6 +98,30 @@ TEST_P(RealLog, IsMappedAsAccuratelyAsItsGateAsksAndAlwaysTheSame) {
   EXPECT_LE(best.translation_m.mean, gate.refined_m);
   EXPECT_LE(best.rotation_deg.mean, gate.refined_deg);
 }
+
+class RealLogBySegments : public testing::TestWithParam<Gate> {};
+
+TEST_P(RealLogBySegments, IsAsAccurateAsItsGateAsksWhereAFilterAloneLosesItsWay) {
+  const Gate& gate = GetParam();
+  const TemporaryDirectory directory;
+  const auto log = imported(gate, directory);
+  if (!log) GTEST_SKIP() << "no recorded data at " << data_directory() << " (ISTHMUS_DATA)";
+  FeatureReplayOptions options;
+  options.map = feature_map_options(FeatureMapKind::segments);
+  const FeatureReplayResult result = replay_features(*log, options);
+  const std::string output = directory / gate.log;
+  write_outputs(result.maps, result.cost, output);
+  const auto truth = read_benchmark_relations(data_directory() + "/bench/" + gate.log + ".relations", "R1");
+  const RelationErrors errors = evaluate_relations(truth, TeamTrajectories(output)).at("intra");
+  EXPECT_EQ(errors.missing, 0U);
+  EXPECT_LE(errors.translation_m.mean, gate.mean_m);
+  EXPECT_LE(errors.rotation_deg.mean, gate.mean_deg);
+}
+
+INSTANTIATE_TEST_SUITE_P(Benchmark, RealLogBySegments,
+                         testing::Values(Gate{"intel", 0, 0.031, 0.43, 0, 0},
+                                         Gate{"fr079", -0.04, 0.049, 0.75, 0, 0}),
+                         [](const auto& test) { return std::string(test.param.log); });
 
 INSTANTIATE_TEST_SUITE_P(Benchmark, RealLog, testing::ValuesIn(gates),
                          [](const auto& test) { return std::string(test.param.log); });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <tuple>
 
 #include "server/features/state/correction.hpp"
 
@@ -21,6 +22,10 @@ struct RelativeSighting {
   double bearing_rad = 0;
   double range_sigma_m = 1;
   double bearing_sigma_rad = 1;
+
+  auto members() {
+    return std::tie(observer, target, range_m, bearing_rad, range_sigma_m, bearing_sigma_rad);
+  }
 };
 /// Range and bearing from a robot's origin to another's; a σ of infinity: that part was not measured. Nothing
 /// where they stand at one place, a σ is not positive, or neither was measured.

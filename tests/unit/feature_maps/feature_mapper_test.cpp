@@ -117,6 +117,19 @@ TEST(FeatureMapper, RobotsThatSeeOneAnotherComeToOneMap) {
   const Pose begun_1 = maps.journeys[0].rows.front().map_from_robot;
   const Pose begun_2 = maps.journeys[1].rows.front().map_from_robot;
   EXPECT_NEAR(ominus(begun_2, begun_1).x, ominus(two, one).x, 0.05);
+  // What R2 saw is known by the names that it has there.
+  int known = 0, views = 0;
+  for (const Stop& stop : maps.journeys[1].stops) {
+    for (const FeatureView& view : stop.views) {
+      const auto index = index_of(maps.teams[0].filter.state(), view.id);
+      ++views;
+      if (!index) continue;
+      const Feature& its = maps.teams[0].filter.state().features[*index].feature;
+      known += std::abs(local_coordinates(its, stop.map_from_robot * view.seen.feature)(1)) < 0.1;
+    }
+  }
+  EXPECT_GT(views, 20);
+  EXPECT_GT(known, 9 * views / 10);
 }
 
 TEST(FeatureMapper, OneMeetingThatNothingBearsOutWaitsForAnother) {
@@ -170,6 +183,27 @@ TEST(FeatureMapper, RobotsThatKnowTheSameLandmarksComeToOneMap) {
     const Eigen::Vector2d found = world_from_map * team.filter.state().features[index].feature.a;
     EXPECT_NEAR((found - landmarks[static_cast<std::size_t>(barcode)]).norm(), 0, 1e-6);
   }
+}
+
+TEST(FeatureMapper, WhatRobotsSawBeforeTheirMapsWereOneNamesFeaturesOfTheJointMap) {
+  const std::vector<Pose> robots = {at(0, 0, 0.3), at(2, -1, 2), at(-1, 4, -1)};
+  const FeatureMaps maps = mapped(among_landmarks(robots), FeatureMapKind::points);
+  ASSERT_EQ(maps.teams.size(), 1u);
+  const FeatureState& state = maps.teams[0].filter.state();
+  int views = 0;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    for (const Stop& stop : maps.journeys.at(i).stops) {
+      for (const FeatureView& view : stop.views) {
+        const auto index = index_of(state, view.id);
+        ASSERT_TRUE(index) << view.id;
+        const Eigen::Vector2d seen = robots[i] * view.seen.feature.a;
+        EXPECT_NEAR((robots[0] * state.features[*index].feature.a - seen).norm(), 0, 1e-6);
+        EXPECT_NEAR((robots[0] * (stop.map_from_robot * view.seen.feature.a) - seen).norm(), 0, 1e-6);
+        ++views;
+      }
+    }
+  }
+  EXPECT_GE(views, 40);
 }
 
 TEST(FeatureMapper, ALandmarkSeenWhereItIsNotIsRefused) {
