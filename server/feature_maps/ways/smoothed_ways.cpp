@@ -1,10 +1,12 @@
 #include "server/feature_maps/ways/smoothed_ways.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
-#include <optional>
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
+#include "relations/block_cholesky.hpp"
+#include "relations/relation.hpp"
 #include "server/features/state/measurement.hpp"
 
 namespace isthmus {
@@ -17,43 +19,6 @@ constexpr int most_fits = 30;
 constexpr double settled = 1e-3;  // m, rad
 /// Of a step, m² and rad²: no step is known better.
 constexpr double least_variance = 1e-8;
-/// Of where the filter had each stop, 1/m² and 1/rad²: it only keeps what sees nothing from having no place.
-constexpr double filter_information = 1e-6;
-
-/// Of the errors (x, y, yaw) of poses.
-class NormalEquations {
- public:
-  explicit NormalEquations(std::size_t poses)
-      : size_(3 * static_cast<Eigen::Index>(poses)), gradient_(size_) {
-    gradient_.setZero();
-  }
-
-  void add(std::size_t row, std::size_t column, const Eigen::Matrix3d& information) {
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k)
-        entries_.emplace_back(3 * static_cast<int>(row) + i, 3 * static_cast<int>(column) + k,
-                              information(i, k));
-  }
-  void add(std::size_t row, const Eigen::Vector3d& pull) {
-    gradient_.segment<3>(3 * static_cast<Eigen::Index>(row)) += pull;
-  }
-
-  /// The errors; nothing where the equations have no solution.
-  std::optional<Eigen::VectorXd> solve() const {
-    Eigen::SparseMatrix<double> information(size_, size_);
-    information.setFromTriplets(entries_.begin(), entries_.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(information);
-    if (factor.info() != Eigen::Success) return std::nullopt;
-    Eigen::VectorXd errors = factor.solve(gradient_);
-    if (!errors.allFinite()) return std::nullopt;
-    return errors;
-  }
-
- private:
-  Eigen::Index size_;
-  std::vector<Eigen::Triplet<double>> entries_;
-  Eigen::VectorXd gradient_;
-};
 
 class WaysFit {
  public:
@@ -68,17 +33,23 @@ class WaysFit {
   }
 
   std::vector<std::vector<Pose>> run() {
-    for (int fit = 0; fit < most_fits && !poses_.empty(); ++fit) {
-      equations_ = NormalEquations(poses_.size());
+    BlockCholesky<3> information(static_cast<int>(poses_.size()), related_stops());
+    for (int fit = 0; fit < most_fits; ++fit) {
+      information.clear();
+      pull_.assign(poses_.size(), Eigen::Vector3d::Zero());
+      information_ = &information;
       for (std::size_t way = 0; way < ways_.size(); ++way)
         for (std::size_t i = 0; i < ways_[way].size(); ++i) add_stop(way, i, fit >= plain_fits);
-      const std::optional<Eigen::VectorXd> errors = equations_.solve();
-      if (!errors) return as_filtered();
+      if (!all_finite(pull_)) return as_filtered();
+      information.factor();
+      information.solve(pull_);  // where nothing tells, it stays
+      if (!all_finite(pull_)) return as_filtered();
+      double most = 0;
       for (std::size_t i = 0; i < poses_.size(); ++i) {
-        const Eigen::Vector3d error = errors->segment<3>(3 * static_cast<Eigen::Index>(i));
-        poses_[i] = to_pose(to_vector(poses_[i]) + error);
+        poses_[i] = to_pose(to_vector(poses_[i]) + pull_[i]);
+        most = std::max(most, pull_[i].cwiseAbs().maxCoeff());
       }
-      if (fit >= plain_fits && errors->cwiseAbs().maxCoeff() < settled) break;
+      if (fit >= plain_fits && most < settled) break;
     }
     std::vector<std::vector<Pose>> fitted;
     for (std::size_t way = 0; way < ways_.size(); ++way) {
@@ -93,6 +64,31 @@ class WaysFit {
   static constexpr int own_offset = -1;
   static constexpr int other_offset = -2;
 
+  static bool all_finite(const std::vector<Eigen::Vector3d>& pulls) {
+    return std::ranges::all_of(pulls, [](const Eigen::Vector3d& pull) { return pull.allFinite(); });
+  }
+
+  std::vector<std::pair<int, int>> related_stops() const {
+    std::vector<std::pair<int, int>> pairs;
+    for (std::size_t way = 0; way < ways_.size(); ++way) {
+      for (std::size_t i = 0; i < ways_[way].size(); ++i) {
+        const auto at = static_cast<int>(first_[way] + i);
+        if (i > 0) pairs.emplace_back(at - 1, at);
+        for (const RobotView& view : ways_[way][i].robots)
+          if (is_here(view)) pairs.emplace_back(at, static_cast<int>(place_of(view)));
+      }
+    }
+    return pairs;
+  }
+
+  bool is_here(const RobotView& view) const {
+    const auto way = static_cast<std::size_t>(view.way);
+    return way < ways_.size() && static_cast<std::size_t>(view.stop) < ways_[way].size();
+  }
+  std::size_t place_of(const RobotView& view) const {
+    return first_[static_cast<std::size_t>(view.way)] + static_cast<std::size_t>(view.stop);
+  }
+
   std::vector<std::vector<Pose>> as_filtered() const {
     std::vector<std::vector<Pose>> poses;
     for (const std::span<const Stop> way : ways_) {
@@ -105,8 +101,6 @@ class WaysFit {
   void add_stop(std::size_t way, std::size_t i, bool robust) {
     const Stop& stop = ways_[way][i];
     const std::size_t at = first_[way] + i;
-    equations_.add(at, at, filter_information * Eigen::Matrix3d::Identity());
-    equations_.add(at, filter_information * wrapped_difference(stop.map_from_robot, poses_[at]));
     if (i > 0) add_step(at, stop.from_last);
     map_.robots[own()].map_from_robot = poses_[at];
     for (const FeatureView& view : stop.views) {
@@ -117,14 +111,13 @@ class WaysFit {
       if (measured) add(*measured, at, at, robust);
     }
     for (const RobotView& view : stop.robots) {
-      const auto other = static_cast<std::size_t>(view.way), there = static_cast<std::size_t>(view.stop);
-      if (other >= ways_.size() || there >= ways_[other].size()) continue;  // it is on another map
-      map_.robots[own() + 1].map_from_robot = poses_[first_[other] + there];
+      if (!is_here(view)) continue;  // it is on another map
+      map_.robots[own() + 1].map_from_robot = poses_[place_of(view)];
       RelativeSighting seen = view.seen;
       seen.observer = static_cast<int>(own());
       seen.target = seen.observer + 1;
       const auto measured = measure_robot(map_, seen);
-      if (measured) add(*measured, at, first_[other] + there, robust);
+      if (measured) add(*measured, at, place_of(view), robust);
     }
   }
 
@@ -134,30 +127,31 @@ class WaysFit {
     const Eigen::Vector3d residual =
         wrapped_difference(step.start_from_end, ominus(poses_[at], poses_[at - 1]));
     const OminusJacobians by = ominus_jacobians(poses_[at], poses_[at - 1]);
-    equations_.add(at, at, by.by_q.transpose() * information * by.by_q);
-    equations_.add(at, at - 1, by.by_q.transpose() * information * by.by_pi);
-    equations_.add(at - 1, at, by.by_pi.transpose() * information * by.by_q);
-    equations_.add(at - 1, at - 1, by.by_pi.transpose() * information * by.by_pi);
-    equations_.add(at, by.by_q.transpose() * information * residual);
-    equations_.add(at - 1, by.by_pi.transpose() * information * residual);
+    const auto row = static_cast<int>(at);
+    information_->add_diagonal(row, by.by_q.transpose() * information * by.by_q);
+    information_->add_diagonal(row - 1, by.by_pi.transpose() * information * by.by_pi);
+    information_->add(row, row - 1, by.by_q.transpose() * information * by.by_pi);
+    pull_[at] += by.by_q.transpose() * information * residual;
+    pull_[at - 1] += by.by_pi.transpose() * information * residual;
   }
 
   /// What was measured from a stop, `other` being where the other robot was.
   void add(const LinearMeasurement& measured, std::size_t at, std::size_t other, bool robust) {
     const Eigen::LLT<LocalMatrix> noise(measured.noise);
     if (noise.info() != Eigen::Success) return;
-    const auto freedom = static_cast<double>(measured.residual.size());
     const double squared = measured.residual.dot(noise.solve(measured.residual));
-    const double weight = robust ? 1 / (1 + squared / freedom) : 1;  // Cauchy
+    const double scale = robust ? std::sqrt(static_cast<double>(measured.residual.size())) : 0;
+    const double weight = robust_weight(squared, scale);
     for (const LinearMeasurement::Block& block : measured.blocks) {
       if (block.offset >= 0) continue;  // the map is taken as it is
       const std::size_t row = block.offset == own_offset ? at : other;
-      equations_.add(row, Eigen::Vector3d(weight * block.by.transpose() * noise.solve(measured.residual)));
-      for (const LinearMeasurement::Block& with : measured.blocks) {
-        if (with.offset >= 0) continue;
-        equations_.add(row, with.offset == own_offset ? at : other,
-                       Eigen::Matrix3d(weight * block.by.transpose() * noise.solve(with.by)));
-      }
+      pull_[row] += weight * block.by.transpose() * noise.solve(measured.residual);
+      information_->add_diagonal(static_cast<int>(row),
+                                 weight * block.by.transpose() * noise.solve(block.by));
+      for (const LinearMeasurement::Block& with : measured.blocks)
+        if (block.offset == own_offset && with.offset == other_offset)
+          information_->add(static_cast<int>(at), static_cast<int>(other),
+                            weight * block.by.transpose() * noise.solve(with.by));
     }
   }
 
@@ -166,8 +160,9 @@ class WaysFit {
   std::span<const std::span<const Stop>> ways_;
   FeatureState map_;  ///< the robot that sees, and one that is seen, are its last two
   std::vector<std::size_t> first_;
-  std::vector<Pose> poses_;  ///< way by way
-  NormalEquations equations_{0};
+  std::vector<Pose> poses_;                  ///< way by way
+  BlockCholesky<3>* information_ = nullptr;  ///< of the fit that runs
+  std::vector<Eigen::Vector3d> pull_;        ///< by stop; solved, the errors
 };
 
 }  // namespace

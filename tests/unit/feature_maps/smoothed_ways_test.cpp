@@ -24,6 +24,8 @@ FeatureState pillars(int count) {
   return map;
 }
 
+Pose true_pose(int i) { return {1.0 * i, 0, 0}; }
+
 FeatureView view(int id, const FeatureState& map, const Pose& robot) {
   return {id, false, {inverse(robot) * map.features.at(static_cast<std::size_t>(id)).feature, point_noise}};
 }
@@ -41,7 +43,14 @@ std::vector<Stop> driven(int count) {
   return stops;
 }
 
-Pose true_pose(int i) { return {1.0 * i, 0, 0}; }
+/// The same, with three pillars seen from each stop as they are.
+std::vector<Stop> driven_seeing(int count, const FeatureState& map) {
+  std::vector<Stop> stops = driven(count);
+  for (int i = 0; i < count; ++i)
+    for (const int id : {i, i + 1, i + 2})
+      stops[static_cast<std::size_t>(i)].views.push_back(view(id, map, true_pose(i)));
+  return stops;
+}
 
 void expect_near(const Pose& pose, const Pose& expected, double tolerance) {
   EXPECT_NEAR(pose.x, expected.x, tolerance);
@@ -56,10 +65,7 @@ std::vector<Pose> smoothed(const std::vector<Stop>& stops, const FeatureState& m
 
 TEST(SmoothedWays, AWayFollowsTheFeaturesToWhereTheMapHasThem) {
   const FeatureState map = pillars(12);
-  std::vector<Stop> stops = driven(10);
-  for (int i = 0; i < 10; ++i)
-    for (const int id : {i, i + 1, i + 2})
-      stops[static_cast<std::size_t>(i)].views.push_back(view(id, map, true_pose(i)));
+  std::vector<Stop> stops = driven_seeing(10, map);
   const std::vector<Pose> poses = smoothed(stops, map);
   for (int i = 0; i < 10; ++i) expect_near(poses.at(static_cast<std::size_t>(i)), true_pose(i), 1e-6);
 }
@@ -78,10 +84,7 @@ TEST(SmoothedWays, WhereNothingWasSeenStepsTellTheWayFromBothSides) {
 
 TEST(SmoothedWays, AWallTakenForAnotherMovesNothing) {
   const FeatureState map = pillars(12);
-  std::vector<Stop> stops = driven(10);
-  for (int i = 0; i < 10; ++i)
-    for (const int id : {i, i + 1, i + 2})
-      stops[static_cast<std::size_t>(i)].views.push_back(view(id, map, true_pose(i)));
+  std::vector<Stop> stops = driven_seeing(10, map);
   stops[4].views[1].id = 9;   // 4 m beside it
   stops[6].views[0].id = 77;  // which has gone
   const std::vector<Pose> poses = smoothed(stops, map);
@@ -108,10 +111,7 @@ TEST(SmoothedWays, ARobotThatSeesNoFeaturesIsPlacedByAnotherThatSeesIt) {
 
 TEST(SmoothedWays, ASightingOfARobotOnAnotherMapIsLeftOut) {
   const FeatureState map = pillars(4);
-  std::vector<Stop> stops = driven(2);
-  for (int i = 0; i < 2; ++i)
-    for (const int id : {i, i + 1, i + 2})
-      stops[static_cast<std::size_t>(i)].views.push_back(view(id, map, true_pose(i)));
+  std::vector<Stop> stops = driven_seeing(2, map);
   stops[1].robots = {{1, 0, {0, 1, 2, 0, 0.01, 0.01}}, {7, 0, {0, 1, 2, 0, 0.01, 0.01}}};
   const std::vector<std::span<const Stop>> ways{stops, {}};
   const auto poses = smoothed_stops(ways, map);
