@@ -19,7 +19,7 @@ FeatureMapOptions feature_map_options(FeatureMapKind kind) {
   FeatureMapOptions options;
   options.kind = kind;
   options.filter.association.probability = 0.999;
-  options.filter.max_features = 1000;
+  options.filter.max_features = 1500;
   options.scan_features.noise.surface_sigma_m = 0.02;
   options.scan_features.segmentation.min_length_m = 1;
   options.fusion.points = false;  // barcodes

@@ -20,21 +20,49 @@ void serialize(Archive& archive, Feature& feature) {
   if (feature.kind > FeatureKind::pole) throw std::runtime_error("it holds a value that there is not");
 }
 
+template <class Matrix>
+void save_matrix(SnapshotWriter& writer, const Matrix& matrix) {
+  writer(static_cast<std::uint64_t>(matrix.rows()), static_cast<std::uint64_t>(matrix.cols()));
+  writer.write(matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(double));
+}
+
+template <class Matrix>
+void load_matrix(SnapshotReader& reader, Matrix& matrix) {
+  std::uint64_t rows = 0, columns = 0;
+  reader(rows, columns);
+  const std::uint64_t most = reader.bytes_left() / sizeof(double);
+  if (rows > most || columns > most || (rows > 0 && columns > most / rows))
+    throw std::runtime_error("it counts more than it holds");
+  matrix.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+  reader.read(matrix.data(), static_cast<std::size_t>(rows * columns) * sizeof(double));
+}
+
 void save(SnapshotWriter& writer, const FeatureState& state) {
-  writer(state.form, state.robots, state.features, state.next_id,
-         static_cast<std::uint64_t>(state.covariance.rows()));
-  writer.write(state.covariance.data(), static_cast<std::size_t>(state.covariance.size()) * sizeof(double));
+  writer(state.form, state.robots, state.features, state.next_id);
+  save_matrix(writer, state.covariance);
+  save_matrix(writer, state.told.transpose());
 }
 
 void load(SnapshotReader& reader, FeatureState& state) {
-  std::uint64_t rows = 0;
-  reader(state.form, state.robots, state.features, state.next_id, rows);
-  if (rows > reader.bytes_left() || rows * rows > reader.bytes_left() / sizeof(double))
-    throw std::runtime_error("it counts more than it holds");
-  state.covariance.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(rows));
-  reader.read(state.covariance.data(), static_cast<std::size_t>(rows * rows) * sizeof(double));
+  Eigen::RowVectorXd told;
+  reader(state.form, state.robots, state.features, state.next_id);
+  load_matrix(reader, state.covariance);
+  load_matrix(reader, told);
+  state.told = told.transpose();
   if (state.form > FilterForm::printed || !is_sound(state))
     throw std::runtime_error("a state of its map is not one");
+}
+
+void save(SnapshotWriter& writer, const FeaturesAside& aside) {
+  writer(aside.features);
+  save_matrix(writer, aside.covariance);
+  save_matrix(writer, aside.with_rest);
+}
+
+void load(SnapshotReader& reader, FeaturesAside& aside) {
+  reader(aside.features);
+  load_matrix(reader, aside.covariance);
+  load_matrix(reader, aside.with_rest);
 }
 
 void save(SnapshotWriter& writer, const ObservedFeature& seen) {
@@ -62,6 +90,7 @@ void save(SnapshotWriter& writer, const FeatureFilter& filter) {
 
 void load(SnapshotReader& reader, FeatureFilter& filter) {
   std::apply([&](auto&... changing) { reader(changing...); }, filter.changing());
+  if (!filter.holds_together()) throw std::runtime_error("a state of its map is not one");
 }
 
 /// What scans are placed on is made again of the places' scans.

@@ -157,7 +157,9 @@ void FeatureMapper::consider(int one, int two) {
 /// Makes one map of two where clues and what the maps have in common are enough; else nothing changes.
 bool FeatureMapper::fuse_at(int one, int two, const std::vector<Heard>& heard, const MapPlacement& placement,
                             FusionRecord& record) {
-  const Team &first = teams_[static_cast<std::size_t>(one)], &second = teams_[static_cast<std::size_t>(two)];
+  Team &first = teams_[static_cast<std::size_t>(one)], &second = teams_[static_cast<std::size_t>(two)];
+  first.filter.gather();
+  second.filter.gather();
   const Heard& newest = heard[placement.agreeing.back()];
   const auto member_on = [&](int team) {
     const Journey& observer = journeys_[static_cast<std::size_t>(newest.observer)];

@@ -10,6 +10,8 @@ void FeatureMapper::join_by_landmarks() {
   for (std::size_t a = 0; a < teams_.size(); ++a) {
     for (std::size_t b = a + 1; b < teams_.size(); ++b) {
       if (teams_[a].journeys.empty() || teams_[b].journeys.empty()) continue;
+      teams_[a].filter.gather();
+      teams_[b].filter.gather();
       const auto joined =
           joined_by_landmarks(teams_[a], teams_[b], options_.min_landmarks, options_.sighting_probability);
       if (joined) join(static_cast<int>(a), static_cast<int>(b), *joined);
@@ -50,7 +52,7 @@ void FeatureMapper::join(int one, int two, const JoinedTeams& joined) {
     }
     kept.journeys.push_back(number);
   }
-  kept.filter.state() = std::move(state);
+  kept.filter.replace(std::move(state));
   gone.journeys.clear();
   gone.landmarks.clear();
   ++counts_.fusions;
@@ -63,13 +65,14 @@ FeatureMaps FeatureMapper::maps() const {
   for (std::size_t i = 0; i < teams_.size(); ++i)
     if (!teams_[i].journeys.empty()) order.push_back(static_cast<int>(i));
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return teams_[static_cast<std::size_t>(a)].filter.state().features.size() >
-           teams_[static_cast<std::size_t>(b)].filter.state().features.size();
+    return teams_[static_cast<std::size_t>(a)].filter.feature_count() >
+           teams_[static_cast<std::size_t>(b)].filter.feature_count();
   });
   for (const int i : order) {
     for (const int number : teams_[static_cast<std::size_t>(i)].journeys)
       maps.journeys[static_cast<std::size_t>(number)].team = static_cast<int>(maps.teams.size());
     maps.teams.push_back(teams_[static_cast<std::size_t>(i)]);
+    maps.teams.back().filter.gather();
   }
   return maps;
 }

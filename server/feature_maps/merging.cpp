@@ -111,7 +111,9 @@ double FeatureMapper::clues_log_odds(std::span<const Heard> heard, const Pose& o
 
 /// Makes one map of two where walls, and sightings that wait, are enough; else nothing changes.
 bool FeatureMapper::merge_by_walls(int one, int two, const MapInput& input) {
-  const Team &first = teams_[static_cast<std::size_t>(one)], &second = teams_[static_cast<std::size_t>(two)];
+  Team &first = teams_[static_cast<std::size_t>(one)], &second = teams_[static_cast<std::size_t>(two)];
+  first.filter.gather();
+  second.filter.gather();
   const MapSketch sketch_1 = sketch(first), sketch_2 = sketch(second);
   const std::optional<PlacingJudgement> judged = judge_placings(sketch_1, sketch_2, options_.merging);
   if (!judged || judged->log_odds <= 0) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "server/features/state/growth.hpp"
 
@@ -29,6 +30,26 @@ bool all_of_it_is_free(const Feature& feature, const std::function<bool(const Ei
   return std::all_of(points.begin(), points.end(), is_free);
 }
 
+double distance_m(const Feature& feature, const Eigen::Vector2d& point) {
+  if (point_count(feature.kind) == 1 || feature.kind == FeatureKind::corner)
+    return (point - feature.a).norm();
+  const Eigen::Vector2d wall = feature.b - feature.a;
+  const double share = std::clamp(wall.dot(point - feature.a) / wall.squaredNorm(), 0.0, 1.0);
+  return (feature.a + share * wall - point).norm();
+}
+
+/// Indices of the features nearest to a robot.
+std::vector<std::size_t> nearest(const FeatureState& state, const RobotInState& robot, std::size_t count) {
+  std::vector<std::pair<double, std::size_t>> by_distance;
+  for (std::size_t i = 0; i < state.features.size(); ++i)
+    by_distance.emplace_back(distance_m(state.features[i].feature, position(robot.map_from_robot)), i);
+  const auto end = by_distance.begin() + static_cast<std::ptrdiff_t>(std::min(count, by_distance.size()));
+  std::partial_sort(by_distance.begin(), end, by_distance.end());
+  std::vector<std::size_t> indices;
+  for (auto one = by_distance.begin(); one != end; ++one) indices.push_back(one->second);
+  return indices;
+}
+
 }  // namespace
 
 FeatureFilter::FeatureFilter(const FilterOptions& options)
@@ -38,6 +59,59 @@ FeatureFilter::FeatureFilter(const FilterOptions& options)
 
 int FeatureFilter::add_robot(const Pose& map_from_robot, const Eigen::Matrix3d& covariance) {
   return isthmus::add_robot(state_, map_from_robot, covariance);
+}
+
+void FeatureFilter::gather() {
+  if (!aside_) return;
+  take_back(state_, *aside_);
+  aside_.reset();
+}
+
+std::size_t FeatureFilter::feature_count() const {
+  return state_.features.size() + (aside_ ? aside_->features.size() : 0);
+}
+
+void FeatureFilter::replace(FeatureState whole) {
+  aside_.reset();
+  used_.clear();
+  state_ = std::move(whole);
+}
+
+/// Whether a feature that is not at hand may be one of those seen. That its covariance has shrunk meanwhile
+/// is left out, so no candidate is missed.
+bool FeatureFilter::may_see_aside(int robot, std::span<const ObservedFeature> seen) const {
+  const Pose& pose = state_.robots[static_cast<std::size_t>(robot)].map_from_robot;
+  const std::vector<FeatureInState> now = estimates(*aside_, state_);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (!is_like_any(now[i].feature, pose, seen, options_.association)) continue;
+    const FeatureState both = robot_with(*aside_, i, state_, robot, now[i].feature);
+    if (!candidates(both, 0, seen, options_.association, wide_gates_).empty()) return true;
+  }
+  return false;
+}
+
+/// Whether twice as much is at hand as when the rest was set aside: on new ground nothing of it is seen
+/// again.
+bool FeatureFilter::has_grown() const { return aside_ && state_.covariance.rows() > 3 * state_.told.size(); }
+
+void FeatureFilter::set_aside_what_is_far(int robot, std::span<const ObservedFeature> seen) {
+  if (has_grown()) {
+    used_.clear();
+    gather();
+  }
+  if (aside_ && may_see_aside(robot, seen)) gather();
+  if (aside_ || state_.features.size() <= 2 * options_.at_hand) return;
+  std::set<std::size_t> kept;
+  for (std::size_t i = 0; i < state_.features.size(); ++i)
+    if (state_.features[i].feature.kind == FeatureKind::point || used_.contains(state_.features[i].id))
+      kept.insert(i);
+  for (const Candidate& one : candidates(state_, robot, seen, options_.association, wide_gates_))
+    kept.insert(one.index);
+  for (const RobotInState& one : state_.robots)
+    for (const std::size_t i : nearest(state_, one, options_.at_hand)) kept.insert(i);
+  used_.clear();
+  if (2 * kept.size() > state_.features.size()) return;
+  aside_ = set_aside(state_, std::vector<std::size_t>(kept.begin(), kept.end()));
 }
 
 bool FeatureFilter::move(int robot, const Pose& old_from_new, const Eigen::Matrix3d& covariance) {
@@ -77,6 +151,7 @@ bool FeatureFilter::use(int robot, std::span<const Candidate> chosen, std::span<
   if (!correct(state_, measurements)) return false;
   for (const Candidate& one : chosen) {
     ++state_.features[one.index].seen;
+    used_.insert(state_.features[one.index].id);
     reach_to(state_, one.index, here(one));
   }
   return true;
@@ -120,9 +195,12 @@ FeatureScanOutcome FeatureFilter::observe(int robot, std::span<const ObservedFea
     place.push_back(i);
   }
   outcome.unsound = seen.size() - sound.size();
+  set_aside_what_is_far(robot, sound);
   // The robot's own start is known to itself: what it sees there is what it finds its heading by.
-  const bool is_first_scan = std::none_of(state_.features.begin(), state_.features.end(),
-                                          [&](const FeatureInState& entry) { return entry.robot == robot; });
+  const auto is_its_own = [&](const FeatureInState& entry) { return entry.robot == robot; };
+  const bool is_first_scan =
+      std::none_of(state_.features.begin(), state_.features.end(), is_its_own) &&
+      (!aside_ || std::none_of(aside_->features.begin(), aside_->features.end(), is_its_own));
   std::vector<bool> known(sound.size(), false), used(sound.size(), false);
   const std::vector<Candidate> chosen = choose(robot, sound, known);
   if (use(robot, chosen, sound)) {
@@ -137,7 +215,7 @@ FeatureScanOutcome FeatureFilter::observe(int robot, std::span<const ObservedFea
       ++outcome.undecided;
     } else if (!is_first_scan && !is_confirmed(robot, sound[i].feature)) {
       ++outcome.tentative;
-    } else if (state_.features.size() >= options_.max_features) {
+    } else if (feature_count() >= options_.max_features) {
       ++outcome.too_many;
     } else {
       outcome.added.push_back({place[i], add_feature(state_, robot, sound[i])});
@@ -161,7 +239,7 @@ std::vector<int> FeatureFilter::observe_known(int robot, std::span<const Observe
   }
   if (!use(robot, chosen, seen)) std::fill(result.begin(), result.end(), -1);
   for (std::size_t i = 0; i < seen.size(); ++i)
-    if (ids[i] < 0 && is_sound(seen[i]) && state_.features.size() < options_.max_features)
+    if (ids[i] < 0 && is_sound(seen[i]) && feature_count() < options_.max_features)
       result[i] = add_feature(state_, robot, seen[i]);
   return result;
 }
@@ -176,18 +254,24 @@ std::vector<int> FeatureFilter::contradict(int robot, const FeatureScanOutcome& 
   const Pose robot_from_map = inverse(state_.robots[static_cast<std::size_t>(robot)].map_from_robot);
   const SeenThroughOptions& options = options_.contradiction;
   std::vector<int> gone;
-  for (std::size_t i = state_.features.size(); i-- > 0;) {
-    FeatureInState& entry = state_.features[i];
+  /// Whether `entry`, which is there by now, goes.
+  const auto is_contradicted = [&](FeatureInState& entry, const Feature& there) {
     const bool paired =
         std::any_of(outcome.paired.begin(), outcome.paired.end(),
                     [&](const FeatureScanOutcome::Pair& pair) { return pair.id == entry.id; });
-    if (paired || !all_of_it_is_free(robot_from_map * entry.feature, is_free)) continue;
+    if (paired || !all_of_it_is_free(robot_from_map * there, is_free)) return false;
     ++entry.contradicted;
     if (entry.contradicted < options.drop_after || entry.contradicted < options.share_of_seen * entry.seen)
-      continue;
+      return false;
     gone.push_back(entry.id);
-    remove_feature(state_, i);
-  }
+    return true;
+  };
+  for (std::size_t i = state_.features.size(); i-- > 0;)
+    if (is_contradicted(state_.features[i], state_.features[i].feature)) remove_feature(state_, i);
+  if (!aside_) return gone;
+  const std::vector<FeatureInState> now = estimates(*aside_, state_);
+  for (std::size_t i = now.size(); i-- > 0;)
+    if (is_contradicted(aside_->features[i], now[i].feature)) remove_feature(*aside_, i);
   return gone;
 }
 

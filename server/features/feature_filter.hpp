@@ -1,9 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <set>
 #include <tuple>
 
 #include "server/features/association/association.hpp"
+#include "server/features/state/aside.hpp"
 #include "server/features/state/measurement.hpp"
 
 namespace isthmus {
@@ -25,15 +28,21 @@ struct FeatureScanOutcome {
 
 /// SLAM by features for the robots of one map (Benedettelli et al. 2012, section 3; Zhou and Roumeliotis
 /// 2006, algorithm 2): odometry moves a robot, what it sees corrects robots and features alike.
-/// Deterministic. A step costs the square of the number of features; beyond `max_features` known ones are
-/// corrected and none is added.
+/// Deterministic. A step costs the square of the number of features at hand, and in a large map, once a few
+/// metres, that times the square of all; beyond `max_features` known ones are corrected and none is added.
 class FeatureFilter {
  public:
   explicit FeatureFilter(const FilterOptions& options = {});
 
+  /// All robots, with the features at hand: points, which are told by what they are and not by where, and
+  /// what robots see or may see soon. All features after `gather`, and in a map of twice `at_hand` or less.
   const FeatureState& state() const { return state_; }
-  /// For fusion and tests: what is put in must be consistent.
-  FeatureState& state() { return state_; }
+  /// What waits is corrected: all is at hand until the next scan.
+  void gather();
+  /// All features, at hand or not.
+  std::size_t feature_count() const;
+  /// Another state instead, as a fusion makes one.
+  void replace(FeatureState whole);
   const FilterOptions& options() const { return options_; }
 
   int add_robot(const Pose& map_from_robot, const Eigen::Matrix3d& covariance);
@@ -61,7 +70,8 @@ class FeatureFilter {
                               const std::function<bool(const Eigen::Vector2d&)>& is_free);
 
   /// All that changes, for snapshots; options are of whoever restores it.
-  auto changing() { return std::tie(state_, tentative_); }
+  auto changing() { return std::tie(state_, aside_, used_, tentative_); }
+  bool holds_together() const { return !aside_ || isthmus::is_sound(*aside_, state_); }
 
  private:
   struct Tentative {
@@ -78,11 +88,16 @@ class FeatureFilter {
   bool use(int robot, std::span<const Candidate> chosen, std::span<const ObservedFeature> seen);
   bool is_confirmed(int robot, const Feature& seen);
   void forget(int robot);
+  void set_aside_what_is_far(int robot, std::span<const ObservedFeature> seen);
+  bool has_grown() const;
+  bool may_see_aside(int robot, std::span<const ObservedFeature> seen) const;
 
   FilterOptions options_;
   Gates gates_;
   Gates wide_gates_;
   FeatureState state_;
+  std::optional<FeaturesAside> aside_;
+  std::set<int> used_;  ///< features that were seen since any were set aside
   std::vector<Tentative> tentative_;
 };
 

@@ -53,7 +53,10 @@ struct FilterOptions {
   AssociationOptions association;
   TentativeOptions tentative;
   SeenThroughOptions contradiction;
-  std::size_t max_features = 5'000;  ///< in the state, for a step costs its square; further ones are counted
+  std::size_t max_features = 5'000;  ///< of a map; further ones are counted
+  /// Features nearest to each robot that a step corrects at once, beside those that are seen; the others wait
+  /// (server/features/state/aside.hpp). It decides what a step costs, not what it tells.
+  std::size_t at_hand = 30;
 };
 
 }  // namespace isthmus

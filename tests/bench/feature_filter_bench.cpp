@@ -23,7 +23,7 @@ FeatureState line_of_landmarks(int count, double from_m) {
 
 void a_scan_of_eight(benchmark::State& state) {
   FeatureFilter filter;
-  filter.state() = line_of_landmarks(static_cast<int>(state.range(0)), -4);
+  filter.replace(line_of_landmarks(static_cast<int>(state.range(0)), -4));
   const Pose robot_from_map = inverse(filter.state().robots[0].map_from_robot);
   std::vector<ObservedFeature> seen;
   for (std::size_t i = 0; i < 8; ++i)

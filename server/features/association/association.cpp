@@ -11,6 +11,7 @@ namespace isthmus {
 namespace {
 
 bool alike(const Feature& seen, const Feature& expected, const AssociationOptions& options) {
+  if (expected.kind != seen.kind) return false;
   if (seen.kind == FeatureKind::corner)
     return std::abs(seen.opening_rad - expected.opening_rad) < options.opening_tolerance_rad;
   return overlap(seen, expected, options.free_end_reach_m) >= options.min_overlap;
@@ -62,9 +63,7 @@ std::vector<Candidate> candidates(const FeatureState& state, int robot, std::spa
   for (std::size_t which = 0; which < seen.size(); ++which) {
     const std::size_t first = all.size();
     for (std::size_t index = 0; index < state.features.size(); ++index) {
-      const Feature& feature = state.features[index].feature;
-      if (feature.kind != seen[which].feature.kind) continue;
-      if (!alike(seen[which].feature, robot_from_map * feature, options)) continue;
+      if (!alike(seen[which].feature, robot_from_map * state.features[index].feature, options)) continue;
       std::optional<Candidate> found = candidate(state, robot, seen, which, index, gates);
       if (found) all.push_back(*std::move(found));
     }
@@ -74,6 +73,13 @@ std::vector<Candidate> candidates(const FeatureState& state, int robot, std::spa
               });
   }
   return all;
+}
+
+bool is_like_any(const Feature& feature, const Pose& map_from_robot, std::span<const ObservedFeature> seen,
+                 const AssociationOptions& options) {
+  const Feature expected = inverse(map_from_robot) * feature;
+  return std::any_of(seen.begin(), seen.end(),
+                     [&](const ObservedFeature& one) { return alike(one.feature, expected, options); });
 }
 
 std::vector<std::size_t> nearest_pairs(std::span<const Candidate> all) {

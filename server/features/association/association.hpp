@@ -33,6 +33,11 @@ class Gates {
 std::vector<Candidate> candidates(const FeatureState& state, int robot, std::span<const ObservedFeature> seen,
                                   const AssociationOptions& options, const Gates& gates);
 
+/// Whether an observation of the scan may be a feature of the map by its kind and by overlapping it,
+/// wherever.
+bool is_like_any(const Feature& feature, const Pose& map_from_robot, std::span<const ObservedFeature> seen,
+                 const AssociationOptions& options);
+
 /// The share of the shorter segment along which two lie side by side, ends that were not seen reaching on by
 /// `free_end_reach_m`; 1 for what has no length.
 double overlap(const Feature& seen, const Feature& expected, double free_end_reach_m);

@@ -106,26 +106,35 @@ class Carried {
   Eigen::MatrixXd by_robots_;  ///< D
 };
 
+/// A feature after the correction `own` of its errors and of its robot's heading.
+Feature moved(const FeatureState& state, const FeatureInState& entry, double turn_rad,
+              const LocalVector& own) {
+  const Exponential by(turn_rad);
+  if (point_count(entry.feature.kind) == 2) {
+    // An unknown end does not slide along its wall: where it is drawn is no error, but ρ is that of the
+    // middle.
+    const Pose& robot = state.robots[static_cast<std::size_t>(entry.robot)].map_from_robot;
+    return moved(entry.feature, by, whole_error(entry.feature, robot).by_own * own);
+  }
+  LocalVector e = LocalVector::Zero(3);
+  e.head(own.size()) = own;
+  return moved(entry.feature, by, e);
+}
+
+void carry(Carried& carried, const FeatureState& state, const FeatureInState& entry, const Feature& to) {
+  const auto robot = static_cast<std::size_t>(entry.robot);
+  if (point_count(entry.feature.kind) == 2)
+    carried.turn(entry, whole_error(entry.feature, state.robots[robot].map_from_robot), to);
+  else
+    carried.shift(entry.offset, robot, to.a - entry.feature.a);
+}
+
 void apply_invariant(FeatureState& state, const Eigen::VectorXd& delta) {
   Carried carried(state);
   for (FeatureInState& entry : state.features) {
-    const auto robot = static_cast<std::size_t>(entry.robot);
-    const Exponential by(delta(state.robots[robot].offset + 2));
-    const auto own = delta.segment(entry.offset, dimension(entry.feature));
-    if (point_count(entry.feature.kind) == 1) {
-      LocalVector e = LocalVector::Zero(3);
-      e.head(own.size()) = own;
-      const Feature to = moved(entry.feature, by, e);
-      carried.shift(entry.offset, robot, to.a - entry.feature.a);
-      entry.feature = to;
-      continue;
-    }
-    const Whole whole = whole_error(entry.feature, state.robots[robot].map_from_robot);
-    // An unknown end does not slide along its wall: where it is drawn is no error, but ρ is that of the
-    // middle.
-    const LocalVector e = whole.by_own * own;
-    const Feature to = moved(entry.feature, by, e);
-    carried.turn(entry, whole, to);
+    const double turn = delta(state.robots[static_cast<std::size_t>(entry.robot)].offset + 2);
+    const Feature to = moved(state, entry, turn, delta.segment(entry.offset, dimension(entry.feature)));
+    carry(carried, state, entry, to);
     entry.feature = to;
   }
   for (std::size_t i = 0; i < state.robots.size(); ++i) {
@@ -149,7 +158,26 @@ void apply_printed(FeatureState& state, const Eigen::VectorXd& delta) {
 
 }  // namespace
 
+Feature delayed_estimate(const FeatureState& state, const FeatureInState& entry, const LocalVector& delta) {
+  if (state.form == FilterForm::printed) return corrected(entry.feature, delta);
+  return moved(state, entry, state.robots[static_cast<std::size_t>(entry.robot)].turned_rad, delta);
+}
+
+void apply_delayed_correction(FeatureState& state, int first, const Eigen::VectorXd& delta) {
+  Carried carried(state);
+  for (FeatureInState& entry : state.features) {
+    if (entry.offset < first) continue;
+    const Feature to =
+        delayed_estimate(state, entry, delta.segment(entry.offset - first, dimension(entry.feature)));
+    if (state.form == FilterForm::invariant) carry(carried, state, entry, to);
+    entry.feature = to;
+  }
+  if (state.form == FilterForm::invariant) carried(state.covariance);
+}
+
 void apply_correction(FeatureState& state, const Eigen::VectorXd& delta) {
+  state.told += delta.head(state.told.size());
+  for (RobotInState& robot : state.robots) robot.turned_rad += delta(robot.offset + 2);
   if (state.form == FilterForm::invariant)
     apply_invariant(state, delta);
   else

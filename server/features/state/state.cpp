@@ -68,7 +68,7 @@ bool is_sound(const FeatureState& state) {
     errors.emplace_back(entry.offset, dimension(entry.feature));
   }
   std::sort(errors.begin(), errors.end());
-  int end = 0;
+  auto end = static_cast<int>(state.told.size());
   for (const auto& [begin, length] : errors) {
     if (begin != end) return false;
     end += length;
@@ -84,7 +84,7 @@ int add_robot(FeatureState& state, const Pose& map_from_robot, const Eigen::Matr
     double& variance = state.covariance(at + k, at + k);
     variance = std::max(variance, 1e-12);
   }
-  state.robots.push_back({map_from_robot, at});
+  state.robots.push_back({map_from_robot, at, 0});
   return static_cast<int>(state.robots.size()) - 1;
 }
 

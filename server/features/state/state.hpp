@@ -12,9 +12,10 @@ namespace isthmus {
 
 struct RobotInState {
   Pose map_from_robot;
-  int offset = 0;  ///< of its error (x, y, yaw) in the state's
+  int offset = 0;         ///< of its error (x, y, yaw) in the state's
+  double turned_rad = 0;  ///< by corrections since features were set aside
 
-  auto members() { return std::tie(map_from_robot, offset); }
+  auto members() { return std::tie(map_from_robot, offset, turned_rad); }
 };
 
 struct FeatureInState {
@@ -43,8 +44,13 @@ struct FeatureState {
   FilterForm form = FilterForm::invariant;
   std::vector<RobotInState> robots;
   std::vector<FeatureInState> features;  ///< by id
-  Eigen::MatrixXd covariance;            ///< symmetric positive definite
+  Eigen::MatrixXd covariance;            ///< symmetric positive definite, after the first told.size() rows
   int next_id = 0;
+  /// Where features are set aside (server/features/state/aside.hpp), how far the errors that the rest had
+  /// then were corrected since, times the inverse of their covariance. These come first in `covariance`:
+  /// their rows have how today's errors follow from those and, among themselves, the information that was
+  /// gained of them, negative. Empty where all is in the state.
+  Eigen::VectorXd told = {};
 };
 
 /// Whether it is one: errors side by side in one covariance, features by rising id and each made by a robot.

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "server/features/feature_filter.hpp"
+#include "server/features/state/aside.hpp"
 #include "server/features/state/invariance.hpp"
 
 namespace isthmus {
@@ -177,6 +178,127 @@ TEST(FeatureFilterProperty, TheCovarianceStaysPositiveDefiniteUnderAnySequence) 
         filter.observe_robot({0, 1, uniform(random, 1, 5), uniform(random, -3, 3), 0.5, 0.5});
       RC_ASSERT(is_spd(filter.state().covariance));
     }
+  }));
+}
+
+std::vector<std::size_t> some_of(std::mt19937& random, std::size_t count) {
+  std::vector<std::size_t> some;
+  for (std::size_t i = 0; i < count; ++i)
+    if (coin(random)) some.push_back(i);
+  return some;
+}
+
+/// A feature of the state as a robot sees it, off by so much (m, rad) and any noise.
+ObservedFeature seen_again(std::mt19937& random, const FeatureState& state, std::size_t index, int robot,
+                           double off) {
+  const Pose& pose = state.robots[static_cast<std::size_t>(robot)].map_from_robot;
+  const Pose moved{uniform(random, -off, off), uniform(random, -off, off), uniform(random, -off, off)};
+  ObservedFeature seen{moved * (inverse(pose) * state.features[index].feature), {}};
+  seen.covariance = random_spd(random, dimension(seen.feature), 1e-3);
+  return seen;
+}
+
+bool correct_by(FeatureState& state, int id, int robot, const ObservedFeature& seen) {
+  const auto measured = measure_feature(state, *index_of(state, id), robot, seen);
+  return measured && correct(state, {&*measured, 1});
+}
+
+/// The errors of a state by robots and features, for they stand anywhere in it.
+std::vector<int> errors_in_order(const FeatureState& state) {
+  std::vector<int> errors;
+  for (const RobotInState& robot : state.robots)
+    for (int k = 0; k < 3; ++k) errors.push_back(robot.offset + k);
+  for (const FeatureInState& entry : state.features)
+    for (int k = 0; k < dimension(entry.feature); ++k) errors.push_back(entry.offset + k);
+  return errors;
+}
+
+bool is_near(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double tolerance) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && (a - b).norm() <= tolerance * (1 + b.norm());
+}
+
+bool are_alike(const FeatureState& a, const FeatureState& b, double tolerance) {
+  const std::vector<int> of_a = errors_in_order(a), of_b = errors_in_order(b);
+  bool alike = a.features.size() == b.features.size() && is_sound(a) &&
+               is_near(a.covariance(of_a, of_a), b.covariance(of_b, of_b), tolerance);
+  for (std::size_t i = 0; alike && i < a.robots.size(); ++i)
+    alike = is_near(to_vector(a.robots[i].map_from_robot), to_vector(b.robots[i].map_from_robot), tolerance);
+  for (std::size_t i = 0; alike && i < a.features.size(); ++i)
+    alike = a.features[i].id == b.features[i].id &&
+            is_near(a.features[i].feature.a, b.features[i].feature.a, tolerance) &&
+            is_near(a.features[i].feature.b, b.features[i].feature.b, tolerance);
+  return alike;
+}
+
+/// What is told by so much a measurement, with features aside and without; at most `tolerance` apart.
+void check_aside(FilterForm form, double off, double tolerance) {
+  std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
+  FeatureState all = any_state(random, 2, 10, form);
+  FeatureState part = all;
+  const FeaturesAside aside = set_aside(part, some_of(random, all.features.size()));
+  RC_ASSERT(is_sound(part) && is_sound(aside, part));
+  RC_ASSERT(part.features.size() + aside.features.size() == all.features.size());
+  for (int step = 0; step < 20; ++step) {
+    const int robot = coin(random) ? 1 : 0;
+    const Pose on{uniform(random, 0, 0.3), 0, uniform(random, -0.3, 0.3)};
+    for (FeatureState* state : {&all, &part})
+      move_robot(*state, robot, on, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal());
+    if (step % 5 == 0) {
+      const ObservedFeature seen = any_seen(random);
+      RC_ASSERT(add_feature(all, robot, seen) == add_feature(part, robot, seen));
+    }
+    if (part.features.empty()) continue;
+    const FeatureInState& one = part.features[static_cast<std::size_t>(step) % part.features.size()];
+    const ObservedFeature seen = seen_again(random, all, *index_of(all, one.id), robot, off);
+    RC_ASSERT(correct_by(all, one.id, robot, seen) == correct_by(part, one.id, robot, seen));
+  }
+  const std::vector<FeatureInState> now = estimates(aside, part);
+  take_back(part, aside);
+  RC_ASSERT(are_alike(part, all, tolerance));
+  for (const FeatureInState& entry : now)
+    RC_ASSERT(is_near(entry.feature.a, all.features[*index_of(all, entry.id)].feature.a, tolerance));
+}
+
+TEST(FeatureFilterProperty, WhatIsAsideIsCorrectedAsIfItHadBeenThere) {
+  EXPECT_TRUE(rc::check([] { check_aside(FilterForm::printed, 1e-3, 1e-5); }));
+  EXPECT_TRUE(rc::check([] { check_aside(FilterForm::invariant, 1e-3, 1e-5); }));
+}
+
+TEST(FeatureFilterProperty, AFeatureThatIsRemovedLeavesTheOthersAsideAsTheyAre) {
+  EXPECT_TRUE(rc::check([] {
+    std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
+    FeatureState part = any_state(random, 1, 6), all = part;
+    FeaturesAside aside = set_aside(part, std::vector<std::size_t>{0, 3});
+    const auto gone = std::uniform_int_distribution<std::size_t>(0, 3)(random);
+    remove_feature(all, *index_of(all, aside.features[gone].id));
+    remove_feature(aside, gone);
+    RC_ASSERT(is_sound(aside, part));
+    take_back(part, aside);
+    RC_ASSERT(are_alike(part, all, 1e-9));
+  }));
+}
+
+TEST(FeatureFilterProperty, OneAsideVariesWithARobotAtLeastAsItDoesInTheWhole) {
+  EXPECT_TRUE(rc::check([] {
+    std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
+    FeatureState part = any_state(random, 1, 5);
+    const FeaturesAside aside = set_aside(part, std::vector<std::size_t>{0, 1});
+    for (const int id : {0, 1}) {
+      const ObservedFeature seen = seen_again(random, part, *index_of(part, id), 0, 1e-3);
+      correct_by(part, id, 0, seen);
+    }
+    const FeatureState both = robot_with(aside, 1, part, 0, estimates(aside, part)[1].feature);
+    const int id = aside.features[1].id;
+    FeatureState whole = part;
+    take_back(whole, aside);
+    std::vector<int> errors;
+    for (int k = 0; k < 3; ++k) errors.push_back(whole.robots[0].offset + k);
+    const FeatureInState& same = whole.features[*index_of(whole, id)];
+    for (int k = 0; k < dimension(same.feature); ++k) errors.push_back(same.offset + k);
+    RC_ASSERT(is_sound(both));
+    const Eigen::MatrixXd more = both.covariance - whole.covariance(errors, errors);
+    RC_ASSERT(more.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff() > -1e-4 * both.covariance.norm());
+    RC_ASSERT(is_near(both.covariance.topRows(3), whole.covariance(errors, errors).topRows(3), 1e-3));
   }));
 }
 

@@ -197,6 +197,120 @@ TEST(FeatureFilter, ClutterIsBounded) {
   EXPECT_GT(outcome.paired.size(), 0U);
 }
 
+/// Corners on both sides of a corridor of 60 m, each a metre, as seen within 4 m.
+std::vector<ObservedFeature> corners_seen(const Pose& robot) {
+  std::vector<ObservedFeature> seen;
+  for (int i = 0; i < 60; ++i) {
+    for (const double y : {-1.5, 1.5}) {
+      const Feature corner = inverse(robot) * corner_feature({i, y}, y, 1.57);
+      if (corner.a.norm() < 4) seen.push_back({corner, 1e-4 * LocalMatrix::Identity(3, 3)});
+    }
+  }
+  return seen;
+}
+
+struct InCorridor {
+  FeatureFilter filter;
+  Pose truth;
+
+  explicit InCorridor(std::size_t at_hand) : filter(at_origin(options_with(at_hand))) {}
+  static FilterOptions options_with(std::size_t at_hand) {
+    FilterOptions options = at_once();
+    options.at_hand = at_hand;
+    return options;
+  }
+  /// Odometry errs as its noise is.
+  void drive(int steps, double yaw) {
+    truth.yaw = yaw;
+    for (int i = 0; i < steps; ++i) {
+      truth = truth * Pose{0.5, 0, 0};
+      filter.move(0, {0.5, 0, i % 2 == 0 ? 0.002 : -0.001}, Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal());
+      filter.observe(0, corners_seen(truth));
+    }
+  }
+  void turn() {
+    for (int i = 0; i < 8; ++i) {
+      truth.yaw += std::numbers::pi / 8;
+      filter.move(0, {0, 0, std::numbers::pi / 8}, 1e-5 * Eigen::Matrix3d::Identity());
+      filter.observe(0, corners_seen(truth));
+    }
+  }
+};
+
+TEST(FeatureFilter, WhatIsFarWaitsAndIsFoundAgainAsIfItHadBeenAtHand) {
+  InCorridor part(5), all(1'000);
+  for (InCorridor* corridor : {&part, &all}) corridor->drive(100, 0);
+  EXPECT_EQ(all.filter.state().features.size(), all.filter.feature_count());
+  EXPECT_LT(2 * part.filter.state().features.size(), part.filter.feature_count());
+  for (InCorridor* corridor : {&part, &all}) {
+    corridor->turn();
+    corridor->drive(90, std::numbers::pi);
+  }
+  EXPECT_LT(2 * part.filter.state().features.size(), part.filter.feature_count());
+  part.filter.gather();
+  const FeatureState &one = part.filter.state(), &other = all.filter.state();
+  ASSERT_EQ(one.features.size(), other.features.size());
+  EXPECT_LE(one.features.size(), 120U);
+  for (std::size_t i = 0; i < one.features.size(); ++i) {
+    EXPECT_LT((one.features[i].feature.a - other.features[i].feature.a).norm(), 1e-4);
+    EXPECT_EQ(one.features[i].seen, other.features[i].seen);
+    EXPECT_TRUE(feature_covariance(one, i).isApprox(feature_covariance(other, i), 1e-3));
+  }
+  EXPECT_TRUE(pose_covariance(one, 0).isApprox(pose_covariance(other, 0), 1e-3));
+}
+
+TEST(FeatureFilter, WhatIsFarAndSeenThroughOftenEnoughGoes) {
+  InCorridor part(5), all(1'000);
+  const auto is_free = [](const Eigen::Vector2d& point) { return point.x() < -20 && point.x() > -30; };
+  std::vector<std::vector<int>> gone;
+  for (InCorridor* corridor : {&part, &all}) {
+    corridor->drive(100, 0);
+    std::vector<int>& its = gone.emplace_back();
+    for (int scan = 0; scan < 50; ++scan)
+      for (const int id : corridor->filter.contradict(0, {}, is_free)) its.push_back(id);
+    std::sort(its.begin(), its.end());
+  }
+  EXPECT_EQ(gone[0], gone[1]);
+  EXPECT_EQ(gone[0].size(), 20U);
+  EXPECT_LT(2 * part.filter.state().features.size(), part.filter.feature_count());
+  part.filter.gather();
+  EXPECT_EQ(part.filter.state().features.size(), all.filter.state().features.size());
+}
+
+TEST(FeaturesAside, AreSoundOnlyBesideWhatTheyWereSetAsideOf) {
+  FeatureFilter filter = at_origin(at_once());
+  filter.observe(0, corners_seen({2, 0, 0}));
+  FeatureState rest = filter.state();
+  const FeaturesAside aside = set_aside(rest, std::vector<std::size_t>{0, 1});
+  EXPECT_TRUE(is_sound(aside, rest));
+  FeatureState other = filter.state();
+  set_aside(other, std::vector<std::size_t>{0, 1, 2});
+  EXPECT_FALSE(is_sound(aside, other)) << "of other errors";
+  other = rest;
+  other.features[1].id = aside.features[0].id;
+  EXPECT_FALSE(is_sound(aside, other)) << "it is there twice";
+  FeaturesAside cut = aside;
+  cut.covariance.conservativeResize(3, 3);
+  EXPECT_FALSE(is_sound(cut, rest));
+}
+
+TEST(FeatureFilter, AnotherStateLeavesNothingAside) {
+  InCorridor corridor(5);
+  corridor.drive(100, 0);
+  corridor.filter.replace(at_origin().state());
+  EXPECT_EQ(corridor.filter.feature_count(), 0U);
+}
+
+TEST(FeatureFilter, PointsAreAlwaysAtHand) {
+  InCorridor corridor(5);
+  const ObservedFeature tag = point_at(2, 0);
+  const int none = -1;
+  const std::vector<int> ids = corridor.filter.observe_known(0, {&tag, 1}, {&none, 1});
+  corridor.drive(100, 0);
+  EXPECT_LT(corridor.filter.state().features.size(), corridor.filter.feature_count());
+  EXPECT_TRUE(index_of(corridor.filter.state(), ids.front()));
+}
+
 TEST(UnicycleNoise, IsThePapers) {
   const OdometryStep step = unicycle_step(0.4, 0.2, 0.5, {});
   EXPECT_DOUBLE_EQ(step.old_from_new.x, 0.2);

@@ -187,7 +187,7 @@ TEST(Fusion, AWallKnownInPartsByBothIsWhollyKnownAfterwards) {
 TEST(Fusion, AHundredMeetingsCountAsAHundredMeasurementsAndNoMore) {
   TwoMaps maps(1);
   FeatureFilter filter;
-  filter.state() = aligned(maps.one, 0, maps.two, 0, maps.meet(0.1, 0.005));
+  filter.replace(aligned(maps.one, 0, maps.two, 0, maps.meet(0.1, 0.005)));
   const Pose between = ominus(maps.truth_two, maps.truth_one);
   const double range = std::hypot(between.x, between.y), bearing = std::atan2(between.y, between.x);
   // Information adds: the state's own about the offset of the two, and a hundred times the sighting's.
@@ -208,7 +208,7 @@ TEST(Fusion, AfterAHundredMeetingsTheRobotsStillErrAsTheySay) {
   for (std::uint32_t seed = 1; seed <= seeds; ++seed) {
     TwoMaps maps(seed);
     FeatureFilter filter;
-    filter.state() = fuse(maps.one, 0, maps.two, 0, maps.meet()).state;
+    filter.replace(fuse(maps.one, 0, maps.two, 0, maps.meet()).state);
     for (int meeting = 0; meeting < 100; ++meeting) {
       const int observer = meeting % 2;
       const Pose seen =

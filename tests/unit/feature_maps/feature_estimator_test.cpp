@@ -319,6 +319,41 @@ TEST(FeatureEstimator, WhatIsRestoredFromItsBytesGoesOnAsItWouldHave) {
   }
 }
 
+/// A corridor with niches, of 60 walls a side.
+Walls niched_corridor() {
+  Walls walls;
+  testing::add_box(walls, -2, -4, 45, 4);
+  for (int i = 0; i < 20; ++i)
+    for (const double y : {-3.5, 1.5}) testing::add_box(walls, 2 * i, y, 2 * i + 1.1, y + 2);
+  return walls;
+}
+
+TEST(FeatureEstimator, WhatIsRestoredFarFromWhereItBeganGoesOnAsItWouldHave) {
+  FeatureEvents run;
+  run.declare("R1", 101, 8);
+  const Walls walls = niched_corridor();
+  for (int step = 0; step < 190; ++step) {
+    const Pose driven{step < 150 ? 0.25 * step : 0.25 * (300 - step), 0, 0};
+    run.odometry("R1", driven);
+    run.scan("R1", walls, driven);
+    run.wait(0.2);
+  }
+  const std::size_t split = run.events.size() * 3 / 4;
+  FeatureEstimator live(feature_map_options(FeatureMapKind::segments));
+  for (std::size_t i = 0; i < split; ++i) live.handle(run.events[i]);
+  const FeatureMaps maps = live.maps();
+  EXPECT_GT(maps.teams.at(0).filter.feature_count(), 60U);  // enough for some to be set aside
+  EXPECT_EQ(maps.teams.at(0).filter.state().features.size(), maps.teams.at(0).filter.feature_count())
+      << "all of it is in what is written";
+  const std::vector<std::uint8_t> saved = live.save();
+  FeatureEstimator restored = FeatureEstimator::restore(FeatureMapKind::segments, saved);
+  EXPECT_EQ(restored.save(), saved);
+  EXPECT_EQ(map_sha256(restored.maps()), map_sha256(live.maps()));
+  for (std::size_t i = split; i < run.events.size(); ++i)
+    for (FeatureEstimator* estimator : {&live, &restored}) estimator->handle(run.events[i]);
+  EXPECT_EQ(map_sha256(restored.maps()), map_sha256(live.maps()));
+}
+
 TEST(FeatureEstimator, BytesThatAreNotWhatWasSavedAreRefused) {
   const std::vector<std::uint8_t> saved = estimate(met_hall().run).save();
   for (std::size_t size = 0; size < saved.size(); size += 4001)

@@ -147,6 +147,7 @@ struct Alone {
   }
   void until(std::int64_t utime) {
     while (traveller.utime() < utime) traveller.step(filter, {});
+    filter.gather();
   }
 };
 
@@ -184,7 +185,7 @@ class Together {
         own_start_(own_drive.world_from_start),
         other_from_own_(ominus(own_drive.world_from_start, other_drive.world_from_start)) {
     const Fusion fusion = fuse(own.filter.state(), 0, other.filter.state(), 0, alignment);
-    filter_.state() = fusion.state;
+    filter_.replace(fusion.state);
     duplicates_ = fusion.duplicates.size();
   }
 
@@ -196,6 +197,7 @@ class Together {
       else
         other_.step(filter_, other_from_own_);
     }
+    filter_.gather();
     cpu_s_ += cpu_now() - start;
   }
 
