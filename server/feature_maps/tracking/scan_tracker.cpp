@@ -1,5 +1,6 @@
 #include "server/feature_maps/tracking/scan_tracker.hpp"
 
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 #include <utility>

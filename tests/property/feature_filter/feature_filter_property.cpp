@@ -2,6 +2,7 @@
 #include <rapidcheck.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <numbers>
 #include <random>
 #include <set>

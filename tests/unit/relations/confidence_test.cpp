@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "tests/unit/relations/small_maps.hpp"
 
 namespace isthmus {
