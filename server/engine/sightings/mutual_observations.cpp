@@ -95,7 +95,7 @@ void MutualObservations::consider_again(const TagPatches& tags) {
 
 void MutualObservations::judge_again(World world) {
   int judged = 0;
-  std::vector<Evidence> kept;
+  auto kept = pool_.begin();  // in place: with many robots thousands wait, and few are judged at a time
   for (Evidence& evidence : pool_) {
     const bool now = evidence.judge_again && judged < world.options.closures.max_judged_again;
     if (now) {
@@ -104,9 +104,10 @@ void MutualObservations::judge_again(World world) {
       if (is_settled_by_map(world, evidence)) continue;
       set_verdict(evidence, Verdict::waiting, evidence.doubt);
     }
-    kept.push_back(std::move(evidence));
+    if (&*kept != &evidence) *kept = std::move(evidence);
+    ++kept;
   }
-  pool_ = std::move(kept);
+  pool_.erase(kept, pool_.end());
   judging_again_ = std::ranges::any_of(pool_, &Evidence::judge_again);
   pool_changed_ = true;
 }
