@@ -189,7 +189,9 @@ void FeatureMapper::apply(const MapInput& input) {
   const bool is_new_place = input.kind == MapInputKind::scanned &&
                             observe(robot, std::get<ScanEvent>(input.event->body).scan, input.utime);
   add_row(robot, input.utime);
-  if (is_new_place) lay_over_others(journey(robot).team, input);
+  if (!is_new_place) return;
+  take_up_meetings(journey(robot).team);
+  lay_over_others(journey(robot).team, input);
 }
 
 void FeatureMapper::continue_from(FeatureMapper& other) {

@@ -17,6 +17,7 @@
 #include "server/feature_maps/journey.hpp"
 #include "server/feature_maps/map_input.hpp"
 #include "server/feature_maps/merging/map_sketch.hpp"
+#include "server/feature_maps/open_meeting.hpp"
 #include "server/feature_maps/placement.hpp"
 #include "server/feature_maps/team.hpp"
 
@@ -110,8 +111,8 @@ class FeatureMapper {
   /// `keep_options`.
   auto members() {
     return std::tie(options_, robots_, wearers_, tags_, teams_, journeys_, sightings_, told_, last_used_,
-                    first_seen_, heard_, encounters_, encounter_count_, fusions_, forbidden_, contradicted_,
-                    inputs_, moved_, next_number_, next_scan_, asked_, counts_);
+                    first_seen_, heard_, encounters_, encounter_count_, fusions_, open_, forbidden_,
+                    contradicted_, inputs_, moved_, next_number_, next_scan_, asked_, counts_);
   }
   void keep_options();
   /// Whether what names something names what there is.
@@ -149,7 +150,8 @@ class FeatureMapper {
   void consider(int one, int two);
   void forget_waiting(std::int32_t fusion);
   void lay_over_others(int grown, const MapInput& input);
-  bool has_grown(int one, int two);
+  bool may_tell_more(int one, int two);
+  bool have_grown(std::size_t views_then, std::size_t views) const;
   bool merge_by_walls(int one, int two, const MapInput& input);
   FusionRecord& record_of_placing(int one, int two, const Pose& one_from_two, const Eigen::Vector2d& middle,
                                   const MapInput& input);
@@ -161,8 +163,15 @@ class FeatureMapper {
   int first_with_views(const Team& team) const;
   std::vector<Heard> heard_between(int one, int two) const;
   std::vector<Heard> tags_between(int one, int two) const;
-  bool fuse_at(int one, int two, const std::vector<Heard>& heard, const MapPlacement& placement,
+  void fuse_at(int one, int two, const std::vector<Heard>& heard, const MapPlacement& placement,
                FusionRecord& record);
+  void accept(int one, int two, const JoinedTeams& joined, const std::set<std::size_t>& agreeing,
+              FusionRecord& record);
+  void keep_open(int one, int two, int member_1, int member_2, const RobotAlignment& alignment,
+                 std::int32_t fusion);
+  void close_meeting(int one, int two);
+  void hand_over_meetings(int one, int two, int ids);
+  void take_up_meetings(int grown);
   bool is_known(const RobotEvent& event) const;
   void close_account(int one, int two, const std::set<std::size_t>& agreeing, std::int32_t fusion);
   void judge_fusion(int observer, int target, const LinearMeasurement& measured,
@@ -191,6 +200,7 @@ class FeatureMapper {
   std::map<std::pair<int, int>, Encounter> encounters_;  ///< the last, by journeys
   int encounter_count_ = 0;
   std::map<std::int32_t, FusionRecord> fusions_;
+  std::map<std::pair<int, int>, OpenMeeting> open_;  ///< the last, by maps
   std::set<std::int32_t> forbidden_;
   std::optional<std::int32_t> contradicted_;
   std::vector<MapInput> inputs_;

@@ -38,14 +38,14 @@ void load_matrix(SnapshotReader& reader, Matrix& matrix) {
 }
 
 void save(SnapshotWriter& writer, const FeatureState& state) {
-  writer(state.form, state.robots, state.features, state.next_id);
+  writer(state.form, state.robots, state.features, state.next_id, state.marks);
   save_matrix(writer, state.covariance);
   save_matrix(writer, state.told.transpose());
 }
 
 void load(SnapshotReader& reader, FeatureState& state) {
   Eigen::RowVectorXd told;
-  reader(state.form, state.robots, state.features, state.next_id);
+  reader(state.form, state.robots, state.features, state.next_id, state.marks);
   load_matrix(reader, state.covariance);
   load_matrix(reader, told);
   state.told = told.transpose();
@@ -181,6 +181,15 @@ bool FeatureMapper::is_sound() const {
   const auto is_heard = [&](const Heard& heard) {
     return is_journey(heard.observer) && is_journey(heard.target) && heard.row < sightings_.size();
   };
+  const auto has_mark = [&](int team, int id) {
+    if (!is_index(team, teams_.size())) return false;
+    const std::vector<MarkInState>& marks = teams_[static_cast<std::size_t>(team)].filter.state().marks;
+    return std::ranges::find(marks, id, &MarkInState::id) != marks.end();
+  };
+  for (const auto& [maps, meeting] : open_)
+    if (!has_mark(maps.first, meeting.mark_1) || !has_mark(maps.second, meeting.mark_2) ||
+        !fusions_.contains(meeting.fusion))
+      return false;
   const auto has_begun = [&](int number) {
     return is_journey(number) && !journeys_[static_cast<std::size_t>(number)].rows.empty();
   };

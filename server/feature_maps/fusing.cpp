@@ -119,7 +119,11 @@ std::vector<Heard> FeatureMapper::tags_between(int one, int two) const {
 
 void FeatureMapper::forget_waiting(std::int32_t fusion) {
   const auto found = fusions_.find(fusion);
-  if (found != fusions_.end() && found->second.state == FusionState::waiting) fusions_.erase(found);
+  if (found == fusions_.end() || found->second.state != FusionState::waiting) return;
+  fusions_.erase(found);
+  const auto of_it =
+      std::ranges::find_if(open_, [&](const auto& entry) { return entry.second.fusion == fusion; });
+  if (of_it != open_.end()) close_meeting(of_it->first.first, of_it->first.second);
 }
 
 /// Whether two maps are one by now.
@@ -155,7 +159,7 @@ void FeatureMapper::consider(int one, int two) {
 }
 
 /// Makes one map of two where clues and what the maps have in common are enough; else nothing changes.
-bool FeatureMapper::fuse_at(int one, int two, const std::vector<Heard>& heard, const MapPlacement& placement,
+void FeatureMapper::fuse_at(int one, int two, const std::vector<Heard>& heard, const MapPlacement& placement,
                             FusionRecord& record) {
   Team &first = teams_[static_cast<std::size_t>(one)], &second = teams_[static_cast<std::size_t>(two)];
   first.filter.gather();
@@ -173,23 +177,33 @@ bool FeatureMapper::fuse_at(int one, int two, const std::vector<Heard>& heard, c
   const Eigen::Matrix3d by =
       ominus_jacobians(met, pose_1).by_q * compose_jacobians(placement.one_from_two, pose_2).by_left;
   const RobotAlignment alignment{ominus(met, pose_1), by * placement.covariance * by.transpose()};
-  const JoinedTeams joined = joined_at_meeting(first, member_1, second, member_2, alignment, options_.fusion);
+  const JoinedTeams joined =
+      joined_at_meeting(first, {member_1}, second, {member_2}, alignment, options_.fusion);
   record.duplicates = joined.duplicates.size();
   record.twins_log_odds = 0;
   if (placement.log_odds < options_.clues_suffice_log_odds)
     record.twins_log_odds = twins_log_odds(
         joined.duplicates.size(), twins_by_chance(first.filter.state(), member_1, second.filter.state(),
                                                   member_2, alignment, options_.fusion, options_.twins));
-  if (record.log_odds() < options_.fusion_log_odds) return false;
-  record.state = FusionState::accepted;
-  record.side_1 = first.journeys;
-  record.side_2 = second.journeys;
+  if (record.log_odds() < options_.fusion_log_odds) return;
+  const bool may_overlap = first.filter.feature_count() > 0 && second.filter.feature_count() > 0;
+  if (joined.duplicates.empty() && may_overlap)
+    return keep_open(one, two, member_1, member_2, alignment, record.id);
   std::set<std::size_t> agreeing;
   for (const std::size_t i : placement.agreeing)
     if (heard[i].clue.kind != ClueKind::same_place) agreeing.insert(heard[i].row);
+  accept(one, two, joined, agreeing, record);
+}
+
+/// Two maps become one.
+void FeatureMapper::accept(int one, int two, const JoinedTeams& joined, const std::set<std::size_t>& agreeing,
+                           FusionRecord& record) {
+  record.state = FusionState::accepted;
+  record.duplicates = joined.duplicates.size();
+  record.side_1 = teams_[static_cast<std::size_t>(one)].journeys;
+  record.side_2 = teams_[static_cast<std::size_t>(two)].journeys;
   close_account(one, two, agreeing, record.id);
   join(one, two, joined);
-  return true;
 }
 
 /// What was heard between two maps that are one now, and which placings of them waited.

@@ -53,6 +53,7 @@ void FeatureMapper::join(int one, int two, const JoinedTeams& joined) {
     kept.journeys.push_back(number);
   }
   kept.filter.replace(std::move(state));
+  hand_over_meetings(one, two, ids);
   gone.journeys.clear();
   gone.landmarks.clear();
   ++counts_.fusions;

@@ -25,15 +25,17 @@ MapSketch FeatureMapper::sketch(const Team& team) const {
   return sketch_of(team.filter.state(), robots, views, options_.merging);
 }
 
+bool FeatureMapper::have_grown(std::size_t views_then, std::size_t views) const {
+  const double share = options_.merging.grown_share * static_cast<double>(views_then);
+  return views >= views_then + std::max(options_.merging.grown_views, static_cast<std::size_t>(share));
+}
+
 /// Whether two maps have grown so much since this was asked that it is worth while.
-bool FeatureMapper::has_grown(int one, int two) {
+bool FeatureMapper::may_tell_more(int one, int two) {
   const std::size_t of_one = views_of(one), of_two = views_of(two), both = of_one + of_two;
   if (std::min(of_one, of_two) < options_.merging.min_views) return false;
   std::size_t& asked = asked_[std::minmax(one, two)];
-  const auto more =
-      std::max(options_.merging.grown_views,
-               static_cast<std::size_t>(options_.merging.grown_share * static_cast<double>(asked)));
-  if (asked > 0 && both < asked + more) return false;
+  if (asked > 0 && !have_grown(asked, both)) return false;
   asked = both;
   return true;
 }
@@ -43,7 +45,7 @@ void FeatureMapper::lay_over_others(int grown, const MapInput& input) {
   for (int other = 0; other < static_cast<int>(teams_.size()); ++other) {
     if (other == grown || teams_[static_cast<std::size_t>(other)].journeys.empty()) continue;
     const auto [one, two] = std::minmax(grown, other);
-    if (has_grown(one, two) && merge_by_walls(one, two, input)) return;
+    if (may_tell_more(one, two) && merge_by_walls(one, two, input)) return;
   }
 }
 
@@ -142,12 +144,7 @@ bool FeatureMapper::merge_by_walls(int one, int two, const MapInput& input) {
     seeds.push_back({sketch_1.walls[twin.one].feature, sketch_2.walls[twin.two].feature});
   const std::optional<JoinedTeams> joined = joined_by_twins(first, second, placing, seeds, options_.fusion);
   if (!joined) return false;
-  record.state = FusionState::accepted;
-  record.side_1 = first.journeys;
-  record.side_2 = second.journeys;
-  record.duplicates = joined->duplicates.size();
-  close_account(one, two, agreeing, record.id);
-  join(one, two, *joined);
+  accept(one, two, *joined, agreeing, record);
   return true;
 }
 

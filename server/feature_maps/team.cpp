@@ -54,13 +54,15 @@ constexpr double identity_sigma_m = 1e-3;
 
 }  // namespace
 
-JoinedTeams joined_at_meeting(const Team& one, int member_1, const Team& two, int member_2,
+JoinedTeams joined_at_meeting(const Team& one, PoseOwner robot_1, const Team& two, PoseOwner robot_2,
                               const RobotAlignment& alignment, const FusionOptions& options) {
-  Fusion fusion = fuse(one.filter.state(), member_1, two.filter.state(), member_2, alignment, options);
+  const FeatureState &first = one.filter.state(), &second = two.filter.state();
+  Fusion fusion = fuse(first, robot_1, second, robot_2, alignment, options);
   JoinedTeams joined{std::move(fusion.state), {}, std::move(fusion.duplicates)};
-  const std::size_t after = one.filter.state().robots.size() + static_cast<std::size_t>(member_2);
-  const Pose before = two.filter.state().robots[static_cast<std::size_t>(member_2)].map_from_robot;
-  joined.one_from_two = joined.state.robots[after].map_from_robot * inverse(before);
+  PoseOwner after = robot_2;
+  after.which += robot_2.is_mark ? first.next_id : static_cast<int>(first.robots.size());
+  joined.one_from_two =
+      pose_in(joined.state, after).map_from_robot * inverse(pose_in(second, robot_2).map_from_robot);
   return joined;
 }
 

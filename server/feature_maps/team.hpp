@@ -28,7 +28,7 @@ struct JoinedTeams {
 };
 
 /// By a meeting of two robots, duplicates found by the fusion.
-JoinedTeams joined_at_meeting(const Team& one, int member_1, const Team& two, int member_2,
+JoinedTeams joined_at_meeting(const Team& one, PoseOwner robot_1, const Team& two, PoseOwner robot_2,
                               const RobotAlignment& alignment, const FusionOptions& options);
 
 /// By features that are one in both, by indices, at about that placing. Nothing where they do not tell.

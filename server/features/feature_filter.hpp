@@ -46,6 +46,9 @@ class FeatureFilter {
   const FilterOptions& options() const { return options_; }
 
   int add_robot(const Pose& map_from_robot, const Eigen::Matrix3d& covariance);
+  /// Where a robot stands: what is measured there can be used later. Returns its id.
+  int add_mark(int robot) { return isthmus::add_mark(state_, robot); }
+  void remove_mark(int id) { isthmus::remove_mark(state_, id); }
   /// old_from_new with the covariance of its (x, y, yaw). False, and nothing moved, where either is not
   /// finite.
   bool move(int robot, const Pose& old_from_new, const Eigen::Matrix3d& covariance);
@@ -71,7 +74,9 @@ class FeatureFilter {
 
   /// All that changes, for snapshots; options are of whoever restores it.
   auto changing() { return std::tie(state_, aside_, used_, tentative_); }
-  bool holds_together() const { return !aside_ || isthmus::is_sound(*aside_, state_); }
+  bool holds_together() const {
+    return aside_ ? isthmus::is_sound(*aside_, state_) : state_.told.size() == 0;
+  }
 
  private:
   struct Tentative {

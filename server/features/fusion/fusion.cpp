@@ -16,8 +16,8 @@ namespace {
 
 /// The two that met, and how.
 struct WhoMet {
-  int robot_1 = 0;
-  int robot_2 = 0;
+  PoseOwner robot_1;
+  PoseOwner robot_2;
   RobotAlignment alignment;
 };
 
@@ -30,8 +30,8 @@ class Joining {
         options_(options),
         ties_(one, two),
         taken_(one.features.size(), false) {
-    const Pose& first = one.robots[static_cast<std::size_t>(met.robot_1)].map_from_robot;
-    const Pose& second = two.robots[static_cast<std::size_t>(met.robot_2)].map_from_robot;
+    const Pose& first = pose_in(one, met.robot_1).map_from_robot;
+    const Pose& second = pose_in(two, met.robot_2).map_from_robot;
     maps_.one_from_two = first * met.alignment.one_from_two * inverse(second);
     maps_.about = position(first * met.alignment.one_from_two);
     maps_.seen_from = met.alignment.is_polar ? position(first) : maps_.about;
@@ -264,7 +264,7 @@ Fusion completed(Joining& joining, const FusionOptions& options) {
 
 }  // namespace
 
-Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
+Fusion fuse(const FeatureState& one, PoseOwner robot_1, const FeatureState& two, PoseOwner robot_2,
             const RobotAlignment& alignment, const FusionOptions& options) {
   Joining joining(one, two, {robot_1, robot_2, alignment}, options);
   return completed(joining, options);

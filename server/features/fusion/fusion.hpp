@@ -49,9 +49,14 @@ struct Fusion {
 ///
 /// Afterwards there is one state for all robots: further meetings are measurements in it
 /// (FeatureFilter::observe_robot), and nothing is counted twice. The inputs are unchanged: a fusion that
-/// turns out wrong is dropped by going on with them.
-Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
+/// turns out wrong is dropped by going on with them. Robots that met once, where the maps had nothing in
+/// common yet, are told by their marks (add_mark).
+Fusion fuse(const FeatureState& one, PoseOwner robot_1, const FeatureState& two, PoseOwner robot_2,
             const RobotAlignment& alignment, const FusionOptions& options = {});
+inline Fusion fuse(const FeatureState& one, int robot_1, const FeatureState& two, int robot_2,
+                   const RobotAlignment& alignment, const FusionOptions& options = {}) {
+  return fuse(one, PoseOwner{robot_1}, two, PoseOwner{robot_2}, alignment, options);
+}
 
 /// That a feature of the first map is one of the second, by indices.
 struct TwinSeed {

@@ -24,28 +24,31 @@ std::vector<KeptErrors> append_kept(FeatureState& joint, const TiedMaps& maps, c
   const int robots = static_cast<int>(joint.robots.size());
   std::vector<KeptErrors> kept;
   int next = 0;
-  for (const RobotInState& robot : two.robots) {
-    const Pose there = maps.one_from_two * robot.map_from_robot;
+  const auto there = [&](const RobotInState& one) {
+    const RobotInState moved{maps.one_from_two * one.map_from_robot, offset + next};
     Eigen::Matrix3d turn = Eigen::Matrix3d::Identity(), rigid = Eigen::Matrix3d::Identity();
     turn.topLeftCorner<2, 2>() = turn_of(FeatureKind::point, yaw);
-    rigid.topRightCorner<2, 1>() = quarter_turn(position(there) - maps.about);
-    joint.robots.push_back({there, offset + next});
-    kept.push_back({robot.offset, next, turn, rigid});
+    rigid.topRightCorner<2, 1>() = quarter_turn(position(moved.map_from_robot) - maps.about);
+    kept.push_back({one.offset, next, turn, rigid});
     next += 3;
-  }
+    return moved;
+  };
+  for (const RobotInState& robot : two.robots) joint.robots.push_back(there(robot));
+  for (const MarkInState& mark : two.marks)
+    joint.marks.push_back({mark.id + joint.next_id, there(mark.stood)});
   for (std::size_t i = 0; i < two.features.size(); ++i) {
     if (gone[i]) continue;
     FeatureInState entry = two.features[i];
-    const Feature there = maps.one_from_two * entry.feature;
-    const LocalMatrix b = project_to_local(there);
-    kept.push_back({entry.offset, next, b * turn_of(there.kind, yaw) * project_to_feature(entry.feature),
-                    b * rigid_motion(there, maps.about)});
+    const Feature moved = maps.one_from_two * entry.feature;
+    const LocalMatrix b = project_to_local(moved);
+    kept.push_back({entry.offset, next, b * turn_of(moved.kind, yaw) * project_to_feature(entry.feature),
+                    b * rigid_motion(moved, maps.about)});
     entry.id += joint.next_id;
     entry.robot += robots;
-    entry.feature = there;
+    entry.feature = moved;
     entry.offset = offset + next;
     joint.features.push_back(entry);
-    next += dimension(there);
+    next += dimension(moved);
   }
   joint.next_id += two.next_id;
   return kept;
@@ -68,7 +71,8 @@ void turn_covariance(const Eigen::MatrixXd& p, const std::vector<KeptErrors>& ke
 }  // namespace
 
 FeatureState joined_maps(const TiedMaps& maps, const TieFilter& ties, const std::vector<bool>& gone) {
-  FeatureState joint{maps.one.form, maps.one.robots, maps.one.features, {}, maps.one.next_id};
+  FeatureState joint{maps.one.form, maps.one.robots, maps.one.features, {}, maps.one.next_id, {},
+                     maps.one.marks};
   const Eigen::Index first = maps.one.covariance.rows(), rows = ties.rows();
   const std::vector<KeptErrors> kept = append_kept(joint, maps, gone, static_cast<int>(first));
   const Eigen::Index more = kept.empty() ? 0 : kept.back().to + kept.back().turn.rows();

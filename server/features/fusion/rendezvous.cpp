@@ -42,8 +42,9 @@ Eigen::Matrix3d turn3(double yaw_rad) {
 
 /// The errors of the second state turned into the new axes, each by itself.
 void turn_columns(Eigen::MatrixXd& x, const FeatureState& before, const FeatureState& after, double yaw_rad) {
-  for (const RobotInState& robot : before.robots)
-    x.middleCols<3>(robot.offset) = (x.middleCols<3>(robot.offset) * turn3(yaw_rad).transpose()).eval();
+  for_each_pose(before, [&](const RobotInState& one) {
+    x.middleCols<3>(one.offset) = (x.middleCols<3>(one.offset) * turn3(yaw_rad).transpose()).eval();
+  });
   for (std::size_t i = 0; i < before.features.size(); ++i) {
     const FeatureInState& entry = before.features[i];
     const LocalMatrix change = project_to_local(after.features[i].feature) *
@@ -55,7 +56,7 @@ void turn_columns(Eigen::MatrixXd& x, const FeatureState& before, const FeatureS
 
 FeatureState moved_estimate(const FeatureState& state, const Pose& new_from_old) {
   FeatureState moved = state;
-  for (RobotInState& robot : moved.robots) robot.map_from_robot = new_from_old * robot.map_from_robot;
+  for_each_pose(moved, [&](RobotInState& one) { one.map_from_robot = new_from_old * one.map_from_robot; });
   for (FeatureInState& entry : moved.features) entry.feature = new_from_old * entry.feature;
   return moved;
 }
@@ -65,13 +66,11 @@ Mapping mapping(const FeatureState& before, const FeatureState& after, const Mot
   Mapping map{ErrorsByPose::Zero(size, 3), ErrorsByPose::Zero(size, 3), ErrorsByPose::Zero(size, 3)};
   const Pose at_two = motion.two_after();
   const Eigen::Matrix3d turn_one = turn3(motion.one.yaw), turn = turn3(motion.new_from_old().yaw);
-  for (std::size_t i = 0; i < after.robots.size(); ++i) {
-    const int at = after.robots[i].offset;
-    const Pose& robot = after.robots[i].map_from_robot;
-    map.by_one.middleRows<3>(at) = rigid_pose(robot, motion.one);
-    map.by_alignment.middleRows<3>(at) = rigid_pose(robot, at_two) * turn_one;
-    map.by_two.middleRows<3>(at) = -rigid_pose(robot, at_two) * turn;
-  }
+  for_each_pose(after, [&](const RobotInState& one) {
+    map.by_one.middleRows<3>(one.offset) = rigid_pose(one.map_from_robot, motion.one);
+    map.by_alignment.middleRows<3>(one.offset) = rigid_pose(one.map_from_robot, at_two) * turn_one;
+    map.by_two.middleRows<3>(one.offset) = -rigid_pose(one.map_from_robot, at_two) * turn;
+  });
   for (const FeatureInState& entry : after.features) {
     const LocalMatrix b = project_to_local(entry.feature);
     const Eigen::Index q = b.rows();
@@ -89,6 +88,11 @@ void append(FeatureState& joint, const FeatureState& two) {
   for (RobotInState robot : two.robots) {
     robot.offset += offset;
     joint.robots.push_back(robot);
+  }
+  for (MarkInState mark : two.marks) {
+    mark.id += joint.next_id;
+    mark.stood.offset += offset;
+    joint.marks.push_back(mark);
   }
   for (FeatureInState entry : two.features) {
     entry.offset += offset;

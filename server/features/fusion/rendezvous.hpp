@@ -22,6 +22,8 @@ struct RobotAlignment {
   Pose one_from_two;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   bool is_polar = false;  ///< what errs are a range and bearings, so that where robot 2 may be is an arc
+
+  auto members() { return std::tie(one_from_two, covariance, is_polar); }
 };
 
 /// The ranges' weighted mean, θ = π + ¹θ₂ − ²θ₁, and robot 2 at that range and bearing (Zhou and Roumeliotis

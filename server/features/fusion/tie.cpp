@@ -55,9 +55,10 @@ Pose TiedMaps::moved(const Eigen::Vector3d& delta) const {
   return turned * Pose{-about.x(), -about.y(), 0} * one_from_two;
 }
 
-MapTie tie_robots(const TiedMaps& maps, int robot_1, int robot_2, const RobotAlignment& alignment) {
-  const RobotInState& first = maps.one.robots[static_cast<std::size_t>(robot_1)];
-  const RobotInState& second = maps.two.robots[static_cast<std::size_t>(robot_2)];
+MapTie tie_robots(const TiedMaps& maps, PoseOwner robot_1, PoseOwner robot_2,
+                  const RobotAlignment& alignment) {
+  const RobotInState& first = pose_in(maps.one, robot_1);
+  const RobotInState& second = pose_in(maps.two, robot_2);
   const Pose there = maps.one_from_two * second.map_from_robot;
   const OminusJacobians by = ominus_jacobians(there, first.map_from_robot);
   const Pose expected = ominus(there, first.map_from_robot);

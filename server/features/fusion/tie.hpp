@@ -39,7 +39,8 @@ struct MapTie {
 /// That the robots saw one another: range and both bearings where that is what was measured, for the place of
 /// the one in the frame of the other lies on an arc, 0.1 m off its tangent at 4 m and three sigmas of 0.07
 /// rad; else (x, y, yaw).
-MapTie tie_robots(const TiedMaps& maps, int robot_1, int robot_2, const RobotAlignment& alignment);
+MapTie tie_robots(const TiedMaps& maps, PoseOwner robot_1, PoseOwner robot_2,
+                  const RobotAlignment& alignment);
 
 /// That two features are one (Zhou and Roumeliotis 2006, eq. 20): measure_identity before the maps are one.
 /// Nothing where the kinds differ or the two face opposite sides.

@@ -37,11 +37,10 @@ FeaturesAside set_aside(FeatureState& state, std::span<const std::size_t> kept) 
   FeaturesAside aside;
   std::vector<FeatureInState> at_hand;
   std::vector<int> rest, others;  // errors
-  for (RobotInState& robot : state.robots) {
-    append_errors(rest, robot.offset, 3);
-    robot.turned_rad = 0;
-  }
-  const std::vector<int> robots = rest;
+  for_each_pose(state, [&](RobotInState& one) {
+    append_errors(rest, std::exchange(one.offset, static_cast<int>(rest.size())), 3);
+    one.turned_rad = 0;
+  });
   for (std::size_t i = 0; i < state.features.size(); ++i) {
     FeatureInState entry = state.features[i];
     const bool stays = std::binary_search(kept.begin(), kept.end(), i);
@@ -59,8 +58,7 @@ FeaturesAside set_aside(FeatureState& state, std::span<const std::size_t> kept) 
   covariance.bottomRightCorner(size, size) = state.covariance(rest, rest);
   state.covariance = std::move(covariance);
   state.told = Eigen::VectorXd::Zero(size);
-  for (std::size_t i = 0; i < state.robots.size(); ++i)
-    state.robots[i].offset = static_cast<int>(size) + 3 * static_cast<int>(i);
+  for_each_pose(state, [&](RobotInState& one) { one.offset += static_cast<int>(size); });
   for (FeatureInState& entry : at_hand) entry.offset += static_cast<int>(size);
   state.features = std::move(at_hand);
   return aside;
@@ -82,7 +80,7 @@ void take_back(FeatureState& state, const FeaturesAside& aside) {
   covariance.triangularView<Eigen::StrictlyUpper>() = covariance.transpose();
   state.covariance = std::move(covariance);
   state.told.resize(0);
-  for (RobotInState& robot : state.robots) robot.offset -= static_cast<int>(begun);
+  for_each_pose(state, [&](RobotInState& one) { one.offset -= static_cast<int>(begun); });
   for (FeatureInState& entry : state.features) entry.offset -= static_cast<int>(begun);
   for (FeatureInState entry : aside.features) {
     entry.offset += static_cast<int>(near);

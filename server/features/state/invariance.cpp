@@ -53,12 +53,15 @@ Feature moved(const Feature& feature, const Exponential& by, const LocalVector& 
 class Carried {
  public:
   explicit Carried(const FeatureState& state)
-      : by_robots_(Eigen::MatrixXd::Zero(state.covariance.rows(),
-                                         3 * static_cast<Eigen::Index>(state.robots.size()))) {
-    for (const RobotInState& robot : state.robots)
-      for (int k = 0; k < 3; ++k) columns_.push_back(robot.offset + k);
+      : by_robots_(
+            Eigen::MatrixXd::Zero(state.covariance.rows(),
+                                  3 * static_cast<Eigen::Index>(state.robots.size() + state.marks.size()))) {
+    for_each_pose(state, [&](const RobotInState& one) {
+      for (int k = 0; k < 3; ++k) columns_.push_back(one.offset + k);
+    });
   }
 
+  /// The errors at `offset` with the heading of that robot or, after those, mark.
   void shift(int offset, std::size_t robot, const Eigen::Vector2d& by) {
     by_robots_.block<2, 1>(offset, 3 * static_cast<Eigen::Index>(robot) + 2) = quarter_turn(by);
   }
@@ -137,23 +140,23 @@ void apply_invariant(FeatureState& state, const Eigen::VectorXd& delta) {
     carry(carried, state, entry, to);
     entry.feature = to;
   }
-  for (std::size_t i = 0; i < state.robots.size(); ++i) {
-    RobotInState& robot = state.robots[i];
-    const Eigen::Vector3d e = delta.segment<3>(robot.offset);
-    const Eigen::Vector2d from = position(robot.map_from_robot), to = Exponential(e.z())(from, e.head<2>());
-    robot.map_from_robot = {to.x(), to.y(), wrap_angle(robot.map_from_robot.yaw + e.z())};
-    carried.shift(robot.offset, i, to - from);
-  }
+  std::size_t i = 0;
+  for_each_pose(state, [&](RobotInState& one) {
+    const Eigen::Vector3d e = delta.segment<3>(one.offset);
+    const Eigen::Vector2d from = position(one.map_from_robot), to = Exponential(e.z())(from, e.head<2>());
+    one.map_from_robot = {to.x(), to.y(), wrap_angle(one.map_from_robot.yaw + e.z())};
+    carried.shift(one.offset, i++, to - from);
+  });
   carried(state.covariance);
 }
 
 void apply_printed(FeatureState& state, const Eigen::VectorXd& delta) {
   for (FeatureInState& entry : state.features)
     entry.feature = corrected(entry.feature, delta.segment(entry.offset, dimension(entry.feature)));
-  for (RobotInState& robot : state.robots) {
-    const Eigen::Vector3d moved = to_vector(robot.map_from_robot) + delta.segment<3>(robot.offset);
-    robot.map_from_robot = to_pose(moved);
-  }
+  for_each_pose(state, [&](RobotInState& one) {
+    const Eigen::Vector3d moved = to_vector(one.map_from_robot) + delta.segment<3>(one.offset);
+    one.map_from_robot = to_pose(moved);
+  });
 }
 
 }  // namespace
@@ -177,7 +180,7 @@ void apply_delayed_correction(FeatureState& state, int first, const Eigen::Vecto
 
 void apply_correction(FeatureState& state, const Eigen::VectorXd& delta) {
   state.told += delta.head(state.told.size());
-  for (RobotInState& robot : state.robots) robot.turned_rad += delta(robot.offset + 2);
+  for_each_pose(state, [&](RobotInState& one) { one.turned_rad += delta(one.offset + 2); });
   if (state.form == FilterForm::invariant)
     apply_invariant(state, delta);
   else
@@ -188,10 +191,10 @@ void move_map(FeatureState& state, const Pose& new_from_old) {
   const Eigen::Index size = state.covariance.rows();
   Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(size, size);
   const Eigen::Matrix2d axes = turn_of(FeatureKind::point, new_from_old.yaw);
-  for (RobotInState& robot : state.robots) {
-    robot.map_from_robot = new_from_old * robot.map_from_robot;
-    turn.block<2, 2>(robot.offset, robot.offset) = axes;
-  }
+  for_each_pose(state, [&](RobotInState& one) {
+    one.map_from_robot = new_from_old * one.map_from_robot;
+    turn.block<2, 2>(one.offset, one.offset) = axes;
+  });
   for (FeatureInState& entry : state.features) {
     const Feature to = new_from_old * entry.feature;
     const int q = dimension(to);

@@ -3,11 +3,14 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
 namespace isthmus {
 namespace {
+
+constexpr double least_variance = 1e-12;  // m², rad²
 
 /// Room for `count` more errors at `at`, with zeros.
 void insert_errors(FeatureState& state, int at, int count) {
@@ -19,8 +22,7 @@ void insert_errors(FeatureState& state, int at, int count) {
   larger.bottomLeftCorner(after, at) = state.covariance.bottomLeftCorner(after, at);
   larger.bottomRightCorner(after, after) = state.covariance.bottomRightCorner(after, after);
   state.covariance = std::move(larger);
-  for (RobotInState& robot : state.robots)
-    if (robot.offset >= at) robot.offset += count;
+  for_each_pose(state, [&](RobotInState& one) { one.offset += one.offset >= at ? count : 0; });
   for (FeatureInState& feature : state.features)
     if (feature.offset >= at) feature.offset += count;
 }
@@ -34,8 +36,7 @@ void remove_errors(FeatureState& state, int at, int count) {
   smaller.bottomLeftCorner(after, at) = state.covariance.bottomLeftCorner(after, at);
   smaller.bottomRightCorner(after, after) = state.covariance.bottomRightCorner(after, after);
   state.covariance = std::move(smaller);
-  for (RobotInState& robot : state.robots)
-    if (robot.offset > at) robot.offset -= count;
+  for_each_pose(state, [&](RobotInState& one) { one.offset -= one.offset > at ? count : 0; });
   for (FeatureInState& feature : state.features)
     if (feature.offset > at) feature.offset -= count;
 }
@@ -58,8 +59,13 @@ void set_known(Feature& feature, std::size_t component) {
 
 bool is_sound(const FeatureState& state) {
   std::vector<std::pair<int, int>> errors;  // where each begins, and how long it is
-  for (const RobotInState& robot : state.robots) errors.emplace_back(robot.offset, 3);
+  for_each_pose(state, [&](const RobotInState& one) { errors.emplace_back(one.offset, 3); });
   int last_id = -1;
+  for (const MarkInState& mark : state.marks) {
+    if (mark.id <= last_id || mark.id >= state.next_id) return false;
+    last_id = mark.id;
+  }
+  last_id = -1;
   for (const FeatureInState& entry : state.features) {
     if (!is_sound(entry.feature) || entry.id <= last_id || entry.robot < 0 ||
         static_cast<std::size_t>(entry.robot) >= state.robots.size())
@@ -82,10 +88,38 @@ int add_robot(FeatureState& state, const Pose& map_from_robot, const Eigen::Matr
   state.covariance.block<3, 3>(at, at) = covariance;
   for (int k = 0; k < 3; ++k) {
     double& variance = state.covariance(at + k, at + k);
-    variance = std::max(variance, 1e-12);
+    variance = std::max(variance, least_variance);
   }
   state.robots.push_back({map_from_robot, at, 0});
   return static_cast<int>(state.robots.size()) - 1;
+}
+
+int add_mark(FeatureState& state, int robot) {
+  RobotInState stood = state.robots[static_cast<std::size_t>(robot)];
+  const int from = stood.offset, at = static_cast<int>(state.covariance.rows());
+  insert_errors(state, at, 3);
+  Eigen::MatrixXd& p = state.covariance;
+  p.middleRows<3>(at) = p.middleRows<3>(from).eval();
+  p.middleCols<3>(at) = p.middleCols<3>(from).eval();
+  p.block<3, 3>(at, at).diagonal().array() += least_variance;  // two errors that are one have no inverse
+  stood.offset = at;
+  state.marks.push_back({state.next_id, stood});
+  return state.next_id++;
+}
+
+void remove_mark(FeatureState& state, int id) {
+  const auto found = std::ranges::find(state.marks, id, &MarkInState::id);
+  if (found == state.marks.end()) return;
+  const int at = found->stood.offset;
+  state.marks.erase(found);
+  remove_errors(state, at, 3);
+}
+
+const RobotInState& pose_in(const FeatureState& state, PoseOwner owner) {
+  if (!owner.is_mark) return state.robots[static_cast<std::size_t>(owner.which)];
+  const auto found = std::ranges::find(state.marks, owner.which, &MarkInState::id);
+  if (found == state.marks.end()) throw std::out_of_range("no mark of that id");
+  return found->stood;
 }
 
 void move_robot(FeatureState& state, int robot, const Pose& old_from_new, const Eigen::Matrix3d& covariance) {

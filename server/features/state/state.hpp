@@ -18,6 +18,14 @@ struct RobotInState {
   auto members() { return std::tie(map_from_robot, offset, turned_rad); }
 };
 
+/// Where a robot stood once, and how that erred: what was measured there can be used later.
+struct MarkInState {
+  int id = 0;
+  RobotInState stood;
+
+  auto members() { return std::tie(id, stood); }
+};
+
 struct FeatureInState {
   int id = 0;
   Feature feature;  ///< in the map's frame
@@ -51,7 +59,23 @@ struct FeatureState {
   /// their rows have how today's errors follow from those and, among themselves, the information that was
   /// gained of them, negative. Empty where all is in the state.
   Eigen::VectorXd told = {};
+  std::vector<MarkInState> marks = {};  ///< by id, one sequence with the features'
 };
+
+/// All robots' poses, then those of the marks.
+template <class State, class Use>
+void for_each_pose(State& state, const Use& use) {
+  for (auto& robot : state.robots) use(robot);
+  for (auto& mark : state.marks) use(mark.stood);
+}
+
+/// Whose pose: a robot's, by index, or a mark's, by id.
+struct PoseOwner {
+  int which = 0;
+  bool is_mark = false;
+};
+/// Throws std::out_of_range where there is no such mark.
+const RobotInState& pose_in(const FeatureState& state, PoseOwner owner);
 
 /// Whether it is one: errors side by side in one covariance, features by rising id and each made by a robot.
 bool is_sound(const FeatureState& state);
@@ -59,6 +83,11 @@ bool is_sound(const FeatureState& state);
 /// A robot unrelated to the others; returns its index. Variances below 1e-12 are raised to it, so that the
 /// first robot, whose pose is the frame, keeps the covariance positive definite.
 int add_robot(FeatureState& state, const Pose& map_from_robot, const Eigen::Matrix3d& covariance);
+
+/// A mark where the robot stands now, which errs as it does now; returns its id.
+int add_mark(FeatureState& state, int robot);
+/// Nothing where there is none of that id.
+void remove_mark(FeatureState& state, int id);
 
 /// Odometry: the robot moves on by old_from_new, whose (x, y, yaw) err with `covariance`, independently of
 /// all else.

@@ -52,16 +52,17 @@ FeatureState any_state(std::mt19937& random, int robots, int features,
     add_robot(state, {uniform(random, -20, 20), uniform(random, -20, 20), uniform(random, -3, 3)},
               random_spd(random, 3, 0.01));
   for (int i = 0; i < features; ++i) add_feature(state, i % robots, any_seen(random));
+  if (coin(random)) add_mark(state, 0);
   return state;
 }
 
 /// What nobody measures: where the map lies and how it is turned, as errors of the state (n by 3).
 Eigen::MatrixXd unobservable(const FeatureState& state) {
   Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(state.covariance.rows(), 3);
-  for (const RobotInState& robot : state.robots) {
-    const Pose& pose = robot.map_from_robot;
-    directions.block<3, 3>(robot.offset, 0) << 1, 0, -pose.y, 0, 1, pose.x, 0, 0, 1;
-  }
+  for_each_pose(state, [&](const RobotInState& one) {
+    const Pose& pose = one.map_from_robot;
+    directions.block<3, 3>(one.offset, 0) << 1, 0, -pose.y, 0, 1, pose.x, 0, 0, 1;
+  });
   for (const FeatureInState& entry : state.features)
     directions.middleRows(entry.offset, dimension(entry.feature)) =
         project_to_local(entry.feature) * rigid_motion(entry.feature, Eigen::Vector2d::Zero());
@@ -204,11 +205,12 @@ bool correct_by(FeatureState& state, int id, int robot, const ObservedFeature& s
   return measured && correct(state, {&*measured, 1});
 }
 
-/// The errors of a state by robots and features, for they stand anywhere in it.
+/// The errors of a state by robots, marks and features, for they stand anywhere in it.
 std::vector<int> errors_in_order(const FeatureState& state) {
   std::vector<int> errors;
-  for (const RobotInState& robot : state.robots)
-    for (int k = 0; k < 3; ++k) errors.push_back(robot.offset + k);
+  for_each_pose(state, [&](const RobotInState& one) {
+    for (int k = 0; k < 3; ++k) errors.push_back(one.offset + k);
+  });
   for (const FeatureInState& entry : state.features)
     for (int k = 0; k < dimension(entry.feature); ++k) errors.push_back(entry.offset + k);
   return errors;
@@ -224,6 +226,9 @@ bool are_alike(const FeatureState& a, const FeatureState& b, double tolerance) {
                is_near(a.covariance(of_a, of_a), b.covariance(of_b, of_b), tolerance);
   for (std::size_t i = 0; alike && i < a.robots.size(); ++i)
     alike = is_near(to_vector(a.robots[i].map_from_robot), to_vector(b.robots[i].map_from_robot), tolerance);
+  for (std::size_t i = 0; alike && i < a.marks.size(); ++i)
+    alike = a.marks[i].id == b.marks[i].id && is_near(to_vector(a.marks[i].stood.map_from_robot),
+                                                      to_vector(b.marks[i].stood.map_from_robot), tolerance);
   for (std::size_t i = 0; alike && i < a.features.size(); ++i)
     alike = a.features[i].id == b.features[i].id &&
             is_near(a.features[i].feature.a, b.features[i].feature.a, tolerance) &&

@@ -311,6 +311,42 @@ TEST(FeatureFilter, PointsAreAlwaysAtHand) {
   EXPECT_TRUE(index_of(corridor.filter.state(), ids.front()));
 }
 
+TEST(FeatureState, AMarkStaysWhereItsRobotStoodAndIsCorrectedWithTheMap) {
+  FeatureFilter filter;
+  filter.add_robot({}, 0.01 * Eigen::Matrix3d::Identity());
+  const int id = filter.add_mark(0);
+  filter.move(0, {1, 0, 0}, 1e-6 * Eigen::Matrix3d::Identity());
+  const RobotInState& mark = pose_in(filter.state(), {id, true});
+  EXPECT_EQ(mark.map_from_robot, Pose{});
+  LinearMeasurement heading;  // of the robot, which tells that of the mark
+  heading.residual = LocalVector::Constant(1, 0.1);
+  heading.noise = LocalMatrix::Constant(1, 1, 1e-8);
+  heading.blocks = {{filter.state().robots[0].offset, Eigen::RowVector3d(0, 0, 1)}};
+  EXPECT_TRUE(filter.correct_by(heading));
+  EXPECT_NEAR(pose_in(filter.state(), {id, true}).map_from_robot.yaw, 0.1, 1e-3);
+  const int at = pose_in(filter.state(), {id, true}).offset;
+  EXPECT_LT(filter.state().covariance(at + 2, at + 2), 1e-5);
+  EXPECT_NEAR(filter.state().covariance(at, at), 0.01, 1e-3);
+  EXPECT_TRUE(is_sound(filter.state()));
+  filter.remove_mark(id + 1);  // there is none
+  EXPECT_EQ(filter.state().marks.size(), 1U);
+  filter.remove_mark(id);
+  EXPECT_EQ(filter.state().covariance.rows(), 3);
+  EXPECT_THROW(pose_in(filter.state(), {id, true}), std::out_of_range);
+}
+
+TEST(FeatureState, MarksWhoseIdsDoNotRiseAreUnsound) {
+  FeatureFilter filter = at_origin();
+  filter.add_mark(0);
+  filter.add_mark(0);
+  FeatureState state = filter.state();
+  EXPECT_TRUE(is_sound(state));
+  state.marks[1].id = state.marks[0].id;
+  EXPECT_FALSE(is_sound(state));
+  state.marks[1].id = state.next_id;
+  EXPECT_FALSE(is_sound(state));
+}
+
 TEST(UnicycleNoise, IsThePapers) {
   const OdometryStep step = unicycle_step(0.4, 0.2, 0.5, {});
   EXPECT_DOUBLE_EQ(step.old_from_new.x, 0.2);

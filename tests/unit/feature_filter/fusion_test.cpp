@@ -164,6 +164,33 @@ TEST(Fusion, MapsWithNothingInCommonAreOnlyAligned) {
   EXPECT_EQ(fusion.state.features.size(), maps.one.features.size() + maps.two.features.size());
 }
 
+TEST(Fusion, RobotsThatMetLongAgoAreFusedByTheirMarks) {
+  TwoMaps maps(3);
+  const RobotAlignment alignment = maps.meet();
+  const Fusion then = fuse(maps.one, 0, maps.two, 0, alignment);
+  FeatureState one = maps.one, two = maps.two;
+  const PoseOwner mark_1{add_mark(one, 0), true}, mark_2{add_mark(two, 0), true};
+  move_robot(one, 0, {7, 2, 1}, 0.01 * Eigen::Matrix3d::Identity());
+  move_robot(two, 0, {-3, 4, 2}, 0.01 * Eigen::Matrix3d::Identity());
+  const Fusion now = fuse(one, mark_1, two, mark_2, alignment);
+  EXPECT_LT(wrapped_difference(now.one_from_two, then.one_from_two).norm(), 1e-6);
+  ASSERT_EQ(now.duplicates.size(), then.duplicates.size());
+  EXPECT_TRUE(is_sound(now.state));
+  ASSERT_EQ(now.state.marks.size(), 2U);
+  const RobotInState& kept = pose_in(now.state, mark_1);
+  const RobotInState& other = pose_in(now.state, {mark_2.which + one.next_id, true});
+  const auto covariance = [](const FeatureState& state, const RobotInState& at) {
+    return state.covariance.block<3, 3>(at.offset, at.offset).eval();
+  };
+  EXPECT_LT(wrapped_difference(kept.map_from_robot, then.state.robots[0].map_from_robot).norm(), 1e-6);
+  EXPECT_LT(wrapped_difference(other.map_from_robot, then.state.robots[1].map_from_robot).norm(), 1e-6);
+  EXPECT_TRUE(covariance(now.state, kept).isApprox(pose_covariance(then.state, 0), 1e-3));
+  EXPECT_TRUE(covariance(now.state, other).isApprox(pose_covariance(then.state, 1), 1e-3));
+  const FeatureState all = aligned(one, 0, two, 0, alignment);
+  EXPECT_EQ(all.marks.at(1).id, mark_2.which + one.next_id);
+  EXPECT_TRUE(is_sound(all));
+}
+
 TEST(Fusion, AWallKnownInPartsByBothIsWhollyKnownAfterwards) {
   const auto map_of = [](bool end_a, bool end_b, double from, double to) {
     FilterOptions options;

@@ -46,7 +46,7 @@ struct Tied {
   std::vector<bool> gone{true, true, true, false, false};
 
   Tied() {
-    EXPECT_TRUE(ties.append(tie_robots(maps, 0, 0, alignment)));
+    EXPECT_TRUE(ties.append(tie_robots(maps, {0}, {0}, alignment)));
     for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(ties.append(tie_features(maps, i, i, 1e-3).value()));
   }
 };
@@ -114,7 +114,7 @@ TEST(Tie, ASightingWhoseBearingErredIsHardlyContradictedByTheTruth) {
   add_robot(two, {}, Eigen::Matrix3d::Zero());
   const double off_rad = 3 * 0.07;  // robot 2 is 4 m ahead, looking back
   const RobotAlignment alignment = align_robots({4, 4, off_rad, 0, 0.02, 0.02, 0.07, 0.07});
-  const MapTie tie = tie_robots({one, two, {4, 0, std::numbers::pi}, {4, 0}, {0, 0}}, 0, 0, alignment);
+  const MapTie tie = tie_robots({one, two, {4, 0, std::numbers::pi}, {4, 0}, {0, 0}}, {0}, {0}, alignment);
   EXPECT_NEAR(tie.residual.dot(LocalMatrix(tie.noise).llt().solve(tie.residual)), 9, 1e-6);
 }
 

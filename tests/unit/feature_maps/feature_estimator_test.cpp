@@ -354,6 +354,45 @@ TEST(FeatureEstimator, WhatIsRestoredFarFromWhereItBeganGoesOnAsItWouldHave) {
   EXPECT_EQ(map_sha256(restored.maps()), map_sha256(live.maps()));
 }
 
+TEST(FeatureEstimator, WhatIsRestoredBetweenAMeetingAndAWallInCommonComesToTheSameMap) {
+  FeatureEvents run;
+  run.declare("R1", 101, 4);
+  run.declare("R2", 102, 4);
+  const Walls walls = testing::niched_hall();
+  const Pose begin_1{2, 0, 0}, begin_2{17, 0, 3.1};
+  std::size_t split = 0;
+  for (int step = 0; step < 110; ++step) {
+    const Pose driven_1{step < 10 ? 0.15 * step : 1.35, 0, 0}, driven_2{0.15 * step, 0, 0};
+    const Pose one = begin_1 * driven_1, two = begin_2 * driven_2;
+    run.odometry("R1", driven_1);
+    run.odometry("R2", driven_2);
+    run.scan("R1", walls, one);
+    run.scan("R2", walls, two);
+    run.wait(0.2);
+    if (step != 10) continue;
+    for (int meeting = 0; meeting < 3; ++meeting) {
+      run.sighting("R1", 102, position(ominus(two, one)));
+      run.sighting("R2", 101, position(ominus(one, two)));
+      run.wait(3);
+      run.odometry("R1", driven_1);
+      run.odometry("R2", driven_2);
+    }
+    split = run.events.size() + 12;
+  }
+  FeatureEstimator live(feature_map_options(FeatureMapKind::segments));
+  for (std::size_t i = 0; i < split; ++i) live.handle(run.events[i]);
+  ASSERT_EQ(live.maps().teams.size(), 2U);
+  EXPECT_EQ(live.maps().teams[0].filter.state().marks.size(), 1U);
+  const std::vector<std::uint8_t> saved = live.save();
+  FeatureEstimator restored = FeatureEstimator::restore(FeatureMapKind::segments, saved);
+  EXPECT_EQ(restored.save(), saved);
+  for (std::size_t i = split; i < run.events.size(); ++i) restored.handle(run.events[i]);
+  Outcome outcome;
+  restored.finish_step(outcome);
+  EXPECT_EQ(restored.maps().teams.size(), 1U);
+  EXPECT_EQ(map_sha256(restored.maps()), map_sha256(estimate(run).maps()));
+}
+
 TEST(FeatureEstimator, BytesThatAreNotWhatWasSavedAreRefused) {
   const std::vector<std::uint8_t> saved = estimate(met_hall().run).save();
   for (std::size_t size = 0; size < saved.size(); size += 4001)

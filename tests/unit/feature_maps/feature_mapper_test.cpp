@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "server/feature_maps/feature_files.hpp"
 #include "tests/support/feature_events.hpp"
@@ -149,6 +150,93 @@ TEST(FeatureMapper, OneMeetingThatNothingBearsOutWaitsForAnother) {
   EXPECT_EQ(mapped(run, FeatureMapKind::segments).teams.size(), 2u);
   meet(0.5);
   EXPECT_EQ(mapped(run, FeatureMapKind::segments).teams.size(), 1u);
+}
+
+/// Three robots in a hall of 27 m, each of which sees 4 m of it; they know one another from farther away.
+struct LongHall {
+  FeatureEvents run;
+  std::map<std::string, Pose> starts = {
+      {"R1", at(0, 0, 0)}, {"R2", at(19, 0, 3.1)}, {"R3", at(20, 0.4, 3.1)}};
+  std::map<std::string, Pose> driven = {{"R1", {}}, {"R2", {}}, {"R3", {}}};
+
+  LongHall() {
+    std::int32_t barcode = 101;
+    for (const auto& [robot, start] : starts) run.declare(robot, barcode++, 4);
+  }
+  Pose pose(const std::string& robot) const { return starts.at(robot) * driven.at(robot); }
+  void drive(const std::string& robot, int steps) {
+    for (int i = 0; i < steps; ++i) {
+      driven[robot] = driven[robot] * at(0.15, 0, 0);
+      run.odometry(robot, driven[robot]);
+      run.scan(robot, testing::niched_hall(), pose(robot));
+      run.wait(0.2);
+    }
+  }
+  void meet(const std::string& one, const std::string& other) {
+    for (int meeting = 0; meeting < 3; ++meeting) {
+      run.odometry(one, driven[one]);
+      run.odometry(other, driven[other]);
+      run.sighting(one, 100 + (other[1] - '0'), position(ominus(pose(other), pose(one))));
+      run.sighting(other, 100 + (one[1] - '0'), position(ominus(pose(one), pose(other))));
+      run.wait(3);
+    }
+  }
+};
+
+std::size_t marks_in(const FeatureMaps& maps) {
+  std::size_t count = 0;
+  for (const Team& team : maps.teams) count += team.filter.state().marks.size();
+  return count;
+}
+
+TEST(FeatureMapper, MapsOfRobotsThatMetWaitUntilTheyHaveAWallInCommon) {
+  LongHall hall;
+  hall.drive("R1", 15);
+  hall.drive("R2", 15);
+  hall.meet("R1", "R2");
+  const FeatureMaps before = mapped(hall.run, FeatureMapKind::segments);
+  ASSERT_EQ(before.teams.size(), 2u);
+  ASSERT_EQ(before.fusions.size(), 1u);
+  EXPECT_EQ(before.fusions[0].state, FusionState::waiting);
+  EXPECT_GT(before.fusions[0].log_odds(), 20);
+  EXPECT_EQ(marks_in(before), 2u) << "where they last met";
+  hall.drive("R2", 100);
+  const FeatureMaps after = mapped(hall.run, FeatureMapKind::segments);
+  ASSERT_EQ(after.teams.size(), 1u);
+  EXPECT_EQ(after.fusions.at(0).state, FusionState::accepted);
+  EXPECT_EQ(after.fusions[0].id, before.fusions[0].id);
+  EXPECT_GT(after.fusions[0].duplicates, 0u);
+  EXPECT_EQ(marks_in(after), 0u);
+  for (const FeatureSighting& sighting : after.sightings) EXPECT_TRUE(sighting.used) << sighting.reason;
+  const auto last = [&](std::size_t journey) {
+    return after.journeys.at(journey).rows.back().map_from_robot;
+  };
+  const Pose found = ominus(last(1), last(0)), truth = ominus(hall.pose("R2"), hall.pose("R1"));
+  EXPECT_LT((position(found) - position(truth)).norm(), 0.05);
+  EXPECT_NEAR(wrap_angle(found.yaw - truth.yaw), 0, 0.01);
+}
+
+TEST(FeatureMapper, AMapThatBecomesPartOfAnotherBringsItsMeetingsWithIt) {
+  LongHall hall;
+  hall.drive("R1", 15);
+  hall.drive("R2", 15);
+  hall.drive("R3", 15);
+  hall.meet("R1", "R3");  // which share nothing
+  hall.meet("R3", "R2");  // which stand in the same end of the hall
+  const FeatureMaps two = mapped(hall.run, FeatureMapKind::segments);
+  ASSERT_EQ(two.teams.size(), 2u);
+  EXPECT_EQ(two.journeys[1].team, two.journeys[2].team);
+  EXPECT_EQ(marks_in(two), 2u);
+  hall.drive("R1", 100);
+  const FeatureMaps one = mapped(hall.run, FeatureMapKind::segments);
+  ASSERT_EQ(one.teams.size(), 1u);
+  EXPECT_EQ(marks_in(one), 0u);
+  const auto last = [&](std::size_t journey) { return one.journeys.at(journey).rows.back().map_from_robot; };
+  for (const std::size_t other : {1U, 2U}) {
+    const Pose found = ominus(last(other), last(0));
+    const Pose truth = ominus(hall.pose(other == 1 ? "R2" : "R3"), hall.pose("R1"));
+    EXPECT_LT((position(found) - position(truth)).norm(), 0.06);
+  }
 }
 
 const std::vector<Eigen::Vector2d> landmarks = {{3, 1}, {4, -2}, {1, 3}, {-2, 2}};

@@ -74,14 +74,14 @@ OdometryStep noisy(const DriveStep& step) {
 class DriveReader {
  public:
   DriveReader(const Drive& drive, int robot, const FeatureCampaignOptions& options)
-      : drive_(drive), robot_(robot), options_(options) {
+      : drive_(&drive), robot_(robot), options_(options) {
     features_.noise = {0.003, 0.003, options.surface_sigma_m};
   }
 
   /// The next step; its pose is judged in the frame of `start`, the frame of the filter as seen from the
   /// robot's own.
   void step(FeatureFilter& filter, const Pose& own_from_map) {
-    const DriveStep& step = drive_.steps[next_++];
+    const DriveStep& step = drive_->steps[next_++];
     const OdometryStep odometry = noisy(step);
     filter.move(robot_, odometry.old_from_new, odometry.covariance);
     driven_m_ += std::hypot(step.old_from_new.x, step.old_from_new.y);
@@ -89,7 +89,7 @@ class DriveReader {
     if (next_ == 1 || driven_m_ > options_.observe_every_m || turned_rad_ > options_.observe_every_rad) {
       driven_m_ = turned_rad_ = 0;
       std::vector<ObservedFeature> seen;
-      for (const ScanSegment& segment : find_features(*step.scan, drive_.laser, features_).segments)
+      for (const ScanSegment& segment : find_features(*step.scan, drive_->laser, features_).segments)
         seen.push_back(segment.observed);
       filter.observe(robot_, seen);
     }
@@ -100,9 +100,9 @@ class DriveReader {
     sum_.nees += pose_nees(filter.state(), robot_, truth) / 3;
   }
 
-  bool done() const { return next_ == drive_.steps.size(); }
+  bool done() const { return next_ == drive_->steps.size(); }
   std::int64_t utime() const {
-    return done() ? std::numeric_limits<std::int64_t>::max() : drive_.steps[next_].utime;
+    return done() ? std::numeric_limits<std::int64_t>::max() : drive_->steps[next_].utime;
   }
   /// The same on its way with another filter, where it is robot `robot`.
   DriveReader as(int robot) const {
@@ -119,7 +119,7 @@ class DriveReader {
   }
 
  private:
-  const Drive& drive_;
+  const Drive* drive_;
   int robot_;
   FeatureCampaignOptions options_;
   ScanFeatureOptions features_;
@@ -174,19 +174,22 @@ std::optional<std::int64_t> first_meeting(const SimulatedRun& run, const RobotTr
   return std::nullopt;
 }
 
-/// The map of one robot with the other's fused into it, on their way from the rendezvous.
+/// The map of one robot with the other's fused into it, on their way from the rendezvous. It is made at the
+/// rendezvous if they have a feature in common then; else as soon as they have.
 class Together {
  public:
   Together(const Alone& own, const Alone& other, const Drive& own_drive, const Drive& other_drive,
-           const RobotAlignment& alignment, const FeatureCampaignOptions& options)
-      : filter_(filter_options(options)),
+           const RobotAlignment& alignment)
+      : filter_(own.filter),
+        other_filter_(other.filter),
+        alignment_(alignment),
         own_(own.traveller.as(0)),
-        other_(other.traveller.as(1)),
+        other_(other.traveller.as(0)),
         own_start_(own_drive.world_from_start),
-        other_from_own_(ominus(own_drive.world_from_start, other_drive.world_from_start)) {
-    const Fusion fusion = fuse(own.filter.state(), 0, other.filter.state(), 0, alignment);
-    filter_.replace(fusion.state);
-    duplicates_ = fusion.duplicates.size();
+        other_from_own_(ominus(own_drive.world_from_start, other_drive.world_from_start)),
+        own_mark_{filter_.add_mark(0), true},
+        other_mark_{other_filter_.add_mark(0), true} {
+    look_for_common();
   }
 
   void until(std::int64_t utime) {
@@ -194,28 +197,61 @@ class Together {
     while (std::min(own_.utime(), other_.utime()) < utime) {
       if (own_.utime() <= other_.utime())
         own_.step(filter_, {});
-      else
+      else if (duplicates_ > 0)
         other_.step(filter_, other_from_own_);
+      else
+        other_.step(other_filter_, {});
+      if (duplicates_ == 0) look_for_common();
     }
-    filter_.gather();
     cpu_s_ += cpu_now() - start;
   }
 
-  FeatureColumn column(const FloorPlan& plan) const {
-    return judged(filter_, own_, plan, own_start_, cpu_s_);
+  /// As they are, or as the rendezvous alone puts them.
+  FeatureColumn column(const FloorPlan& plan) {
+    filter_.gather();
+    other_filter_.gather();
+    FeatureFilter joint = filter_;
+    if (duplicates_ == 0) joint.replace(fused().state);
+    return judged(joint, own_, plan, own_start_, cpu_s_);
   }
   std::size_t duplicates() const { return duplicates_; }
 
  private:
+  static constexpr std::size_t more_features = 8;  ///< from which it is worth while to look again
+
+  Fusion fused() const {
+    return fuse(filter_.state(), own_mark_, other_filter_.state(), other_mark_, alignment_);
+  }
+
+  void look_for_common() {
+    const std::size_t features = filter_.feature_count() + other_filter_.feature_count();
+    if (features < looked_at_ + more_features) return;
+    looked_at_ = features;
+    filter_.gather();
+    other_filter_.gather();
+    Fusion fusion = fused();
+    if (fusion.duplicates.empty()) return;
+    duplicates_ = fusion.duplicates.size();
+    other_ = other_.as(static_cast<int>(filter_.state().robots.size()));
+    const int ids = filter_.state().next_id;
+    filter_.replace(std::move(fusion.state));
+    filter_.remove_mark(own_mark_.which);
+    filter_.remove_mark(other_mark_.which + ids);
+  }
+
   FeatureFilter filter_;
+  FeatureFilter other_filter_;  ///< until they are one
+  RobotAlignment alignment_;
   DriveReader own_, other_;
   Pose own_start_, other_from_own_;
+  PoseOwner own_mark_, other_mark_;  ///< where they met
+  std::size_t looked_at_ = 0;
   std::size_t duplicates_ = 0;
   double cpu_s_ = 0;
 };
 
 void drive_together(FeatureTrial& trial, const std::array<Drive, 2>& drives, const std::array<Alone*, 2>& met,
-                    const FloorPlan& plan, std::uint64_t seed, const FeatureCampaignOptions& options) {
+                    const FloorPlan& plan, std::uint64_t seed) {
   constexpr std::int64_t end = std::numeric_limits<std::int64_t>::max();
   const std::size_t last = drives[0].steps.size() - 1;
   const std::int64_t half = drives[0].steps[last / 2].utime;
@@ -231,12 +267,12 @@ void drive_together(FeatureTrial& trial, const std::array<Drive, 2>& drives, con
       align_at_meeting(ominus(pose_at(0), pose_at(1)), Random(seed, "features rendezvous"));
   for (const std::size_t own : {0U, 1U}) {
     const std::size_t other = 1 - own;
-    Together joint(*met[own], *met[other], drives[own], drives[other], own == 0 ? alignment : back, options);
-    if (own == 0) trial.duplicates = joint.duplicates();
+    Together joint(*met[own], *met[other], drives[own], drives[other], own == 0 ? alignment : back);
     joint.until(half);
     trial.columns[4 + own] = joint.column(plan);
     joint.until(end);
     trial.columns[2 + own] = joint.column(plan);
+    if (own == 0) trial.duplicates = joint.duplicates();
   }
 }
 
@@ -319,7 +355,7 @@ FeatureTrial try_features(const SimulatedRun& run, const FloorPlan& plan, std::u
     one.until(*met);
     two.until(*met);
     if (!one.traveller.done() && !two.traveller.done())
-      drive_together(trial, drives, {&one, &two}, plan, seed, options);
+      drive_together(trial, drives, {&one, &two}, plan, seed);
   }
   for (const std::size_t robot : {0U, 1U}) {
     Alone& alone = robot == 0 ? one : two;
