@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "patches/segment.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -19,13 +21,6 @@ double orientation(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   const double area = left - right;
   constexpr double bound = 3.3306690738754716e-16;
   return std::abs(area) > bound * (std::abs(left) + std::abs(right)) ? area : 0.0;
-}
-
-double distance_to_segment(const Vector2d& point, const Vector2d& a, const Vector2d& b) {
-  const Vector2d along = b - a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((point - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (point - a - t * along).norm();
 }
 
 Vector2d rounded(const Vector2d& point) {
@@ -175,10 +170,10 @@ Meeting meet(const Vector2d& a0, const Vector2d& a1, const Vector2d& b0, const V
     return {Meeting::crossing, a0 + a0_side / (a0_side - a1_side) * (a1 - a0)};
   }
   // An end that lies on the other segment, not only on its line, is the better place to part a ring.
-  const std::pair<double, const Vector2d*> ends[] = {{distance_to_segment(a0, b0, b1), &a0},
-                                                     {distance_to_segment(a1, b0, b1), &a1},
-                                                     {distance_to_segment(b0, a0, a1), &b0},
-                                                     {distance_to_segment(b1, a0, a1), &b1}};
+  const std::pair<double, const Vector2d*> ends[] = {{distance_to_segment_m(a0, b0, b1), &a0},
+                                                     {distance_to_segment_m(a1, b0, b1), &a1},
+                                                     {distance_to_segment_m(b0, a0, a1), &b0},
+                                                     {distance_to_segment_m(b1, a0, a1), &b1}};
   const auto nearest =
       std::min_element(std::begin(ends), std::end(ends), [](auto& a, auto& b) { return a.first < b.first; });
   return {Meeting::touching, *nearest->second};
@@ -215,7 +210,7 @@ Ring without_straight_points(const Ring& ring, double tolerance_m) {
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Vector2d& before = kept.empty() ? ring.back() : kept.back();
     const Vector2d& after = i + 1 < ring.size() ? ring[i + 1] : (kept.empty() ? ring.front() : kept.front());
-    if (distance_to_segment(ring[i], before, after) > tolerance_m) kept.push_back(ring[i]);
+    if (distance_to_segment_m(ring[i], before, after) > tolerance_m) kept.push_back(ring[i]);
   }
   return kept;
 }
@@ -236,7 +231,7 @@ std::vector<std::size_t> simplify_chain(const std::vector<Vector2d>& chain, doub
       std::size_t farthest = begin;
       double distance = tolerance_m;
       for (std::size_t k = begin + 1; k < end; ++k) {
-        const double d = distance_to_segment(chain[k], chain[begin], chain[end]);
+        const double d = distance_to_segment_m(chain[k], chain[begin], chain[end]);
         if (d > distance) {
           distance = d;
           farthest = k;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "patches/segment.hpp"
 #include "server/features/state/growth.hpp"
 
 namespace isthmus {
@@ -33,9 +34,7 @@ bool all_of_it_is_free(const Feature& feature, const std::function<bool(const Ei
 double distance_m(const Feature& feature, const Eigen::Vector2d& point) {
   if (point_count(feature.kind) == 1 || feature.kind == FeatureKind::corner)
     return (point - feature.a).norm();
-  const Eigen::Vector2d wall = feature.b - feature.a;
-  const double share = std::clamp(wall.dot(point - feature.a) / wall.squaredNorm(), 0.0, 1.0);
-  return (feature.a + share * wall - point).norm();
+  return distance_to_segment_m(point, feature.a, feature.b);
 }
 
 /// Indices of the features nearest to a robot.

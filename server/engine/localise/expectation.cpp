@@ -85,7 +85,8 @@ Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t
   Expectation expectation;
   expectation.step = expectation.claimed_step = ominus(odom_from_robot, place.odom_from_robot);
   const LocaliseOptions& its = options.localise;
-  const double seconds = std::max(its.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
+  const double seconds = expectation.seconds =
+      std::max(its.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
   expectation.step = robot.bias.corrected(expectation.claimed_step);
   if (errors == TurnErrors::going_on)
     expectation.step.yaw = wrap_angle(expectation.step.yaw + robot.turn_error.expected_rad());

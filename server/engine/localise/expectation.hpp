@@ -15,6 +15,7 @@ struct Expectation {
   Eigen::Matrix3d step_covariance = Eigen::Matrix3d::Zero();
   Pose step;              ///< odometry since the last scan, without its bias; none where that is implausible
   Pose claimed_step;      ///< what odometry said
+  double seconds = 0;     ///< since the last scan, no less than LocaliseOptions::min_period_s
   bool plausible = true;  ///< false: no robot moves like that
   bool catches_up = false;  ///< what odometry said is taken to hold what it had not told before
 };

@@ -113,6 +113,7 @@ class BestFit {
       try_from(was, its_.other_start_gain);
     } else if (could_fit_better()) {
       try_slipped();
+      if (is_rest(expectation_.claimed_step, options_.odometry_learning)) try_set_off();
     }
     // Odometry that stood still and then jumps may well be right about where it jumps to: where the laser
     // cannot tell, as in a corridor, it is believed.
@@ -139,23 +140,41 @@ class BestFit {
 
   // Other beginnings hold the prediction loosely, and must fit better by so much to be preferred.
   void try_from(const Pose& start, double better_by) {
+    try_from(start, better_by, [](const Pose&) { return true; });
+  }
+  template <class MayBe>
+  void try_from(const Pose& start, double better_by, const MayBe& may_be) {
     const Match match =
         match_scan(local_map_, points_, {start, its_.loose_share * information_}, match_options_);
     if (!fits(match) || (is_good() && match.quality.score <= best_.quality.score + better_by)) return;
+    if (!may_be(match.local_from_robot)) return;
     best_ = match;
     held_loosely_ = true;
   }
 
   // Wheels that slip, or tell motion late, are wrong by no more than they told, or the robot went before.
   void try_slipped() {
-    const Match held = best_;
-    try_from(expectation_.local_from_robot, its_.loose_gain);
-    const Pose off = ominus(best_.local_from_robot, held.local_from_robot);
-    const double most = way_m(expectation_.claimed_step) + way_m(place_.last_step) +
-                        its_.window_sigmas * std::sqrt(its_.match_variance_m2);
-    if (way_m(off) <= most) return;
-    best_ = held;
-    held_loosely_ = false;
+    const Pose held = best_.local_from_robot;
+    const double most_m = way_m(expectation_.claimed_step) + way_m(place_.last_step) +
+                          its_.window_sigmas * std::sqrt(its_.match_variance_m2);
+    try_from(expectation_.local_from_robot, its_.loose_gain,
+             [&](const Pose& found) { return way_m(ominus(found, held)) <= most_m; });
+  }
+
+  // Odometry that stands still may have frozen as the robot set off. Then it is where going on as it did
+  // would bring it, but for what it gained in speed; farther, in a corridor say, are only places that look
+  // alike.
+  void try_set_off() {
+    const double reach_m = its_.max_acceleration_m_per_s2 * std::pow(expectation_.seconds, 2);
+    const Pose going_on = place_.pose.patch_from_object * place_.last_step;
+    SearchWindow window = window_of(expectation_, its_);
+    window.centre.x = going_on.x;
+    window.centre.y = going_on.y;
+    window.half_x_m = window.half_y_m = reach_m;
+    const CorrelativeResult found = search_window(local_map_, points_, window, options_.correlative);
+    if (found.score <= 0) return;
+    try_from(found.local_from_robot, its_.other_start_gain,
+             [&](const Pose& at) { return way_m(ominus(at, going_on)) <= std::numbers::sqrt2 * reach_m; });
   }
 
   static double way_m(const Pose& step) { return std::hypot(step.x, step.y); }

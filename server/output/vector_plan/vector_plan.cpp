@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "patches/segment.hpp"
 #include "server/output/vector_plan/line_grid.hpp"
 #include "server/output/vector_plan/sight_lines.hpp"
 #include "server/output/vector_plan/stretches.hpp"
@@ -81,18 +82,13 @@ DrawnWall drawn(const WallLine& line, const Stretch& stretch) {
           stretch.room_after_m};
 }
 
-double distance_m(const Eigen::Vector2d& point, const PlanWall& wall) {
-  const Eigen::Vector2d along = wall.b - wall.a;
-  const double share = std::clamp((point - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (wall.a + share * along - point).norm();
-}
-
 /// Whether a wall is the poorer picture of another that faces the same side.
 bool is_double_of(const PlanWall& wall, const PlanWall& other, double double_m) {
   constexpr double same_side = 0.9;  // cosine
   if (wall.views >= other.views) return false;
   if ((wall.b - wall.a).normalized().dot((other.b - other.a).normalized()) < same_side) return false;
-  return distance_m(wall.a, other) < double_m && distance_m(wall.b, other) < double_m;
+  return distance_to_segment_m(wall.a, other.a, other.b) < double_m &&
+         distance_to_segment_m(wall.b, other.a, other.b) < double_m;
 }
 
 void remove_doubles(std::vector<DrawnWall>& walls, double double_m) {

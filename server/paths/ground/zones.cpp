@@ -6,19 +6,13 @@
 #include <iterator>
 #include <limits>
 
+#include "patches/segment.hpp"
 #include "server/engine/annotations/polygon_check.hpp"
 
 namespace isthmus {
 namespace {
 
 using Point = Eigen::Vector2d;
-
-double distance_m(const Point& point, const Point& a, const Point& b) {
-  const Point along = b - a;
-  const double length2 = along.squaredNorm();
-  const double share = length2 > 0 ? std::clamp((point - a).dot(along) / length2, 0.0, 1.0) : 0;
-  return (a + share * along - point).norm();
-}
 
 double cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -28,7 +22,8 @@ bool cross_each_other(const Point& a, const Point& b, const Point& c, const Poin
 
 double distance_m(const Point& a, const Point& b, const Point& c, const Point& d) {
   if (cross_each_other(a, b, c, d)) return 0;
-  return std::min({distance_m(a, c, d), distance_m(b, c, d), distance_m(c, a, b), distance_m(d, a, b)});
+  return std::min({distance_to_segment_m(a, c, d), distance_to_segment_m(b, c, d),
+                   distance_to_segment_m(c, a, b), distance_to_segment_m(d, a, b)});
 }
 
 /// Visits the rows of cells whose centres lie between two heights, with those heights.

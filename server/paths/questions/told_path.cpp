@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "patches/segment.hpp"
 #include "server/paths/questions/relative_pose.hpp"
 
 namespace isthmus {
@@ -14,13 +15,6 @@ struct Rest {
   std::vector<Eigen::Vector2d> points;
   std::size_t next = 0;  ///< of the path's places: the second point
 };
-
-Eigen::Vector2d nearest_on(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& point) {
-  const Eigen::Vector2d by = b - a;
-  const double length = by.squaredNorm();
-  const double share = length > 0 ? std::clamp((point - a).dot(by) / length, 0.0, 1.0) : 0;
-  return a + share * by;
-}
 
 class Comparison {
  public:
@@ -49,7 +43,7 @@ class Comparison {
     if (now_.drives) {
       double least_m = std::numeric_limits<double>::infinity();
       for (std::size_t i = 1; i < points_.size(); ++i) {
-        const double apart_m = (nearest_on(points_[i - 1], points_[i], robot_) - robot_).norm();
+        const double apart_m = distance_to_segment_m(robot_, points_[i - 1], points_[i]);
         if (!(apart_m < least_m) || !planner_.near().near(now_.robot.patch, told_.poses[i].patch)) continue;
         least_m = apart_m;
         rest.next = i;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "patches/scan.hpp"
+#include "patches/segment.hpp"
 
 namespace isthmus {
 namespace {
@@ -22,14 +23,6 @@ constexpr double hesitant_share =
 constexpr double driving_margin_m = 0.05;
 constexpr double trail_spacing_m = 0.1;
 constexpr std::size_t max_trail = 200;
-
-/// Of a point from a straight way.
-double distance_from_leg_m(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
-                           const Eigen::Vector2d& point) {
-  const Eigen::Vector2d by = to - from;
-  const double share = std::clamp((point - from).dot(by) / std::max(1e-9, by.squaredNorm()), 0.0, 1.0);
-  return (point - from - share * by).norm();
-}
 
 }  // namespace
 
@@ -88,7 +81,7 @@ Eigen::Vector2d Pilot::in_odometry(const Eigen::Vector2d& point) const {
 bool Pilot::is_past_leg(const Eigen::Vector2d& here) const {
   const Eigen::Vector2d a = in_odometry(path_[next_]), b = in_odometry(path_[next_ + 1]),
                         c = in_odometry(path_[next_ + 2]);
-  return distance_from_leg_m(b, c, here) <= distance_from_leg_m(a, b, here);
+  return distance_to_segment_m(here, b, c) <= distance_to_segment_m(here, a, b);
 }
 
 /// The farthest point of the path some way ahead to which it can go straight without cutting a corner.
@@ -108,7 +101,7 @@ Eigen::Vector2d Pilot::target() {
   std::vector<Eigen::Vector2d> corners;
   const auto is_cut = [&](const Eigen::Vector2d& to) {
     return std::ranges::any_of(
-        corners, [&](const auto& corner) { return distance_from_leg_m(here, to, corner) > beside_m; });
+        corners, [&](const auto& corner) { return distance_to_segment_m(corner, here, to) > beside_m; });
   };
   double ahead_m = 0;
   for (std::size_t i = next_; i + 1 < path_.size(); ++i) {

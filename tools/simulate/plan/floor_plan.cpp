@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "patches/segment.hpp"
 #include "tools/simulate/plan/random.hpp"
 
 namespace isthmus {
@@ -121,10 +122,7 @@ FloorPlan build_floor_plan(const Building& building) {
 }
 
 double distance_m(const Vector2d& point, const Segment& segment) {
-  const Vector2d along = segment.b - segment.a;
-  const double squared = along.squaredNorm();
-  const double share = squared > 0 ? std::clamp((point - segment.a).dot(along) / squared, 0.0, 1.0) : 0.0;
-  return (segment.a + share * along - point).norm();
+  return distance_to_segment_m(point, segment.a, segment.b);
 }
 
 double distance_m(const Segment& a, const Segment& b) {

@@ -16,6 +16,7 @@ struct LocaliseOptions {
   double match_trust = 5;
   double max_speed_m_per_s = 5;
   double max_turn_rad_per_s = 3.5;
+  double max_acceleration_m_per_s2 = 2;
   double min_period_s = 0.1;
   double slack_m = 0.3;
   double slack_rad = 0.5;
@@ -57,6 +58,8 @@ struct LocaliseOptions {
            "less than the nominal noise of its beams, odometry more than its steps say");
     option(max_speed_m_per_s, "max_speed_m_per_s", "m/s", "of a robot; faster odometry is implausible");
     option(max_turn_rad_per_s, "max_turn_rad_per_s", "rad/s", "of a robot; faster odometry is implausible");
+    option(max_acceleration_m_per_s2, "max_acceleration_m_per_s2", "m/s²",
+           "of a robot that may have set off while its odometry stood still");
     option(min_period_s, "min_period_s", "s", "between scans, for this test: stamps are often coarse");
     option(slack_m, "slack_m", "m", "that odometry may move beyond that speed");
     option(slack_rad, "slack_rad", "rad", "that odometry may turn beyond that speed");

@@ -88,6 +88,26 @@ TEST(Place, IsNoFartherFromWhatOdometrySaysThanWheelsSlip) {
   }
 }
 
+// It may have frozen as the robot set off: then the robot is no farther than it can have driven off since.
+TEST(Place, FollowsARobotThatSetsOffWhileOdometryStandsStill) {
+  const Pose was{0.4, -0.3, 0.03};
+  const auto found_x = [&](double moved_m, double seconds, const Pose& last_step = {}) {
+    Robot robot = robot_at(was);
+    robot.place->last_step = last_step;
+    Expectation expectation = expecting(was, 0.0015, 0.0006);
+    expectation.claimed_step = {};
+    expectation.seconds = seconds;
+    const Pose truth = was * Pose{moved_m, 0, 0};
+    const Placement placement =
+        placed(robot, expectation, local_map_of(furnished_room()), furnished_room(), truth);
+    EXPECT_TRUE(placement.matched);
+    return ominus(placement.local_from_robot, was).x;
+  };
+  EXPECT_NEAR(found_x(0.1, 0.25), 0.1, 0.02);
+  EXPECT_LT(found_x(0.3, 0.25), 0.1) << "0.12 m is as far as it can be";
+  EXPECT_NEAR(found_x(0.3, 0.25, {0.2, 0, 0}), 0.3, 0.02) << "it drove already";
+}
+
 // Independent pieces of information about one pose add up. The beams', which errs less with many patches
 // than its nominal noise says, is trusted by `match_trust` from scan to scan.
 TEST(Place, AddsTheInformationOfTheBeamsToThatOfOdometry) {
