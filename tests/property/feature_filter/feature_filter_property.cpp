@@ -236,14 +236,17 @@ bool are_alike(const FeatureState& a, const FeatureState& b, double tolerance) {
   return alike;
 }
 
-/// What is told by so much a measurement, with features aside and without; at most `tolerance` apart.
-void check_aside(FilterForm form, double off, double tolerance) {
-  std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
-  FeatureState all = any_state(random, 2, 10, form);
-  FeatureState part = all;
+/// A map with features aside, and the same with all at hand, after the same.
+struct PartAndAll {
+  FeatureState part, all;
+  std::vector<FeatureInState> aside;  ///< as they were thought to be before they were taken back
+};
+
+/// Told by measurements that are off by so much.
+PartAndAll told_alike(std::mt19937& random, FilterForm form, double off) {
+  PartAndAll both;
+  FeatureState &all = both.all = any_state(random, 2, 10, form), &part = both.part = all;
   const FeaturesAside aside = set_aside(part, some_of(random, all.features.size()));
-  RC_ASSERT(is_sound(part) && is_sound(aside, part));
-  RC_ASSERT(part.features.size() + aside.features.size() == all.features.size());
   for (int step = 0; step < 20; ++step) {
     const int robot = coin(random) ? 1 : 0;
     const Pose on{uniform(random, 0, 0.3), 0, uniform(random, -0.3, 0.3)};
@@ -251,24 +254,30 @@ void check_aside(FilterForm form, double off, double tolerance) {
       move_robot(*state, robot, on, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal());
     if (step % 5 == 0) {
       const ObservedFeature seen = any_seen(random);
-      RC_ASSERT(add_feature(all, robot, seen) == add_feature(part, robot, seen));
+      for (FeatureState* state : {&all, &part}) add_feature(*state, robot, seen);
     }
     if (part.features.empty()) continue;
     const FeatureInState& one = part.features[static_cast<std::size_t>(step) % part.features.size()];
     const ObservedFeature seen = seen_again(random, all, *index_of(all, one.id), robot, off);
-    RC_ASSERT(correct_by(all, one.id, robot, seen) == correct_by(part, one.id, robot, seen));
+    for (FeatureState* state : {&all, &part}) correct_by(*state, one.id, robot, seen);
   }
-  const std::vector<FeatureInState> now = estimates(aside, part);
+  both.aside = estimates(aside, part);
   take_back(part, aside);
+  return both;
+}
+
+void check_aside(FilterForm form, double tolerance) {
+  std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
+  const auto [part, all, aside] = told_alike(random, form, 1e-3);
   RC_ASSERT(are_alike(part, all, tolerance));
-  for (const FeatureInState& entry : now)
+  for (const FeatureInState& entry : aside)
     RC_ASSERT(is_near(entry.feature.a, all.features[*index_of(all, entry.id)].feature.a, tolerance));
 }
 
+// The same to the second order of turns: of 6,000 draws some twenty are 1e-5 apart, none 3e-5.
 TEST(FeatureFilterProperty, WhatIsAsideIsCorrectedAsIfItHadBeenThere) {
-  EXPECT_TRUE(rc::check([] { check_aside(FilterForm::printed, 1e-3, 1e-5); }));
-  // The same to the second order of turns: of 6,000 draws some twenty are 1e-5 apart, none 3e-5.
-  EXPECT_TRUE(rc::check([] { check_aside(FilterForm::invariant, 1e-3, 1e-4); }));
+  EXPECT_TRUE(rc::check([] { check_aside(FilterForm::printed, 1e-5); }));
+  EXPECT_TRUE(rc::check([] { check_aside(FilterForm::invariant, 3e-5); }));
 }
 
 TEST(FeatureFilterProperty, AFeatureThatIsRemovedLeavesTheOthersAsideAsTheyAre) {
