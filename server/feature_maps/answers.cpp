@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/feature_maps/feature_mapper.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
 
 namespace isthmus {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <variant>
 
-#include "server/feature_maps/feature_record.hpp"
+#include "server/feature_maps/output/feature_record.hpp"
 
 namespace isthmus {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/engine/estimator.hpp"
-#include "server/feature_maps/feature_mapper.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
 
 namespace isthmus {
 

@@ -2,10 +2,10 @@
 
 #include "scanmatch/features/scan_features.hpp"
 #include "server/engine/input/engine_options.hpp"
-#include "server/feature_maps/clue.hpp"
+#include "server/feature_maps/meeting/clue.hpp"
+#include "server/feature_maps/meeting/twins.hpp"
 #include "server/feature_maps/merging/merging_options.hpp"
 #include "server/feature_maps/tracking/tracking_options.hpp"
-#include "server/feature_maps/twins.hpp"
 #include "server/features/fusion/fusion.hpp"
 #include "server/features/options.hpp"
 

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "server/feature_maps/feature_estimator.hpp"
-#include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
 #include "tools/evaluate/alignment.hpp"
 #include "tools/simulate/run/simulation.hpp"
 #include "tools/simulate/scenario/scenario_file.hpp"

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "server/feature_maps/feature_estimator.hpp"
-#include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
 #include "tests/support/recorded_data.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/evaluate/alignment.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
 #include "server/wire/journal/event_log.hpp"
 #include "tests/support/recorded_data.hpp"
 #include "tests/support/temporary_directory.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "server/feature_maps/feature_estimator.hpp"
-#include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
 
 namespace isthmus {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
 #include "server/output/output.hpp"
 #include "server/wire/live/live_server.hpp"
 #include "server/wire/message/message.hpp"

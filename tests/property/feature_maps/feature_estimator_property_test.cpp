@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "server/feature_maps/feature_estimator.hpp"
-#include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
 #include "tests/property/drawn.hpp"
 #include "tests/support/feature_events.hpp"
 

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "server/engine/estimator.hpp"
-#include "server/feature_maps/feature_files.hpp"
-#include "server/feature_maps/feature_record.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
+#include "server/feature_maps/output/feature_record.hpp"
 #include "tests/support/feature_estimates.hpp"
 
 namespace isthmus {

@@ -1,4 +1,4 @@
-#include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
 
 #include <gtest/gtest.h>
 

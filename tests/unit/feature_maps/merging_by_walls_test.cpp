@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "server/feature_maps/feature_estimator.hpp"
-#include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
 #include "tests/support/buildings.hpp"
 #include "tests/support/feature_estimates.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "server/feature_maps/feature_mapper.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
 #include "tests/support/walls.hpp"
 
 namespace isthmus {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "server/feature_maps/journey.hpp"
+#include "server/feature_maps/mapper/journey.hpp"
 
 namespace isthmus {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "isthmus/manifold_pose_t.hpp"
 #include "isthmus/status_t.hpp"
-#include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
 #include "server/wire/journal/drop_record.hpp"
 #include "server/wire/journal/recovery/recovery.hpp"
 #include "server/wire/journal/recovery/snapshots.hpp"

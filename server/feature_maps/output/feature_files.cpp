@@ -1,4 +1,4 @@
-#include "server/feature_maps/feature_files.hpp"
+#include "server/feature_maps/output/feature_files.hpp"
 
 #include <openssl/evp.h>
 
@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "server/feature_maps/feature_source.hpp"
+#include "server/feature_maps/output/feature_source.hpp"
 #include "server/output/format/csv.hpp"
 #include "server/output/format/tum.hpp"
 #include "server/output/stale.hpp"

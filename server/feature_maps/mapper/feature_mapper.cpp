@@ -1,9 +1,9 @@
-#include "server/feature_maps/feature_mapper.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "server/feature_maps/feature_record.hpp"
+#include "server/feature_maps/output/feature_record.hpp"
 
 namespace isthmus {
 namespace {

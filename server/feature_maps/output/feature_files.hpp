@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "server/feature_maps/feature_mapper.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
 #include "server/output/output.hpp"
 
 namespace isthmus {

@@ -1,4 +1,4 @@
-#include "server/feature_maps/journey.hpp"
+#include "server/feature_maps/mapper/journey.hpp"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "server/feature_maps/feature_mapper.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
 
 namespace isthmus {
 namespace {

@@ -1,6 +1,6 @@
 // What a FeatureMapper makes of meetings of robots whose maps had nothing in common then.
 
-#include "server/feature_maps/feature_mapper.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
 
 namespace isthmus {
 namespace {

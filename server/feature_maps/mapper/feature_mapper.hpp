@@ -13,13 +13,13 @@
 #include "server/engine/robot/robot_pose.hpp"
 #include "server/engine/sightings/sighting_log.hpp"
 #include "server/engine/sightings/tag_record.hpp"
-#include "server/feature_maps/fusion_record.hpp"
-#include "server/feature_maps/journey.hpp"
-#include "server/feature_maps/map_input.hpp"
+#include "server/feature_maps/mapper/journey.hpp"
+#include "server/feature_maps/mapper/map_input.hpp"
+#include "server/feature_maps/mapper/team.hpp"
+#include "server/feature_maps/meeting/fusion_record.hpp"
+#include "server/feature_maps/meeting/open_meeting.hpp"
+#include "server/feature_maps/meeting/placement.hpp"
 #include "server/feature_maps/merging/map_sketch.hpp"
-#include "server/feature_maps/open_meeting.hpp"
-#include "server/feature_maps/placement.hpp"
-#include "server/feature_maps/team.hpp"
 
 namespace isthmus {
 

@@ -1,4 +1,4 @@
-#include "server/feature_maps/feature_source.hpp"
+#include "server/feature_maps/output/feature_source.hpp"
 
 namespace isthmus {
 

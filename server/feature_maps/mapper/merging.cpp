@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/feature_maps/feature_mapper.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
 #include "server/feature_maps/merging/placing_judgement.hpp"
 
 namespace isthmus {

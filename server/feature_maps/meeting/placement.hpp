@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "server/feature_maps/clue.hpp"
+#include "server/feature_maps/meeting/clue.hpp"
 
 namespace isthmus {
 

@@ -1,4 +1,4 @@
-#include "server/feature_maps/twins.hpp"
+#include "server/feature_maps/meeting/twins.hpp"
 
 #include <algorithm>
 #include <cmath>

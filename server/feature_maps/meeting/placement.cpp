@@ -1,4 +1,4 @@
-#include "server/feature_maps/placement.hpp"
+#include "server/feature_maps/meeting/placement.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

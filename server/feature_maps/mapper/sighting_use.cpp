@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "relations/chi_squared.hpp"
-#include "server/feature_maps/feature_mapper.hpp"
-#include "server/feature_maps/feature_record.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
+#include "server/feature_maps/output/feature_record.hpp"
 #include "server/features/state/measurement.hpp"
 
 namespace isthmus {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "server/engine/record/map_copy.hpp"
-#include "server/feature_maps/feature_mapper.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
 
 namespace isthmus {
 

@@ -1,4 +1,4 @@
-#include "server/feature_maps/team.hpp"
+#include "server/feature_maps/mapper/team.hpp"
 
 #include <Eigen/Cholesky>
 #include <cmath>

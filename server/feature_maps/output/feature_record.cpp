@@ -1,4 +1,4 @@
-#include "server/feature_maps/feature_record.hpp"
+#include "server/feature_maps/output/feature_record.hpp"
 
 namespace isthmus {
 namespace {

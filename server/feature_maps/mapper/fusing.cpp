@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/feature_maps/feature_mapper.hpp"
-#include "server/feature_maps/placement.hpp"
+#include "server/feature_maps/mapper/feature_mapper.hpp"
+#include "server/feature_maps/meeting/placement.hpp"
 
 namespace isthmus {
 namespace {
