@@ -2,7 +2,7 @@
 """Multiplies each tuning value of the engine by given factors, one at a time, and tells what that changes.
 
     tools/sensitivity.py [--factors 0.67 1.33] [--only localise trial.min_way_m ...] [--logs intel fr079 office run.lcm]
-                         [--jobs N] [--build DIR] [--data DIR] [--cache DIR]
+                         [--at-once DRAWS] [--first-draw N] [--jobs N] [--build DIR] [--data DIR] [--cache DIR]
 
 The values are those of `isthmus-replay --list-tuning` and of [engine] in isthmus.example.toml. A log is a recorded log
 or set of the data (see benchmark.py), a scenario of isthmus-simulate, which is run with seed 1, or an LCM event log;
@@ -11,6 +11,10 @@ leaves them as they are; of a probability it is the rest to 1 that is multiplied
 
 A row of the table is a value, a factor and a log of which another map came out: islands, mean errors and CPU time, each
 after the same of the defaults. The largest changes of errors and islands come first.
+
+With --at-once all values move together, each by a factor drawn at random, in so many draws. A run fails that ends on more
+islands than the defaults do, or with a relation more than 1 m off (and more than the defaults'). Of a run that fails,
+values are set back by halves as long as it still fails: what is left is what broke it.
 """
 
 import argparse
@@ -18,6 +22,7 @@ import concurrent.futures
 import json
 import math
 import os
+import random
 import re
 import subprocess
 import sys
@@ -28,6 +33,7 @@ import benchmark
 ROOT = benchmark.ROOT
 ERRORS = [(kind, part, unit) for kind in ("intra", "inter")
           for part, unit in (("translation_m", "m"), ("rotation_deg", "°"))]
+FAILED_M = 1.0
 
 
 class Value:
@@ -108,7 +114,13 @@ def outcome(tools, log, configuration):
     for kind, part, _ in ERRORS:
         if errors.get(kind, {}).get("count"):
             found[kind, part] = errors[kind][part]["mean"]
+            found["largest_m"] = max(found.get("largest_m", 0), errors[kind]["translation_m"]["max"])
     return found
+
+
+def fails(before, after):
+    return ("failed" in after or after["islands"] > before["islands"]
+            or after.get("largest_m", 0) > max(FAILED_M, before.get("largest_m", 0)))
 
 
 def effect(before, after):
@@ -131,7 +143,7 @@ def cells(before, after):
 def runs_of(tools, arguments, logs):
     """(value, factor, changed, log) of all that is to be run."""
     for value in values_of(tools):
-        if arguments.only and not any(value.name == only or value.name.startswith(only + ".") for only in arguments.only):
+        if not wanted(value, arguments):
             continue
         for factor in arguments.factors:
             changed = value.times(factor)
@@ -139,11 +151,71 @@ def runs_of(tools, arguments, logs):
                 yield value, factor, changed, log
 
 
+def wanted(value, arguments):
+    return not arguments.only or any(value.name == only or value.name.startswith(only + ".") for only in arguments.only)
+
+
+def drawn(values, factors, seed):
+    """{value: as it is to be written}, each moved by one of the factors."""
+    chance = random.Random(seed)
+    moved = {value: value.times(chance.choice(factors)) for value in values}
+    return {value: changed for value, changed in moved.items() if changed is not None}
+
+
+def configuration_of(moved):
+    """Of several values, a table each once."""
+    tables = {}
+    for value, changed in moved.items():
+        tables.setdefault(value.table, []).append(f"{value.key} = {changed}\n")
+    return "".join(f"[{table}]\n{''.join(lines)}" for table, lines in tables.items())
+
+
+def culprits(moved, still_fails):
+    """The smallest set of values found by which a run still fails (Zeller and Hildebrandt 2002, ddmin)."""
+    names, parts = list(moved), 2
+    while len(names) > 1:
+        size = math.ceil(len(names) / parts)
+        pieces = [names[begin:begin + size] for begin in range(0, len(names), size)]
+        rests = [[name for name in names if name not in piece] for piece in pieces] if parts > 2 else []
+        smaller = next((part for part in pieces + rests if still_fails({name: moved[name] for name in part})), None)
+        if smaller is not None:
+            parts = 2 if smaller in pieces else max(parts - 1, 2)
+            names = smaller
+        elif parts >= len(names):
+            break
+        else:
+            parts = min(2 * parts, len(names))
+    return names
+
+
+def at_once(tools, arguments, logs, defaults, pool):
+    """Table and causes of draws in which all values move."""
+    values = [value for value in values_of(tools) if wanted(value, arguments)]
+    draws = [(seed, log, drawn(values, arguments.factors, seed))
+             for seed in range(arguments.first_draw, arguments.first_draw + arguments.at_once) for log in logs]
+    outcomes = list(pool.map(lambda draw: outcome(tools, draw[1], configuration_of(draw[2])), draws))
+    header = ["draw", "log", "islands", *(f"{kind} {unit}" for kind, _, unit in ERRORS), "CPU s", "largest m"]
+    benchmark.table(f"{len(values)} values at once", header,
+                    [[str(seed), log.name, *cells(defaults[log], after), f"{after.get('largest_m', math.nan):.2f}"]
+                     for (seed, log, _), after in zip(draws, outcomes)])
+    failed = [draw for draw, after in zip(draws, outcomes) if fails(defaults[draw[1]], after)]
+    print(f"\n{len(failed)} of {len(draws)} runs failed", flush=True)
+
+    def cause(draw):
+        _, log, moved = draw
+        return culprits(moved, lambda part: fails(defaults[log], outcome(tools, log, configuration_of(part))))
+
+    for (seed, log, moved), names in zip(failed, pool.map(cause, failed)):
+        print(f"- {seed} {log.name}: " + ", ".join(f"{value.name} {value.default} → {moved[value]}" for value in names), flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--factors", type=float, nargs="+", default=[0.67, 1.33])
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="groups, or single values as GROUP.NAME")
     parser.add_argument("--logs", nargs="+", default=["meeting"], metavar="LOG")
+    parser.add_argument("--at-once", type=int, default=0, metavar="DRAWS", help="all values together, so often")
+    parser.add_argument("--first-draw", type=int, default=1, metavar="N")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--build", default=os.path.join(ROOT, ".build", "release"))
     parser.add_argument("--data", default=os.environ.get("ISTHMUS_DATA", os.path.join(ROOT, "..", "shared", "data")))
@@ -158,6 +230,9 @@ def main():
             if "failed" in before:
                 print(f"{log.name}: {before['failed']}", file=sys.stderr)
                 return 1
+        if arguments.at_once:
+            at_once(tools, arguments, logs, defaults, pool)
+            return 0
         runs = list(runs_of(tools, arguments, logs))
         outcomes = list(pool.map(lambda run: outcome(tools, run[3], run[0].configuration(run[2])), runs))
     others = [(run, after) for run, after in zip(runs, outcomes)

@@ -12,7 +12,7 @@ namespace isthmus {
 namespace {
 
 /// The probability of the gate within which an observation that stays unpaired is not taken for a new
-/// feature.
+/// feature, and in which a scan is paired as a whole that the usual gates leave out.
 constexpr double wide_probability = 0.9999;
 
 /// Of a segment's length: where it is looked at.
@@ -47,6 +47,21 @@ std::vector<std::size_t> nearest(const FeatureState& state, const RobotInState& 
   std::vector<std::size_t> indices;
   for (auto one = by_distance.begin(); one != end; ++one) indices.push_back(one->second);
   return indices;
+}
+
+std::vector<Candidate> those(const std::vector<Candidate>& all, const std::vector<std::size_t>& chosen) {
+  std::vector<Candidate> result;
+  for (const std::size_t i : chosen) result.push_back(all[i]);
+  return result;
+}
+
+/// Whether pairs agree with one another where a robot's pose could not be bent to fit them: by as many
+/// numbers more as a pose has.
+bool tells_more_than_a_pose(const std::vector<Candidate>& pairs) {
+  constexpr Eigen::Index of_pose = 3;
+  Eigen::Index told = 0;
+  for (const Candidate& pair : pairs) told += pair.measurement.residual.size();
+  return told >= 2 * of_pose;
 }
 
 }  // namespace
@@ -122,17 +137,20 @@ bool FeatureFilter::move(int robot, const Pose& old_from_new, const Eigen::Matri
 std::vector<Candidate> FeatureFilter::choose(int robot, std::span<const ObservedFeature> seen,
                                              std::vector<bool>& near_known) {
   const AssociationOptions& options = options_.association;
-  std::vector<Candidate> all = candidates(state_, robot, seen, options, wide_gates_);
-  for (const Candidate& one : all) near_known[one.seen] = true;
-  std::erase_if(all, [&](const Candidate& one) {
+  const std::vector<Candidate> wide = candidates(state_, robot, seen, options, wide_gates_);
+  for (const Candidate& one : wide) near_known[one.seen] = true;
+  std::vector<Candidate> usual = wide;
+  std::erase_if(usual, [&](const Candidate& one) {
     return one.squared_distance >= gates_(one.measurement.residual.size());
   });
-  const std::vector<std::size_t> chosen = options.pairing == Pairing::joint
-                                              ? largest_compatible(state_.covariance, all, options, gates_)
-                                              : nearest_pairs(all);
-  std::vector<Candidate> result;
-  for (const std::size_t i : chosen) result.push_back(all[i]);
-  return result;
+  if (options.pairing == Pairing::nearest) return those(usual, nearest_pairs(usual));
+  std::vector<Candidate> chosen = those(usual, largest_compatible(state_.covariance, usual, options, gates_));
+  if (2 * std::ssize(chosen) >= std::count(near_known.begin(), near_known.end(), true)) return chosen;
+  // One error of the robot's, as of a turn, that is rare but no more takes all of a scan out of the usual
+  // gates at once: as a whole it is still far likelier than that all is new where walls were expected.
+  std::vector<Candidate> together =
+      those(wide, largest_compatible(state_.covariance, wide, options, wide_gates_));
+  return together.size() > 2 * chosen.size() && tells_more_than_a_pose(together) ? together : chosen;
 }
 
 bool FeatureFilter::use(int robot, std::span<const Candidate> chosen, std::span<const ObservedFeature> seen) {

@@ -135,6 +135,42 @@ TEST(FeatureFilter, JointCompatibilityPairsWhereTheNearestIsWrong) {
   }
 }
 
+/// Four walls of a room, as seen from a robot in it.
+std::vector<ObservedFeature> room_seen(const Pose& robot) {
+  std::vector<ObservedFeature> seen;
+  const Eigen::Vector2d corners[] = {{6, -4}, {6, 5}, {-5, 5}, {-5, -4}};
+  for (int i = 0; i < 4; ++i) {
+    seen.push_back(wall(corners[i], corners[(i + 1) % 4], true, true));
+    seen.back().feature = inverse(robot) * seen.back().feature;
+  }
+  return seen;
+}
+
+TEST(FeatureFilter, ATurnThatErredRarelyMuchLeavesNoScanUnpaired) {
+  const double sigma_rad = 0.01;
+  for (const double sigmas : {2.0, 4.2, 8.0}) {
+    FeatureFilter filter = at_origin(at_once());
+    filter.observe(0, room_seen({}));
+    filter.move(0, {}, Eigen::Vector3d(1e-8, 1e-8, sigma_rad * sigma_rad).asDiagonal());
+    const Pose truth{0, 0, sigmas * sigma_rad};
+    const FeatureScanOutcome outcome = filter.observe(0, room_seen(truth));
+    EXPECT_EQ(outcome.paired.size(), sigmas < 5 ? 4U : 0U) << sigmas << " sigmas";
+    if (sigmas < 5) {
+      EXPECT_NEAR(filter.state().robots[0].map_from_robot.yaw, truth.yaw, 0.1 * truth.yaw) << sigmas;
+    }
+  }
+}
+
+TEST(FeatureFilter, WhatIsBeyondTheUsualGateByItselfStaysUnpaired) {
+  FeatureFilter filter = at_origin(at_once());
+  filter.observe(0, room_seen({}));
+  filter.move(0, {}, Eigen::Vector3d(1e-8, 1e-8, 1e-4).asDiagonal());
+  const std::vector<ObservedFeature> all = room_seen({0, 0, 0.042});
+  const FeatureScanOutcome outcome = filter.observe(0, {all.data(), 1});
+  EXPECT_TRUE(outcome.paired.empty()) << "the robot's pose can be bent to fit it, whatever it is";
+  EXPECT_EQ(outcome.undecided, 1U);
+}
+
 TEST(FeatureFilter, WhatIsSeenThroughOftenEnoughGoes) {
   FeatureFilter filter = at_origin(at_once());
   filter.observe(0, std::vector{point_at(3, 0), point_at(3, 2), wall({5, -1}, {5, 1}, true, true)});
