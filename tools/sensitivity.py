@@ -7,7 +7,7 @@
 The values are those of `isthmus-replay --list-tuning` and of [engine] in isthmus.example.toml. A log is a recorded log
 or set of the data (see benchmark.py), a scenario of isthmus-simulate, which is run with seed 1, or an LCM event log;
 what is imported or simulated is kept in the cache for the next run. Integers are rounded, and left out where a factor
-leaves them as they are; of a probability it is the rest to 1 that is multiplied.
+leaves them as they are; of a probability above one half it is the rest to 1 that is multiplied.
 
 A row of the table is a value, a factor and a log of which another map came out: islands, mean errors and CPU time, each
 after the same of the defaults. The largest changes of errors and islands come first.
@@ -50,7 +50,7 @@ class Value:
         """As it is to be written; nothing where it stays as it is."""
         if re.fullmatch(r"-?\d+", self.default):
             changed = str(round(int(self.default) * factor))
-        elif self.unit.startswith("probability"):
+        elif self.unit.startswith("probability") and float(self.default) > 0.5:
             changed = repr(1 - (1 - float(self.default)) * factor)
         elif self.unit == "share":
             changed = repr(min(1.0, float(self.default) * factor))

@@ -22,6 +22,17 @@ bool worth_a_patch_unmatched(const Robot& robot, const Placement& placement,
           std::abs(path.yaw) > its.unmatched_spacing * options.patch_spacing_rad);
 }
 
+// A robot that saw too little for so long that it may be anywhere in a wide window. One scan, of a piece of a
+// wall say, fits somewhere in it, whether or not the map has that wall: the robot goes on on ground of its
+// own, which odometry joins, till several scans say alike where it is (LocalLoops).
+bool has_lost_its_way(const Robot& robot, const EngineOptions& options) {
+  const Localisation& place = *robot.place;
+  const LocalLoopOptions& loops = options.local_loops;
+  const double sigma_m = std::sqrt(std::max(place.covariance(0, 0), place.covariance(1, 1)));
+  return place.lost_scans >= options.follow.unmatched_lost_scans && !place.suspect &&
+         loops.window_sigmas * sigma_m > loops.unambiguous_half_width_m;
+}
+
 // Where a scan fits: in the local map or, where that is in doubt, clearly better somewhere else near.
 Placement place_scan(const Map& map, Robot& robot, const Expectation& expectation,
                      std::span<const ScanPoint> points, std::int64_t utime, const EngineOptions& options) {
@@ -69,6 +80,10 @@ ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pos
   const std::int64_t utime = observation.scan.utime;
   Expectation expectation = expect(robot, odom_from_robot, utime, options);
   Placement placement = place_scan(map, robot, expectation, points, utime, options);
+  if (placement.matched && expectation.plausible && !full && has_lost_its_way(robot, options)) {
+    placement.matched = false;
+    placement.reason = Unmatched::no_overlap;
+  }
   if (!placement.matched) expectation = expect_unmatched(robot, placement, odom_from_robot, utime, options);
   if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
       robot.place->lost_scans + 1 >= options.follow.max_lost_scans && !full) {

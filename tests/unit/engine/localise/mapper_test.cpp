@@ -103,6 +103,35 @@ TEST(TakeScan, MakesNoPatchOfAScanThatSawNothing) {
   EXPECT_NEAR(driven.robot.place->pose.patch_from_object.x, 2.7, 1e-9);
 }
 
+// After metres that it saw nothing of, a robot sees the room that it came from, or one like it: which, no
+// single scan tells. Its ground there is its own, as far as odometry goes.
+TEST(TakeScan, BelievesNoSingleScanOfARobotThatHasLostItsWay) {
+  for (const int blind : {6, 60}) {
+    Driven driven;
+    driven.scan({});
+    const double end_m = blind > 6 ? 0.6 : 0;
+    for (int i = 1; i <= blind; ++i)
+      driven.blind_scan({std::min(0.15 * i, 0.15 * (blind - i) + end_m), 0, 0});
+    const Pose odometry{end_m, 0, 0}, truth{end_m + 0.3, 0, 0};
+    const ScanOutcome found = driven.scan(truth, odometry, furnished_room());
+    const bool lost = blind > 6;
+    EXPECT_EQ(found.unmatched == Unmatched::no, !lost) << word(found.unmatched);
+    EXPECT_NEAR(found.pose.map_from_robot.x, lost ? odometry.x : truth.x, 0.05);
+    EXPECT_EQ(driven.map.manifold().size(), lost ? 2U : 1U);
+    EXPECT_TRUE(driven.scan(truth, odometry, furnished_room()).pose.matched)
+        << "on its own ground, or the old";
+    EXPECT_EQ(driven.map.graph().islands().size(), 1U);
+  }
+}
+
+TEST(TakeScan, ARobotThatMayHaveNoMorePatchesIsFoundOnThoseThatItHas) {
+  Driven driven;
+  driven.options.patches_per_robot = 1;
+  driven.scan({});
+  for (int i = 1; i <= 60; ++i) driven.blind_scan({0.15 * std::min(i, 60 - i), 0, 0});
+  EXPECT_TRUE(driven.scan({0.3, 0, 0}, {}, furnished_room()).pose.matched);
+}
+
 // Odometry tells half of a turn on the spot, and three scans see nothing.
 TEST(TakeScan, WhereNothingMatchesTurnsAreToldAsWronglyAsBefore) {
   Driven driven;
