@@ -14,6 +14,7 @@ when no map comes of it; a table has the mean error, of teams that between robot
 import argparse
 import bisect
 import concurrent.futures
+import csv
 import dataclasses
 import glob
 import gzip
@@ -63,7 +64,7 @@ class Relation:
 
     first: Reading
     second: Reading
-    motion: list  # words: x y z roll pitch yaw of the second in the first
+    motion: list  # words: x y z roll pitch yaw of the second in the first; of a team what its table has behind the times
 
     def line(self):
         return " ".join([f"{self.first.stamp:.6f}", f"{self.second.stamp:.6f}", *self.motion])
@@ -79,17 +80,23 @@ class Drive:
     def load(log, relations=os.devnull):
         with gzip.open(log, "rt", encoding="ascii", errors="replace") as file:
             readings = [Reading.parse(line) for line in file if line.startswith(("ODOM ", "FLASER "))]
-        scans = sorted((reading for reading in readings if reading.ranges), key=lambda scan: scan.stamp)
-        stamps = [scan.stamp for scan in scans]
-
-        def scan_at(word):
-            after = bisect.bisect_left(stamps, float(word))
-            return min(scans[max(after - 1, 0):after + 1], key=lambda scan: abs(scan.stamp - float(word)))
-
+        drive = Drive(readings, [], max(max(reading.ranges) for reading in readings if reading.ranges))
+        scan_at = drive.finder()
         with open(relations, encoding="ascii") as file:
             rows = [line.split() for line in file if line.strip() and not line.startswith("#")]
-        related = [Relation(scan_at(words[0]), scan_at(words[1]), words[2:]) for words in rows]
-        return Drive(readings, related, max(max(scan.ranges) for scan in scans))
+        drive.relations = [Relation(scan_at(float(words[0])), scan_at(float(words[1])), words[2:]) for words in rows]
+        return drive
+
+    def finder(self):
+        """Which scan is nearest to a time, by stamps as they are now."""
+        scans = sorted(self.scans(), key=lambda scan: scan.stamp)
+        stamps = [scan.stamp for scan in scans]
+
+        def scan_at(stamp):
+            after = bisect.bisect_left(stamps, stamp)
+            return min(scans[max(after - 1, 0):after + 1], key=lambda scan: abs(scan.stamp - stamp))
+
+        return scan_at
 
     def save(self, log, relations=os.devnull):
         with gzip.open(log, "wt", compresslevel=1, encoding="ascii") as file:
@@ -216,13 +223,43 @@ def import_log(arguments, name, kind, seed, work):
     return events, relations
 
 
+@dataclasses.dataclass
+class TeamRelations:
+    """relations.csv of a set: scans of two robots, whatever becomes of their stamps."""
+
+    columns: list
+    related: list  # (robot, robot, Relation)
+
+    @staticmethod
+    def load(path, drives):
+        scan_at = {robot: drive.finder() for robot, drive in drives.items()}
+        with open(path, encoding="ascii", newline="") as file:
+            columns, *rows = csv.reader(file)
+
+        def scan(robot, utime_us):
+            return scan_at[robot](1e-6 * int(utime_us))
+
+        return TeamRelations(columns, [(row[0], row[2], Relation(scan(*row[:2]), scan(*row[2:4]), row[4:]))
+                                       for row in rows])
+
+    def save(self, path, drives):
+        kept = {id(reading) for drive in drives.values() for reading in drive.readings}
+        with open(path, "w", encoding="ascii", newline="") as file:
+            rows = csv.writer(file, lineterminator="\n")
+            rows.writerow(self.columns)
+            for one, other, relation in self.related:
+                if id(relation.first) in kept and id(relation.second) in kept:
+                    rows.writerow([one, round(1e6 * relation.first.stamp), other, round(1e6 * relation.second.stamp),
+                                   *relation.motion])
+
+
 def import_team(arguments, name, kind, seed, work):
     """The same of a set of logs, each robot's changed in its own way."""
     folder = os.path.join(arguments.data, "multi", name, "")
     robots = []
-    for log in sorted(glob.glob(folder + "*.clf.gz")):
-        robot = os.path.basename(log)[:-len(".clf.gz")]
-        drive = Drive.load(log)
+    drives = {os.path.basename(log)[:-len(".clf.gz")]: Drive.load(log) for log in sorted(glob.glob(folder + "*.clf.gz"))}
+    relations = TeamRelations.load(folder + "relations.csv", drives)
+    for robot, drive in drives.items():
         if kind:
             KINDS[kind](drive, random.Random(f"{kind} {seed} {robot}"))
         changed = os.path.join(work, robot + ".clf.gz")
@@ -231,7 +268,9 @@ def import_team(arguments, name, kind, seed, work):
     events = os.path.join(work, "log.lcm")
     command(arguments, "import", "carmen", "--robots", folder + "robots.csv", *robots, "--sightings",
             folder + "sightings.csv", "-o", events)
-    return events, folder + "relations.csv"
+    changed = os.path.join(work, "relations.csv")
+    relations.save(changed, drives)
+    return events, changed
 
 
 def run(arguments, name, kind, seed):
