@@ -53,13 +53,17 @@ double sigma_along_weak_direction(const LocalMap& local_map, std::span<const Sca
   return std::sqrt(moment / weights);
 }
 
-void widen(Match& match, double weak_sigma_m, double sigma_m, const MatchOptions& options) {
+void believe_profile(Match& match, double weak_sigma_m, double sigma_m, const MatchOptions& options,
+                     const WeakDirectionOptions& weak_direction_options) {
   Eigen::Vector2d information;
   const Eigen::Matrix2d axes = axes_of(match.beam_information, &information);
   const double variance = sigma_m * sigma_m / (options.sigma_m * options.sigma_m * information(0));
-  const double trust = std::sqrt(variance / (variance + weak_sigma_m * weak_sigma_m));
-  const Eigen::Matrix2d narrowed = axes * Eigen::Vector2d(trust, 1).asDiagonal() * axes.transpose();
-  match.direction_trust = narrowed * match.direction_trust;
+  const double told_apart = std::min(variance, std::pow(weak_direction_options.step_m, 2));
+  const double sure = std::sqrt(variance / (told_apart + weak_sigma_m * weak_sigma_m));
+  const double now = axes.col(0).dot(match.direction_trust * axes.col(0));
+  const double trust = std::min(sure, std::max(1.0, 1 / std::max(now, 1e-9)));
+  match.direction_trust =
+      axes * Eigen::Vector2d(trust, 1).asDiagonal() * axes.transpose() * match.direction_trust;
 }
 
 }  // namespace isthmus

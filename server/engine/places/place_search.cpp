@@ -95,8 +95,8 @@ bool holds_all_directions(const RigidPiece& place, Carrier& carrier, const Engin
   const double weak_sigma_m =
       sigma_along_weak_direction(place.local, carrier.patch->points, carrier.match,
                                  options.place_search.apart_m, options.match, options.weak_direction);
-  widen(carrier.match, weak_sigma_m, relation_sigma_m(carrier.match.quality, options.relations),
-        options.match);
+  believe_profile(carrier.match, weak_sigma_m, relation_sigma_m(carrier.match.quality, options.relations),
+                  options.match, options.weak_direction);
   return weak_sigma_m < options.place_search.max_weak_sigma_m;
 }
 

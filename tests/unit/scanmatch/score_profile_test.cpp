@@ -52,21 +52,50 @@ TEST(SigmaAlongWeakDirection, ReachesOverAllThatFitsAsWell) {
   EXPECT_GT(spread_in(found_in(ribbed_corridor())), 0.2);
 }
 
-TEST(Widen, RelationsSayTheUncertaintyAlongAndWhatTheySaidAcross) {
+// What its relation says along and across the corridor, and of the yaw.
+Eigen::Matrix3d said_by(const Found& found) {
+  const auto relations = match_relations(found.map, found.points, found.match, PatchId{1}, {}, {});
+  return relations.size() == 1 ? information(relations.front(), found.match.local_from_robot)
+                               : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+}
+
+TEST(BelieveProfile, RelationsSayTheUncertaintyAlongAndWhatTheySaidAcross) {
   Found found = found_in(ribbed_corridor());
-  const auto information_of = [&] {
-    const auto relations = match_relations(found.map, found.points, found.match, PatchId{1}, {}, {});
-    return relations.size() == 1 ? information(relations.front(), found.match.local_from_robot)
-                                 : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
-  };
-  const Eigen::Matrix3d before = information_of();
+  const Eigen::Matrix3d before = said_by(found);
   const double weak_sigma_m = 0.3;
-  widen(found.match, weak_sigma_m, relation_sigma_m(found.match.quality, {}), {});
-  const Eigen::Matrix3d after = information_of();
+  believe_profile(found.match, weak_sigma_m, relation_sigma_m(found.match.quality, {}), {}, {});
+  const Eigen::Matrix3d after = said_by(found);
   EXPECT_GT(before(0, 0), 10 / (weak_sigma_m * weak_sigma_m)) << "ribs look like certainty";
   EXPECT_LT(after(0, 0), 1.5 / (weak_sigma_m * weak_sigma_m));
   EXPECT_NEAR(after(1, 1), before(1, 1), 0.02 * before(1, 1));
   EXPECT_GT(after(2, 2), 0.5 * before(2, 2));
+}
+
+// One pillar in a corridor: few beams say how far along it the scan lies, and wherever else it is held it
+// fits worse.
+TEST(BelieveProfile, FewBeamsAreTrustedWhereTheScanFitsNowhereElse) {
+  Walls walls = corridor();
+  add_box(walls, 2, 0.5, 2.3, 0.8);
+  Found found = found_in(walls);
+  const Eigen::Vector3d little(0.02, 1, 1);  // as they would be among many more along the walls
+  found.match.direction_trust = little.head<2>().asDiagonal() * found.match.direction_trust;
+  found.match.beam_information = little.asDiagonal() * found.match.beam_information * little.asDiagonal();
+  const double sigma_m = relation_sigma_m(found.match.quality, {}), weak_sigma_m = spread_in(found);
+  ASSERT_LT(weak_sigma_m, 0.1);
+  const Eigen::Matrix3d before = said_by(found);
+  believe_profile(found.match, weak_sigma_m, sigma_m, {}, {});
+  const Eigen::Matrix3d after = said_by(found);
+  EXPECT_GT(after(0, 0), 1.5 * before(0, 0));
+  EXPECT_NEAR(after(1, 1), before(1, 1), 0.02 * before(1, 1));
+}
+
+TEST(BelieveProfile, NothingIsSurerThanAllBeamsAre) {
+  Walls walls = corridor();
+  add_box(walls, 2, 0.5, 2.3, 0.8);
+  Found found = found_in(walls);
+  const double noise_m = 1;  // of a beam: far more than the profile's step
+  believe_profile(found.match, spread_in(found), noise_m, {}, {});
+  EXPECT_NEAR(found.match.direction_trust(0, 0), 1, 0.01);
 }
 
 }  // namespace
