@@ -19,6 +19,23 @@ Eigen::Matrix2d axes_of(const Eigen::Matrix3d& information, Eigen::Vector2d* eig
   return solver.eigenvectors();
 }
 
+// The direction of the plane that a match determines least, and how surely its relations say so.
+struct Weakest {
+  Eigen::Matrix2d axes;  // it, and the one across
+  double variance_m2 = 0;
+};
+
+Weakest weakest_of(const Match& match, double sigma_m, const MatchOptions& options) {
+  Eigen::Vector2d information;
+  const Eigen::Matrix2d axes = axes_of(match.beam_information, &information);
+  return {axes, sigma_m * sigma_m / (options.sigma_m * options.sigma_m * information(0))};
+}
+
+void trust_along(Match& match, const Weakest& weakest, double factor) {
+  match.direction_trust = weakest.axes * Eigen::Vector2d(factor, 1).asDiagonal() * weakest.axes.transpose() *
+                          match.direction_trust;
+}
+
 }  // namespace
 
 double sigma_along_weak_direction(const LocalMap& local_map, std::span<const ScanPoint> points,
@@ -53,17 +70,20 @@ double sigma_along_weak_direction(const LocalMap& local_map, std::span<const Sca
   return std::sqrt(moment / weights);
 }
 
+void widen(Match& match, double weak_sigma_m, double sigma_m, const MatchOptions& options) {
+  const Weakest weakest = weakest_of(match, sigma_m, options);
+  const double variance = weakest.variance_m2;
+  trust_along(match, weakest, std::sqrt(variance / (variance + weak_sigma_m * weak_sigma_m)));
+}
+
 void believe_profile(Match& match, double weak_sigma_m, double sigma_m, const MatchOptions& options,
                      const WeakDirectionOptions& weak_direction_options) {
-  Eigen::Vector2d information;
-  const Eigen::Matrix2d axes = axes_of(match.beam_information, &information);
-  const double variance = sigma_m * sigma_m / (options.sigma_m * options.sigma_m * information(0));
-  const double told_apart = std::min(variance, std::pow(weak_direction_options.step_m, 2));
-  const double sure = std::sqrt(variance / (told_apart + weak_sigma_m * weak_sigma_m));
-  const double now = axes.col(0).dot(match.direction_trust * axes.col(0));
-  const double trust = std::min(sure, std::max(1.0, 1 / std::max(now, 1e-9)));
-  match.direction_trust =
-      axes * Eigen::Vector2d(trust, 1).asDiagonal() * axes.transpose() * match.direction_trust;
+  const Weakest weakest = weakest_of(match, sigma_m, options);
+  const double told_apart = std::min(weakest.variance_m2, std::pow(weak_direction_options.step_m, 2));
+  const double sure = std::sqrt(weakest.variance_m2 / (told_apart + weak_sigma_m * weak_sigma_m));
+  const Eigen::Vector2d along = weakest.axes.col(0);
+  const double now = along.dot(match.direction_trust * along);
+  trust_along(match, weakest, std::min(sure, std::max(1.0, 1 / std::max(now, 1e-9))));
 }
 
 }  // namespace isthmus

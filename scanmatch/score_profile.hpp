@@ -35,10 +35,14 @@ double sigma_along_weak_direction(const LocalMap& local_map, std::span<const Sca
                                   const Match& match, double half_width_m, const MatchOptions& options,
                                   const WeakDirectionOptions& weak_direction_options);
 
-/// The same match, trusted along that direction as far as that uncertainty leaves it: its relations will say
-/// so. Also further than before: few beams that tell of a direction are trusted little, as they may be wrong
-/// together, but that the scan fits worse wherever else it is held is more than they say. No further than all
-/// its beams, nor than the profile's steps tell apart. `sigma_m`: the noise of one correspondence.
+/// The same match, trusted along that direction only as far as that uncertainty leaves it: its relations will
+/// say so. `sigma_m`: the noise of one correspondence.
+void widen(Match& match, double weak_sigma_m, double sigma_m, const MatchOptions& options);
+
+/// The same where it is known already that the scan belongs nowhere else, as of a piece of way that was found
+/// as a whole: then also further than before. Few beams that tell of a direction are trusted little, as they
+/// may be wrong together, but that the scan fits worse wherever else it is held is more than they say. No
+/// further than all its beams, nor than the profile's steps tell apart.
 void believe_profile(Match& match, double weak_sigma_m, double sigma_m, const MatchOptions& options,
                      const WeakDirectionOptions& weak_direction_options);
 

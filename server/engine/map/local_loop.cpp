@@ -123,8 +123,7 @@ std::optional<Match> match_in_window(const LocalMap& local, const LoopQuery& que
   const double weak_sigma_m = sigma_along_weak_direction(local, query.points, match,
                                                          std::min(widest_half_m(window), its.looked_along_m),
                                                          options.match, options.weak_direction);
-  believe_profile(match, weak_sigma_m, relation_sigma_m(match.quality, options.relations), options.match,
-                  options.weak_direction);
+  widen(match, weak_sigma_m, relation_sigma_m(match.quality, options.relations), options.match);
   return match;
 }
 

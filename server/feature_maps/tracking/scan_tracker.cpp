@@ -57,10 +57,10 @@ Eigen::Matrix3d information_of(Match match, const LocalMap& local_map, const Obs
                                const EngineOptions& options, const TrackingOptions& tracking) {
   const double sigma_m = relation_sigma_m(match.quality, options.relations);
   match.direction_trust.setIdentity();
-  believe_profile(match,
-                  sigma_along_weak_direction(local_map, seen.points, match, tracking.looked_along_m,
-                                             options.match, options.weak_direction),
-                  sigma_m, options.match, options.weak_direction);
+  widen(match,
+        sigma_along_weak_direction(local_map, seen.points, match, tracking.looked_along_m, options.match,
+                                   options.weak_direction),
+        sigma_m, options.match);
   Eigen::Matrix3d trust = Eigen::Matrix3d::Identity();
   trust.topLeftCorner<2, 2>() = match.direction_trust;
   return std::pow(options.match.sigma_m / sigma_m, 2) * trust * match.beam_information * trust.transpose();

@@ -59,11 +59,11 @@ Eigen::Matrix3d said_by(const Found& found) {
                                : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
 }
 
-TEST(BelieveProfile, RelationsSayTheUncertaintyAlongAndWhatTheySaidAcross) {
+TEST(Widen, RelationsSayTheUncertaintyAlongAndWhatTheySaidAcross) {
   Found found = found_in(ribbed_corridor());
   const Eigen::Matrix3d before = said_by(found);
   const double weak_sigma_m = 0.3;
-  believe_profile(found.match, weak_sigma_m, relation_sigma_m(found.match.quality, {}), {}, {});
+  widen(found.match, weak_sigma_m, relation_sigma_m(found.match.quality, {}), {});
   const Eigen::Matrix3d after = said_by(found);
   EXPECT_GT(before(0, 0), 10 / (weak_sigma_m * weak_sigma_m)) << "ribs look like certainty";
   EXPECT_LT(after(0, 0), 1.5 / (weak_sigma_m * weak_sigma_m));
@@ -87,6 +87,14 @@ TEST(BelieveProfile, FewBeamsAreTrustedWhereTheScanFitsNowhereElse) {
   const Eigen::Matrix3d after = said_by(found);
   EXPECT_GT(after(0, 0), 1.5 * before(0, 0));
   EXPECT_NEAR(after(1, 1), before(1, 1), 0.02 * before(1, 1));
+}
+
+TEST(BelieveProfile, WidensWhereTheScanFitsAlongTheWholeWay) {
+  Found found = found_in(ribbed_corridor()), widened = found;
+  const double sigma_m = relation_sigma_m(found.match.quality, {}), weak_sigma_m = 0.3;
+  widen(widened.match, weak_sigma_m, sigma_m, {});
+  believe_profile(found.match, weak_sigma_m, sigma_m, {}, {});
+  EXPECT_NEAR(said_by(found)(0, 0), said_by(widened)(0, 0), 0.1 * said_by(widened)(0, 0));
 }
 
 TEST(BelieveProfile, NothingIsSurerThanAllBeamsAre) {

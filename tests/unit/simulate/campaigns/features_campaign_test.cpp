@@ -31,15 +31,27 @@ TEST(FeaturesCampaign, ATrueWallHasNoError) {
   EXPECT_EQ(column.features, 1);
   EXPECT_EQ(column.endpoints, 1);
   EXPECT_EQ(column.matched, 1);
-  EXPECT_NEAR(column.alpha_deg + column.rho_m + column.endpoint_m, 0, 1e-6);
+  EXPECT_NEAR(column.alpha_deg + column.rho_m + column.middle_m + column.endpoint_m, 0, 1e-6);
 }
 
 TEST(FeaturesCampaign, AWallThatIsOffIsToldByHowMuch) {
   FeatureColumn column;
   judge_walls(map_with(segment_feature({4.1, 0.2}, {4.1, 3}, true, true)), room_of_lines(), {}, column);
   EXPECT_NEAR(column.rho_m, 0.1, 1e-9);
+  EXPECT_NEAR(column.middle_m, 0.1, 1e-9);
   EXPECT_NEAR(column.alpha_deg, 0, 1e-6);
   EXPECT_NEAR(column.endpoint_m, 0.5 * (std::hypot(0.1, 0.2) + 0.1), 1e-9);
+}
+
+// Far from the frame's origin a wall that is turned by little has a ρ that is off by much, and lies where it
+// is.
+TEST(FeaturesCampaign, AMiddleIsNoFartherOffForLyingFarFromTheOrigin) {
+  FeatureColumn column;
+  const Pose world_from_map{4, -40, 0};
+  const Feature turned = segment_feature({4 - 0.01, 0.5}, {4 + 0.01, 1.5}, true, true);
+  judge_walls(map_with(inverse(world_from_map) * turned), room_of_lines(), world_from_map, column);
+  EXPECT_NEAR(column.middle_m, 0, 1e-9);
+  EXPECT_NEAR(column.rho_m, 41 * 0.02, 0.01);
 }
 
 TEST(FeaturesCampaign, AWallWhereNoneIsCountsAsNotMatched) {

@@ -333,10 +333,12 @@ void judge_walls(const FeatureState& state, const FloorPlan& plan, const Pose& w
     column.alpha_deg +=
         std::abs(std::asin(std::clamp(t.dot(across(wall)), -1.0, 1.0))) * 180 / std::numbers::pi;
     column.rho_m += std::abs(n.dot(surface->a - origin) - across(wall).dot(wall.a - origin));
+    column.middle_m += std::abs(n.dot(0.5 * (wall.a + wall.b) - surface->a));
     column.matched += 1;
   }
   column.alpha_deg /= std::max(1.0, column.matched);
   column.rho_m /= std::max(1.0, column.matched);
+  column.middle_m /= std::max(1.0, column.matched);
   column.endpoint_m /= std::max(1.0, column.endpoints);
 }
 
@@ -371,7 +373,7 @@ FeatureColumn mean_of(const std::vector<FeatureTrial>& trials, FeatureColumnId c
   FeatureColumn mean;
   double count = 0;
   const auto values = [](FeatureColumn& c) {
-    return std::array{&c.position_m, &c.orientation_deg, &c.nees,      &c.alpha_deg, &c.rho_m,
+    return std::array{&c.position_m, &c.orientation_deg, &c.nees,      &c.alpha_deg, &c.rho_m, &c.middle_m,
                       &c.endpoint_m, &c.features,        &c.endpoints, &c.matched,   &c.cpu_s};
   };
   for (const FeatureTrial& trial : trials) {

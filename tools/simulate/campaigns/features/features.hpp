@@ -17,10 +17,11 @@ struct FeatureColumn {
   double nees = 0;             ///< NEES/3, mean over the way
   double alpha_deg = 0;        ///< mean absolute error of the lines' direction
   double rho_m = 0;            ///< and of their distance from the frame's origin
+  double middle_m = 0;         ///< how far the walls' middles are from the true surface's line
   double endpoint_m = 0;       ///< of known ends, to the nearest true end or corner
   double features = 0;
   double endpoints = 0;
-  double matched = 0;  ///< features that lie on a true wall; α and ρ are of those
+  double matched = 0;  ///< features that lie on a true wall; α, ρ and middles are of those
   double cpu_s = 0;
 };
 

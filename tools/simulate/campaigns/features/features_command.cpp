@@ -19,9 +19,9 @@ struct FeaturesArguments : CampaignRuns {
 };
 
 void print(const std::string& what, const FeatureColumn& c) {
-  std::printf("%-10s %8.3f %8.3f %7.2f %8.3f %7.3f %7.3f %8.1f %8.1f %7.1f\n", what.c_str(), c.position_m,
-              c.orientation_deg, c.nees, c.alpha_deg, c.rho_m, c.endpoint_m, c.features, c.endpoints,
-              c.cpu_s);
+  std::printf("%-10s %8.3f %8.3f %7.2f %8.3f %7.3f %7.3f %7.3f %8.1f %8.1f %7.1f\n", what.c_str(),
+              c.position_m, c.orientation_deg, c.nees, c.alpha_deg, c.rho_m, c.middle_m, c.endpoint_m,
+              c.features, c.endpoints, c.cpu_s);
   std::fflush(stdout);
 }
 
@@ -32,8 +32,8 @@ bool is_odd(const FeatureTrial& trial) {
 }
 
 void features_campaign(const FeaturesArguments& arguments) {
-  std::printf("%-10s %8s %8s %7s %8s %7s %7s %8s %8s %7s\n", "", "pos. m", "ori. deg", "NEES/3", "alpha d.",
-              "rho m", "ends m", "features", "ends", "CPU s");
+  std::printf("%-10s %8s %8s %7s %8s %7s %7s %7s %8s %8s %7s\n", "", "pos. m", "ori. deg", "NEES/3",
+              "alpha d.", "rho m", "mid m", "ends m", "features", "ends", "CPU s");
   std::vector<FeatureTrial> trials;
   for (std::uint64_t seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
     Scenario scenario = arguments.load(arguments.scenarios.front(), seed);
