@@ -14,7 +14,7 @@ enum class Unmatched : std::uint8_t {
   few_pairs,      ///< too few of its points have a partner on the local map
   few_returns,    ///< it has too few points to be matched with anything
   low_score,      ///< it fits the local map badly
-  no_overlap,     ///< no local map
+  no_overlap,     ///< no local map, or the robot has lost its way so far that one scan tells none
   not_found_yet,  ///< nothing tells where on a finished map the robot is
 };
 
