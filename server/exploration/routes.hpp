@@ -24,9 +24,10 @@ using Route = std::vector<std::size_t>;
 double route_m(const RouteCosts& costs, std::size_t robot, const Route& route);
 
 /// Shares places out among robots, each place that somebody can reach to one of them, so that the longest
-/// route and what all routes take on average are short together: cheapest insertion, then moves of one place
-/// and turns of a stretch as long as they help (the min-max travelling salesmen of Franca et al. 1995). By
-/// robot. Bounded work, the same for the same costs.
+/// route, what all routes take on average, and what a place waits on average until a robot is there, by its
+/// work, are short together: cheapest insertion, then moves of one place and turns of a stretch as long as
+/// they help (the min-max travelling salesmen of Franca et al. 1995, and the travelling repairman). By robot.
+/// Bounded work, the same for the same costs.
 std::vector<Route> share_out(const RouteCosts& costs);
 
 }  // namespace isthmus

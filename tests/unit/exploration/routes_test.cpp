@@ -54,6 +54,26 @@ TEST(Routes, WhereThereIsMuchToDoOnOneSideBothGoThere) {
   EXPECT_EQ(routes[1].size(), 2U);
 }
 
+TEST(Routes, WhereThereIsMuchToDoOneGoesFirst) {
+  // The way over all three is shorter if the robot begins on the left.
+  RouteCosts costs = on_a_line({0}, {-5, 6, 8});
+  EXPECT_EQ(share_out(costs)[0], (Route{0, 1, 2}));
+  costs.work = {1, 10, 10};
+  EXPECT_EQ(share_out(costs)[0], (Route{1, 2, 0}));
+}
+
+TEST(Routes, WhatNobodyCanReachMakesTheOthersNoLessUrgent) {
+  RouteCosts costs = on_a_line({0}, {-5, 6, 8, 50});
+  costs.work = {1, 10, 10, 1e6};
+  costs.from_robot[0][3] = infinity;
+  EXPECT_EQ(share_out(costs)[0], (Route{1, 2, 0}));
+}
+
+TEST(Routes, TheLongestIsShortThoughOneAloneWouldDriveLessInAll) {
+  const RouteCosts costs{{{10, 10}, {11, 11}}, {{0, 6}, {6, 0}}, {0, 0}};
+  for (const Route& route : share_out(costs)) EXPECT_EQ(route.size(), 1U);
+}
+
 TEST(Routes, APlaceThatNobodyCanReachIsInNoRoute) {
   RouteCosts costs = on_a_line({0, 5}, {1, 2});
   costs.from_robot[0] = {infinity, 2};
