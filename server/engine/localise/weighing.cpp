@@ -32,9 +32,9 @@ double log_odds_against(double surprise, const LocaliseOptions& options) {
   return surprise < slips ? 0.5 * surprise : options.slip_log_odds + 2 * std::log(surprise / slips);
 }
 
-/// Neighbouring points of a scan on one surface.
+/// Neighbouring points of a scan on one surface, by their numbers.
 struct Thing {
-  std::span<const ScanPoint> points;
+  std::size_t first = 0, end = 0;
   bool may_move = false;  ///< along with the robot: small, and in front of what is seen beside it
 };
 
@@ -63,7 +63,7 @@ std::vector<Thing> things_in(std::span<const ScanPoint> points, int min_standing
     const bool in_front =
         (first == 0 || is_in_front(first, first - 1)) && (end == points.size() || is_in_front(end - 1, end));
     const bool before_something = first > 0 || end < points.size();
-    things.push_back({points.subspan(first, end - first), small && in_front && before_something});
+    things.push_back({first, end, small && in_front && before_something});
     if (!things.back().may_move) standing += end - first;
     first = end;
   }
@@ -72,11 +72,42 @@ std::vector<Thing> things_in(std::span<const ScanPoint> points, int min_standing
   return things;
 }
 
-std::vector<ScanPoint> points_of_what_stands(std::span<const Thing> things) {
-  std::vector<ScanPoint> standing;
+std::vector<Thing> those_that(bool may_move, std::span<const Thing> things) {
+  std::vector<Thing> some;
   for (const Thing& thing : things)
-    if (!thing.may_move) standing.insert(standing.end(), thing.points.begin(), thing.points.end());
-  return standing;
+    if (thing.may_move == may_move) some.push_back(thing);
+  return some;
+}
+
+// In pieces no wider than a thing that somebody may have moved since the map was made, or may carry.
+std::vector<Thing> in_pieces(std::span<const Thing> things, std::span<const ScanPoint> points,
+                             const LocaliseOptions& options) {
+  std::vector<Thing> pieces;
+  for (const Thing& thing : things) {
+    std::size_t first = thing.first;
+    for (std::size_t end = first + 1; end <= thing.end; ++end) {
+      if (end < thing.end && (points[end].position - points[first].position).norm() < options.moving_thing_m)
+        continue;
+      pieces.push_back({first, end, thing.may_move});
+      first = end;
+    }
+  }
+  return pieces;
+}
+
+std::vector<ScanPoint> points_of(std::span<const Thing> things, std::span<const ScanPoint> points) {
+  std::vector<ScanPoint> all;
+  for (const Thing& thing : things)
+    all.insert(all.end(), points.begin() + static_cast<std::ptrdiff_t>(thing.first),
+               points.begin() + static_cast<std::ptrdiff_t>(thing.end));
+  return all;
+}
+
+// A scan where it is said to be.
+MatchOptions as_it_is(MatchOptions options) {
+  options.max_iterations = 0;
+  options.max_points = std::numeric_limits<int>::max();
+  return options;
 }
 
 /// How much worse a scan fits at one pose than at another. What would be seen on ground that the map has not
@@ -85,82 +116,98 @@ std::vector<ScanPoint> points_of_what_stands(std::span<const Thing> things) {
 class FitsWorse {
  public:
   /// Keeps references.
-  FitsWorse(const Pose& there, const Pose& than, const LocalMap& local_map, const EngineOptions& options)
-      : there_(there), than_(than), local_map_(local_map), options_(options) {
-    as_it_is_.max_iterations = 0;
-    as_it_is_.max_points = std::numeric_limits<int>::max();
-  }
+  FitsWorse(const Pose& there, const Pose& than, const LocalMap& local_map, std::span<const ScanPoint> points,
+            const EngineOptions& options)
+      : points_(points),
+        local_map_(local_map),
+        options_(options),
+        there_(fits_at(there)),
+        than_(fits_at(than)) {}
 
-  /// Log-odds against the pose by what all points say together; 0: of too few.
-  double log_odds(std::span<const ScanPoint> points) const {
-    const Fits fits = fits_of(points);
-    const double best = fits.than.value(fits.usual());
-    return best > 0 ? sharpness(points) * (1 - fits.there.value(fits.usual()) / best) : 0;
-  }
-  /// By what those of the things say that may move along, which is no wonder: the beams on one say together
-  /// what it says once.
-  double log_odds_of_what_may_move(std::span<const Thing> things, std::span<const ScanPoint> points) const {
-    const Fits all = fits_of(points);
-    const double usual = all.usual();
-    const double best = all.than.value(usual);
+  /// Log-odds against the pose by what all points of some things say together; 0: of too few.
+  double log_odds(std::span<const Thing> things) const {
+    const Base base = base_of(things);
     double sum = 0;
-    if (best <= 0) return sum;
-    for (const Thing& thing : things) {
-      if (!thing.may_move) continue;
-      const Fits fits = fits_of(thing.points);
-      const double worse_by = (fits.than.value(usual) - fits.there.value(usual)) / best;
-      sum += std::min(sharpness(points) * worse_by, options_.localise.moves_along_log_odds);
-    }
+    for (const Thing& thing : things) sum += base.log_odds(gain_of(thing, base.usual));
     return sum;
   }
-  double score_there(std::span<const ScanPoint> points) const {
-    return match_scan(local_map_, points, {there_, Eigen::Matrix3d::Zero()}, as_it_is_).quality.score;
+  /// By what each of some things says if so much at most can be said by one, as it may not be where the map
+  /// has it: the beams on it say together what it says once. Where fewer points than `min_others` are of the
+  /// others, nothing is known to be elsewhere. `all`: of what is seen there, that they are of.
+  double log_odds_of_each(std::span<const Thing> things, std::span<const Thing> all, double at_most,
+                          std::size_t min_others) const {
+    const Base base = base_of(all);
+    double each = 0, together = 0;
+    std::size_t others = 0;
+    for (const Thing& thing : things) {
+      const double says = base.log_odds(gain_of(thing, base.usual));
+      together += says;
+      each += std::min(says, at_most);
+      if (says <= at_most) others += thing.end - thing.first;
+    }
+    return others < min_others ? together : each;
   }
 
  private:
+  /// Of a point, as it lies on the map's lines.
   struct Fit {
-    double weights = 0;  ///< of the points, as they lie on the map's lines
-    double seen = 0;     ///< points on ground that the map has seen
-    double unseen = 0;
+    double weight = 0;
+    bool unseen = false;  ///< it lies on ground that the map has not seen
 
-    double value(double usual) const { return weights + usual * unseen; }
+    double value(double usual) const { return unseen ? usual : weight; }
   };
-  struct Fits {
-    Fit there, than;
+  struct Base {
+    double usual = 0;  ///< weight of a point on ground that was seen
+    double best = 0;   ///< value of all at the better pose
+    double sharpness = 0;
 
-    /// Weight of a point on ground that was seen.
-    double usual() const { return (there.weights + than.weights) / std::max(1.0, there.seen + than.seen); }
+    double log_odds(double gain) const { return best > 0 ? sharpness * gain / best : 0; }
   };
 
-  /// No point says more than one that is independent of all others.
-  double sharpness(std::span<const ScanPoint> points) const {
-    return std::min(options_.weak_direction.sharpness, static_cast<double>(points.size()));
+  Base base_of(std::span<const Thing> things) const {
+    Base base;
+    double weights = 0;
+    std::size_t seen = 0, count = 0;
+    for (const Thing& thing : things) {
+      count += thing.end - thing.first;
+      for (std::size_t i = thing.first; i < thing.end; ++i)
+        for (const Fit* fit : {&there_[i], &than_[i]}) {
+          weights += fit->weight;
+          seen += !fit->unseen;
+        }
+    }
+    base.usual = weights / static_cast<double>(std::max<std::size_t>(1, seen));
+    for (const Thing& thing : things)
+      for (std::size_t i = thing.first; i < thing.end; ++i) base.best += than_[i].value(base.usual);
+    // No point says more than one that is independent of all others.
+    base.sharpness = std::min(options_.weak_direction.sharpness, static_cast<double>(count));
+    return base;
+  }
+  double gain_of(const Thing& thing, double usual) const {
+    double gain = 0;
+    for (std::size_t i = thing.first; i < thing.end; ++i)
+      gain += than_[i].value(usual) - there_[i].value(usual);
+    return gain;
   }
   bool is_unseen(const Eigen::Vector2d& at) const {
     return std::ranges::none_of(local_map_.patches, [&](const LocalPatch& near) {
       return near.patch->star.depth_m(inverse(near.local_from_patch) * at) > -options_.contradiction.deep_m;
     });
   }
-  Fit fit_at(const Pose& pose, std::span<const ScanPoint> points) const {
-    const Match match = match_scan(local_map_, points, {pose, Eigen::Matrix3d::Zero()}, as_it_is_);
-    std::vector<double> weights(points.size(), 0);
-    for (const Pair& pair : match.pairs) weights[static_cast<std::size_t>(pair.point)] += pair.weight;
-    Fit fit;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      fit.weights += weights[i];
-      ++(weights[i] <= 0 && is_unseen(pose * points[i].position) ? fit.unseen : fit.seen);
-    }
-    return fit;
-  }
-  Fits fits_of(std::span<const ScanPoint> points) const {
-    return {fit_at(there_, points), fit_at(than_, points)};
+  std::vector<Fit> fits_at(const Pose& pose) const {
+    const Match match =
+        match_scan(local_map_, points_, {pose, Eigen::Matrix3d::Zero()}, as_it_is(options_.match));
+    std::vector<Fit> fits(points_.size());
+    for (const Pair& pair : match.pairs) fits[static_cast<std::size_t>(pair.point)].weight += pair.weight;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      fits[i].unseen = fits[i].weight <= 0 && is_unseen(pose * points_[i].position);
+    return fits;
   }
 
-  const Pose& there_;
-  const Pose& than_;
+  std::span<const ScanPoint> points_;
   const LocalMap& local_map_;
   const EngineOptions& options_;
-  MatchOptions as_it_is_ = options_.match;
+  std::vector<Fit> there_, than_;
 };
 
 std::optional<Match> held_where_expected(const LocalMap& local_map, std::span<const ScanPoint> points,
@@ -176,19 +223,25 @@ std::optional<Match> held_where_expected(const LocalMap& local_map, std::span<co
   // All that it sees may be on ground that nobody has seen: then only odometry tells.
   if (!held.ok) held.local_from_robot = expected;
   const std::vector<Thing> things = things_in(points, match_options.min_pairs, its);
-  const std::vector<ScanPoint> standing = points_of_what_stands(things);
-  const FitsWorse held_fits_worse(held.local_from_robot, match.local_from_robot, local_map, options);
-  const double by_all = held_fits_worse.log_odds(points);
+  const std::vector<Thing> standing = those_that(false, things);
+  const FitsWorse held_fits_worse(held.local_from_robot, match.local_from_robot, local_map, points, options);
+  const double by_all = held_fits_worse.log_odds(things);
   const double by_what_stands = held_fits_worse.log_odds(standing);
   // Small surprises are weighed by the match itself, unless nothing but what may move speaks for it.
   if (surprising < its.doubted_surprise.value() && by_all - by_what_stands < its.slip_log_odds)
     return std::nullopt;
   const double gained = log_odds_against(surprising, its) -
                         log_odds_against(surprise(held.local_from_robot, expectation, its), its);
-  const double by_things = by_what_stands + held_fits_worse.log_odds_of_what_may_move(things, points);
+  const double by_things =
+      held_fits_worse.log_odds_of_each(in_pieces(standing, points, its), standing, its.changed_log_odds,
+                                       static_cast<std::size_t>(match_options.min_pairs)) +
+      held_fits_worse.log_odds_of_each(those_that(true, things), things, its.moves_along_log_odds, 0);
   if (by_things > gained) return std::nullopt;
   // What moved along is no part of what is matched, however many beams it takes.
-  held.quality.score = std::max(held.quality.score, held_fits_worse.score_there(standing));
+  const Match of_what_stands =
+      match_scan(local_map, points_of(standing, points), {held.local_from_robot, Eigen::Matrix3d::Zero()},
+                 as_it_is(options.match));
+  held.quality.score = std::max(held.quality.score, of_what_stands.quality.score);
   return held;
 }
 

@@ -35,6 +35,7 @@ struct LocaliseOptions {
   double flattest_rad = 0.17;
   double moving_thing_m = 1.2;
   double moves_along_log_odds = 4;
+  double changed_log_odds = 8;
   double loose_share = 0.04;
   double loose_gain = 0.02;
   double other_start_gain = 0.05;
@@ -96,6 +97,9 @@ struct LocaliseOptions {
            "wider than this, a thing does not move along with the robot as people and robots do");
     option(moves_along_log_odds, "moves_along_log_odds", "log-odds",
            "that a smaller one does not either: two may, and then so much only is said by each of them");
+    option(changed_log_odds, "changed_log_odds", "log-odds",
+           "that what stands, in pieces of that width, is as it was when the map was made: so much only is "
+           "said by each against where odometry puts the robot");
     option(loose_share, "loose_share", "factor", "on the information of the prediction from there");
     option(loose_gain, "loose_gain", share_unit,
            "that the score must be better by from the same beginning, held loosely");

@@ -199,6 +199,39 @@ Match matched_off(const Step& step, const Pose& start) {
   return match_scan(step.before, step.now, {start, 400 * Eigen::Matrix3d::Identity()}, near);
 }
 
+// A corridor with doors, and perhaps a cupboard on each side.
+Walls corridor_with_doors(bool has_cupboards) {
+  Walls walls;
+  for (const double side : {-1.0, 1.0}) {
+    const double back = 1.15 * side;
+    walls.push_back({{-3, side}, {5, side}});
+    walls.push_back({{5, side}, {5, back}});
+    walls.push_back({{5, back}, {6, back}});
+    walls.push_back({{6, back}, {6, side}});
+    walls.push_back({{6, side}, {9, side}});
+    if (has_cupboards) add_box(walls, 1.6, std::min(side, 0.7 * side), 2.8, std::max(side, 0.7 * side));
+  }
+  return walls;
+}
+
+// The cupboards are gone that stood beside where the robot is: the beams that go farther there than the map
+// has it would not a metre before.
+TEST(HeldByOdometry, WhereFurnitureIsGoneThatTheMapHas) {
+  const Step step = step_of(corridor_with_doors(true), corridor_with_doors(false), {1.5, 0, 0}, {1.5, 0, 0});
+  const Match off = matched_off(step, {0.3, 0, 0});
+  ASSERT_NEAR(off.local_from_robot.x, 0.3, 0.3);
+  const auto held = held_by_odometry(step.before, step.now, step.expectation, off, EngineOptions{}.match, {});
+  ASSERT_TRUE(held);
+  EXPECT_NEAR(held->local_from_robot.x, 1.5, 0.02);
+}
+
+// Wheels that turn before a wall where corridors cross: nobody moves as much of a wall.
+TEST(HeldByOdometry, NotWhereMoreOfAWallWouldHaveToHaveMovedThanFurnitureIsWide) {
+  Walls crossing{{{-3, -1}, {1.8, -1}}, {{-3, 1}, {1.8, 1}}};
+  crossing.push_back({{3, -3}, {3, 3}});
+  EXPECT_FALSE(step_of(crossing, crossing, {}, {0.25, 0, 0}).held());
+}
+
 // Odometry whose yaw froze while the robot turned has counted its way all the same.
 TEST(HeldByOdometry, WhereOnlyTurnsAreCountedWrong) {
   const Pose truth{0.2, 0, 0.4};
