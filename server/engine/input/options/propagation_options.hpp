@@ -129,8 +129,8 @@ struct TrialOptions {
     option(log_odds_per_way_m, "log_odds_per_way_m", "log-odds/m",
            "that a loop or merge is true, of way that matches: ground looks alike for a few metres,");
     option(log_odds_per_unmatched_m, "log_odds_per_unmatched_m", "log-odds/m",
-           "of way that both of two maps know and that does not match: against their merge, where another is "
-           "possible");
+           "of way that both sides know and that does not match: against a loop, and against a merge where "
+           "another is possible");
     option(repeats_probability, "repeats_probability", "probability",
            "and so seldom a corridor repeats itself as far as it goes: the most that way says for a loop");
     option(log_odds_per_width_m, "log_odds_per_width_m", "log-odds/m",

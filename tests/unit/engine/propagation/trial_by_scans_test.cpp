@@ -240,6 +240,24 @@ TEST(TrialByScans, OfALoopFoundAtOneOfSeveralPlacesNeedsMoreThanItsWay) {
   }
 }
 
+// Half of what lies beside it the second time is another corridor.
+TEST(TrialByScans, OfALoopIsTheLessLikelyTheMoreOfTheGroundDoesNotMatch) {
+  Walls half = long_corridor();
+  std::erase_if(half, [](const auto& wall) { return std::min(wall.first.x(), wall.second.x()) > 6; });
+  for (double x = 6.5; x < 20; x += 1.1) add_box(half, x, -0.6, x + 0.4, -0.1);
+  Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0.3), half, along(0.3, 11, 0.3)));
+  found(its, 0);
+  its.say(PatchId{3}, PatchId{15});
+  EngineOptions none;
+  none.trial.log_odds_per_unmatched_m = 0;
+  const TrialAccount account = its.tried().account(), without = its.tried(none).account();
+  ASSERT_GT(account.compared, account.matched);
+  ASSERT_GT(account.matched, 0);
+  const double unmatched_m = without.way_m * (account.compared - account.matched) / account.matched;
+  EXPECT_NEAR(without.shared_log_odds - account.shared_log_odds,
+              TrialOptions{}.log_odds_per_unmatched_m * unmatched_m, 1e-9);
+}
+
 // As likely as each of the others, but for where the map had them.
 TEST(TrialByScans, OfALoopIsTheLessLikelyTheMorePlacesLookAlike) {
   std::vector<double> log_odds;
