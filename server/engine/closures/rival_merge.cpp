@@ -48,10 +48,8 @@ bool is_elsewhere(const Map& map, const Joining& joining, const EngineOptions& o
   return off.cwiseAbs2().cwiseQuotient(variance).sum() > options.trial.max_jump.value();
 }
 
-// By patches: of those that were compared on its trial, the share that matched.
 Overlay on_trial(const TrialAccount& account) {
-  const double unmatched = static_cast<double>(account.compared - account.matched) / account.matched;
-  return {account.way_m, unmatched * account.way_m, account.width_m};
+  return {account.way_m, account.unmatched_m(), account.width_m};
 }
 
 // As far from what matches as the map cannot have bent: beyond, a loop may be open.

@@ -18,12 +18,6 @@ std::size_t next_relation(const RelationGraph& graph) {
   return next;
 }
 
-// Way on which the two sides do not match, although both know the ground: by patches.
-double unmatched_m(const TrialAccount& account) {
-  if (account.matched == 0) return 0;
-  return account.way_m * (account.compared - account.matched) / account.matched;
-}
-
 }  // namespace
 
 Trial::Trial(const Map& map, Proposal proposal, const EngineOptions& options, std::int64_t now_utime)
@@ -360,7 +354,7 @@ void Trial::judge_loop() {
   const double by_finds = its.log_odds_per_find_cost * std::max(0.0, account_.cost - its.even_find_cost);
   const double by_scans = log_odds_by_walls();
   account_.fit_log_odds = -by_finds - by_scans;
-  account_.shared_log_odds -= its.log_odds_per_unmatched_m * unmatched_m(account_);
+  account_.shared_log_odds -= its.log_odds_per_unmatched_m * account_.unmatched_m();
   if (account_.log_odds() < -its.min_loop_log_odds) {
     refusal_ = by_finds > by_scans ? Reason::finds_disagree : Reason::walls_in_free_space;
   } else if (account_.log_odds() < its.min_loop_log_odds) {

@@ -25,7 +25,7 @@ struct TrialAccount {
   double prior_log_odds = 0;        ///< that it is true: by what proposes it,
   double sighting_log_odds = 0;     ///< by how many sightings agree,
   double revisit_log_odds = 0;      ///< rather than a look-alike: by where the map had its ends,
-  double shared_log_odds = 0;       ///< by how much matches,
+  double shared_log_odds = 0;       ///< by how much matches, of a loop less by what does not,
   double fit_log_odds = 0;          ///< and by how badly finds and scans fit: none speaks for it
   int layers_before = 0;            ///< pairs of patches that contradict one another without it,
   int layers_after = 0;             ///< and with it, where nothing else decided;
@@ -37,6 +37,8 @@ struct TrialAccount {
   ClosureId blamed_closure;    ///< the closure that they rest on, if that is what was wrong,
   double blamed_log_odds = 0;  ///< and that they are right, but for it
 
+  /// Way on which the two sides do not match, although both know the ground: by patches, as `way_m`.
+  double unmatched_m() const { return matched > 0 ? way_m * (compared - matched) / matched : 0; }
   /// That these are true, as the map that they made was right where the ends were found.
   double confirmed_log_odds() const { return blamed > 0 || revisit_log_odds < 0 ? 0 : revisit_log_odds; }
   /// By all of them.

@@ -253,9 +253,9 @@ TEST(TrialByScans, OfALoopIsTheLessLikelyTheMoreOfTheGroundDoesNotMatch) {
   const TrialAccount account = its.tried().account(), without = its.tried(none).account();
   ASSERT_GT(account.compared, account.matched);
   ASSERT_GT(account.matched, 0);
-  const double unmatched_m = without.way_m * (account.compared - account.matched) / account.matched;
+  const double share = static_cast<double>(account.compared - account.matched) / account.matched;
   EXPECT_NEAR(without.shared_log_odds - account.shared_log_odds,
-              TrialOptions{}.log_odds_per_unmatched_m * unmatched_m, 1e-9);
+              TrialOptions{}.log_odds_per_unmatched_m * share * account.way_m, 1e-9);
 }
 
 // As likely as each of the others, but for where the map had them.
