@@ -111,9 +111,10 @@ class BestFit {
       try_from(expectation_.local_from_robot, its_.loose_gain);
       try_from(was * place_.last_step, its_.other_start_gain);
       try_from(was, its_.other_start_gain);
-    } else if (could_fit_better()) {
-      try_slipped();
-      if (is_rest(expectation_.claimed_step, options_.odometry_learning)) try_set_off();
+    } else {
+      if (could_fit_better()) try_slipped();
+      if (could_fit_better() || is_surprising()) try_going_on();
+      if (could_fit_better() && is_rest(expectation_.claimed_step, options_.odometry_learning)) try_set_off();
     }
     // Odometry that stood still and then jumps may well be right about where it jumps to: where the laser
     // cannot tell, as in a corridor, it is believed.
@@ -132,6 +133,10 @@ class BestFit {
  private:
   // Where odometry cannot be believed, a match needs more to be.
   bool fits(const Match& match) const { return match.ok && match.quality.score >= min_score_; }
+
+  bool is_surprising() const {
+    return surprise(best_.local_from_robot, expectation_, its_) > its_.weighed_surprise.value();
+  }
 
   // Whether a slip of the wheels might let the scan fit so much better that it would be believed.
   bool could_fit_better() const {
@@ -155,10 +160,22 @@ class BestFit {
   // Wheels that slip, or tell motion late, are wrong by no more than they told, or the robot went before.
   void try_slipped() {
     const Pose held = best_.local_from_robot;
+    try_from(expectation_.local_from_robot, its_.loose_gain,
+             [&](const Pose& found) { return may_have_slipped(found, held); });
+  }
+
+  // What they tell too much at once, as they told too little before, may lead to other walls than those where
+  // the robot is as it goes on as it did.
+  void try_going_on() {
+    const Pose held = best_.local_from_robot;
+    try_from(place_.pose.patch_from_object * place_.last_step, its_.other_start_gain,
+             [&](const Pose& found) { return may_have_slipped(found, held); });
+  }
+
+  bool may_have_slipped(const Pose& found, const Pose& held) const {
     const double most_m = way_m(expectation_.claimed_step) + way_m(place_.last_step) +
                           its_.window_sigmas * std::sqrt(its_.match_variance_m2);
-    try_from(expectation_.local_from_robot, its_.loose_gain,
-             [&](const Pose& found) { return way_m(ominus(found, held)) <= most_m; });
+    return way_m(ominus(found, held)) <= most_m;
   }
 
   // Odometry that stands still may have frozen as the robot set off. Then it is where going on as it did
@@ -269,15 +286,18 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
   if (ambiguous && (match.quality.score < its.min_score_implausible ||
                     rivals(match, match_from(found.second_local_from_robot), options)))
     return std::nullopt;
+  const bool believed = expectation.plausible && !robot.place->suspect;
   double share = its.loose_share;
-  if (expectation.plausible && !robot.place->suspect) {
+  if (believed) {
     if (std::optional<Match> both =
             matched_with_odometry(near, points, expectation, match, match_options, options)) {
       match = *std::move(both);
       share = 1;
     }
   }
-  if (!match.ok || match.quality.score < its.doubtful_score) return std::nullopt;
+  // A robot that was carried away sees walls that are elsewhere.
+  const double least_score = believed ? its.doubtful_score : its.min_score_implausible;
+  if (!match.ok || match.quality.score < least_score) return std::nullopt;
   return placement_of(std::move(match), expectation, share, options);
 }
 

@@ -165,6 +165,27 @@ TEST(LocaliseAnew, TakesForARivalOnlyWhatFitsAboutAsWell) {
   expect_near(placement->local_from_robot, truth, 0.02, 0.006);
 }
 
+// A robot that was carried away sees walls that are elsewhere, and some fit well enough somewhere.
+TEST(LocaliseAnew, AsksForABetterScoreAfterOdometryThatCannotBeBelieved) {
+  Robot robot = robot_at({0.4, -0.3, 0.2});
+  const Pose truth{0.45, -0.25, 0.85};
+  const LocalMap near = local_map_of(furnished_room());
+  Expectation expectation = expecting(robot.place->pose.patch_from_object);
+  const auto is_found = [&](double min_score) {
+    EngineOptions options;
+    options.localise.min_score_implausible = min_score;
+    return placed_anew(robot, expectation, near, furnished_room(), truth, options).has_value();
+  };
+  EXPECT_TRUE(is_found(0.99)) << "nothing speaks against odometry";
+  expectation.plausible = false;
+  EXPECT_FALSE(is_found(0.99));
+  EXPECT_TRUE(is_found(0.5));
+  expectation.plausible = true;
+  robot.place->suspect = true;
+  EXPECT_FALSE(is_found(0.99)) << "it jumped before, and no scan has matched since";
+  EXPECT_TRUE(is_found(0.5));
+}
+
 TEST(LocaliseAnew, SaysNothingWhereTheScanFitsNowhereOrThereIsNoneOrNoMap) {
   Walls other;
   add_box(other, -1, -1, 1, 1);
