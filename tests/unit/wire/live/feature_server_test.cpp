@@ -16,6 +16,7 @@
 #include "tests/support/log_files.hpp"
 #include "tests/support/published.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tests/support/waiting.hpp"
 #include "tests/unit/wire/live/live_inputs.hpp"
 
 namespace isthmus {
@@ -101,15 +102,17 @@ TEST(FeatureServer, TellsOfRobotsAndIslandsInItsStatus) {
     for (int i = 0; i < 30; ++i)
       for (const Message& message : robot.round(i)) push(inbox, name, message);
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const auto last_status = [&] {
+    const auto statuses = published.of<status_t>("ISTHMUS_STATUS");
+    return statuses.empty() ? status_t{} : statuses.back();
+  };
+  EXPECT_TRUE(happens([&] { return last_status().scans == 60; }));
   inbox.close();
   running.join();
-  const auto statuses = published.of<status_t>("ISTHMUS_STATUS");
-  ASSERT_FALSE(statuses.empty());
-  EXPECT_EQ(statuses.back().islands, 2);
-  EXPECT_EQ(statuses.back().scans, 60);
-  EXPECT_EQ(statuses.back().patches, 0);
-  ASSERT_EQ(statuses.back().nrobots, 2);
+  const status_t status = last_status();
+  EXPECT_EQ(status.islands, 2);
+  EXPECT_EQ(status.patches, 0);
+  EXPECT_EQ(status.nrobots, 2);
 }
 
 TEST(FeatureServer, GoesOnFromASnapshot) {
