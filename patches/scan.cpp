@@ -6,11 +6,14 @@
 namespace isthmus {
 namespace {
 
-// Sums over a run of points, from which a line is fitted.
+// Sums over a run of points, from which a line is fitted, and over the bends at each that has a neighbour on
+// either side: how far it is from the middle between them, times two.
 struct Moments {
   int n = 0;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double xx = 0, xy = 0, yy = 0;
+  int bends = 0;
+  double bend_xx = 0, bend_xy = 0, bend_yy = 0;
 
   void add(const Eigen::Vector2d& d) {
     ++n;
@@ -19,12 +22,31 @@ struct Moments {
     xy += d.x() * d.y();
     yy += d.y() * d.y();
   }
+
+  void add_bend(const Eigen::Vector2d& d) {
+    ++bends;
+    bend_xx += d.x() * d.x();
+    bend_xy += d.x() * d.y();
+    bend_yy += d.y() * d.y();
+  }
 };
 
 struct Line {
   Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< unit, up to its sign
   double spread_m2 = 0;
+  double off_m = 0;  ///< along the normal, from where the sums begin
 };
+
+// Of the variance across a line, the share that is noise: from points that stand aside of both their
+// neighbours. What stands out of a wall for some points together, and a corner, is none (Gasser, Sroka and
+// Jennen-Steinmetz, 1986, "Residual variance and residual pattern in nonlinear regression", eq. 3, for points
+// at even distances).
+double share_of_noise(const Moments& m, const Eigen::Vector2d& normal, double across) {
+  const double x = normal.x(), y = normal.y();
+  const double squared_bends = x * x * m.bend_xx + 2 * x * y * m.bend_xy + y * y * m.bend_yy;
+  const double noise = m.bends > 0 ? squared_bends / (6 * m.bends) : 0;
+  return noise < across ? noise / across : 1;
+}
 
 // Through the points; without a normal where they are not flat or too short.
 Line line_through(const Moments& m, const NormalOptions& options) {
@@ -42,7 +64,9 @@ Line line_through(const Moments& m, const NormalOptions& options) {
     return {};
   }
   const double line_yaw = 0.5 * std::atan2(2 * xy, xx - yy);
-  return {{-std::sin(line_yaw), std::cos(line_yaw)}, m.n * along};
+  const Eigen::Vector2d normal(-std::sin(line_yaw), std::cos(line_yaw));
+  // Between the first point and the mean of all, as the variance is noise or form (Wiener's filter).
+  return {normal, m.n * along, share_of_noise(m, normal, across) * normal.dot(mean)};
 }
 
 // The ends of a scan's beams in order, and where surfaces end among them.
@@ -56,20 +80,28 @@ class Ends {
   Line line_at(std::size_t point) const {
     Moments moments;
     moments.add(Eigen::Vector2d::Zero());
-    for (const std::ptrdiff_t step : {-1, 1})
-      add_neighbours(static_cast<std::ptrdiff_t>(point), step, moments);
+    const auto k = static_cast<std::ptrdiff_t>(point);
+    const int before = add_neighbours(k, -1, moments), after = add_neighbours(k, 1, moments);
+    if (before > 0 && after > 0) moments.add_bend(bend(k, 1));
     return line_through(moments, options_);
   }
 
  private:
-  void add_neighbours(std::ptrdiff_t point, std::ptrdiff_t step, Moments& moments) const {
+  // As many as are on its surface.
+  int add_neighbours(std::ptrdiff_t point, std::ptrdiff_t step, Moments& moments) const {
     int taken = 0;
-    for (std::ptrdiff_t k = point + step; is_there(k); k += step) {
+    for (std::ptrdiff_t k = point + step; is_there(k); k += step, ++taken) {
       const Eigen::Vector2d offset = at(k) - at(point);
-      if (jumps(k - step, k, reach_m_[static_cast<std::size_t>(point)])) return;
-      if (++taken > options_.sure_neighbours && offset.norm() > options_.half_width_m) return;
+      if (jumps(k - step, k, reach_m_[static_cast<std::size_t>(point)])) break;
+      if (taken >= options_.sure_neighbours && offset.norm() > options_.half_width_m) break;
       moments.add(offset);
+      if (taken > 0) moments.add_bend(bend(k - step, step));
     }
+    return taken;
+  }
+
+  Eigen::Vector2d bend(std::ptrdiff_t k, std::ptrdiff_t step) const {
+    return at(k - step) - 2 * at(k) + at(k + step);
   }
 
   // Between two neighbours. On one surface gaps grow little from beam to beam; a shadow's is wide at once.
@@ -110,16 +142,20 @@ std::vector<ScanPoint> to_points(const Scan& scan, const Laser& laser, const Nor
     const double bearing = scan.bearing0_rad + static_cast<double>(i) * scan.bearing_step_rad;
     const Eigen::Vector2d end(range_m * std::cos(bearing), range_m * std::sin(bearing));
     points.push_back(
-        {laser.robot_from_laser * end, Eigen::Vector2d::Zero(), static_cast<std::int32_t>(i), 0});
+        {laser.robot_from_laser * end, Eigen::Vector2d::Zero(), static_cast<std::int32_t>(i), 0, 0});
     reach.push_back(options.reach_beams * range_m * std::abs(scan.bearing_step_rad));
   }
   const Eigen::Vector2d eye(laser.robot_from_laser.x, laser.robot_from_laser.y);
   const Ends ends(points, reach, options);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Line line = ends.line_at(i);
-    points[i].normal =
-        line.normal.dot(eye - points[i].position) < 0 ? Eigen::Vector2d(-line.normal) : line.normal;
+    Line line = ends.line_at(i);
+    if (line.normal.dot(eye - points[i].position) < 0) {
+      line.normal = -line.normal;
+      line.off_m = -line.off_m;
+    }
+    points[i].normal = line.normal;
     points[i].spread_m2 = static_cast<float>(line.spread_m2);
+    points[i].line_off_m = static_cast<float>(line.off_m);
   }
   return points;
 }

@@ -31,14 +31,20 @@ enum class BeamKind {
 };
 BeamKind classify(float range_m, const Laser& laser);
 
-/// A beam's end, in the robot's frame.
+/// A beam's end, in the robot's frame, and the line through its neighbours.
 struct ScanPoint {
   Eigen::Vector2d position;
-  Eigen::Vector2d normal;  ///< unit, towards the laser; zero where no line fits the neighbourhood
+  Eigen::Vector2d normal;  ///< of the line: unit, towards the laser; zero where none fits the neighbourhood
   std::int32_t beam = 0;
-  float spread_m2 = 0;  ///< along the line that the normal is of: sum of its points' squared distances, m²
+  float spread_m2 = 0;   ///< along the line: sum of its points' squared distances, m²
+  float line_off_m = 0;  ///< of the line from `position`, along the normal
 
   bool has_normal() const { return normal.squaredNorm() > 0.5; }
+  /// Of a position, along the normal. The line is that of many points: to measure from one of them would take
+  /// its noise, and of the points near a place those would be chosen whose noise has brought them there.
+  double distance_from_line_m(const Eigen::Vector2d& at) const {
+    return normal.dot(at - position) - line_off_m;
+  }
 };
 
 /// Normals are fitted over an arc of the scan: the neighbours of a point, along the scan, that lie within

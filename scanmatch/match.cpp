@@ -146,16 +146,16 @@ class Matcher {
         const int line = f.patch->index.nearest(at);
         if (line < 0) continue;
         const ScanPoint& target = f.patch->points[static_cast<std::size_t>(line)];
-        if (std::abs(target.normal.dot(at - target.position)) > max_off) continue;
+        if (std::abs(target.distance_from_line_m(at)) > max_off) continue;
         const Eigen::Vector2d normal(f.c * beam.normal.x() - f.s * beam.normal.y(),
                                      f.s * beam.normal.x() + f.c * beam.normal.y());
         if (has_normal && normal.dot(target.normal) < min_cosine) continue;
         const Eigen::Vector2d local_normal(f.lc * target.normal.x() - f.ls * target.normal.y(),
                                            f.ls * target.normal.x() + f.lc * target.normal.y());
-        hits_.push_back(
-            {local_normal,
-             target.normal.dot(target.position) + local_normal.x() * f.lx + local_normal.y() * f.ly, p,
-             sureness(target, at), 0, 0, static_cast<int>(i), static_cast<int>(k), line});
+        hits_.push_back({local_normal,
+                         -target.distance_from_line_m(Eigen::Vector2d::Zero()) + local_normal.x() * f.lx +
+                             local_normal.y() * f.ly,
+                         p, sureness(target, at), 0, 0, static_cast<int>(i), static_cast<int>(k), line});
       }
     }
   }

@@ -32,7 +32,7 @@ Row row_of(const LocalMap& local_map, std::span<const ScanPoint> points, const M
   row.trusted = rotate(-patch_yaw, match.direction_trust * normal);
   const Eigen::Vector2d arm = rotate(match.local_from_robot.yaw, row.point);
   row.jacobian = {normal.x(), normal.y(), normal.y() * arm.x() - normal.x() * arm.y()};
-  row.residual = line.normal.dot(row.at - line.position);
+  row.residual = line.distance_from_line_m(row.at);
   row.weight = pair.weight;
   return row;
 }

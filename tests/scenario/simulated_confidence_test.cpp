@@ -44,8 +44,8 @@ TEST(SimulatedConfidence, CovariancesSayMoreThanErrorsShow) {
   print("local map", all.local.result());
   print("island", all.island.result());
   EXPECT_EQ(all.undetermined, 0U);
-  expect_known_shortfall(all.local.result(), 0.21);
-  expect_known_shortfall(all.island.result(), 0.306);
+  expect_known_shortfall(all.local.result(), 0.25);
+  expect_known_shortfall(all.island.result(), 0.30);
 }
 
 }  // namespace

@@ -105,11 +105,14 @@ std::vector<TrajectoryRow> rows_of(const MapCopy& map) {
 
 /// Of what robots drove on others' patches without adding any, less is left than the reference has.
 constexpr double worse_than_reference = 6;
+/// What a match relates by, others took over meanwhile: as many relations, give or take a few.
+constexpr double as_many = 1.05;
 constexpr double min_error_m = 0.01;
 
 void expect_like_the_reference(const Team& run, const MapCopy& map) {
   EXPECT_EQ(robots_together(map), robots_together(run.reference));
-  EXPECT_LE(relations_between_robots(map), relations_between_robots(run.reference));
+  EXPECT_LE(static_cast<double>(relations_between_robots(map)),
+            as_many * static_cast<double>(relations_between_robots(run.reference)));
   EXPECT_EQ(depending_on(map, run.merge), 0U);
   EXPECT_EQ(count_parted_rows(map), 0U) << "what a robot drove on another's ground is told by its own";
   const TrajectoryError error = judge_trajectories({run.run, map});

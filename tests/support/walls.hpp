@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -45,6 +46,14 @@ inline Walls crooked_room() {
 
 /// Two parallel walls, 2 m apart, longer than any laser sees.
 inline Walls corridor() { return {{{-100, -1}, {100, -1}}, {{-100, 1}, {100, 1}}}; }
+
+/// As a laser that errs by so much at random would have ranged it.
+template <class Engine>
+Scan with_noise(Scan scan, double sigma_m, Engine& engine) {
+  std::normal_distribution<float> off_m(0, static_cast<float>(sigma_m));
+  for (float& range_m : scan.ranges_m) range_m += off_m(engine);
+  return scan;
+}
 
 /// A hall of 4 m by 27 m along x, with niches no two of which are alike.
 inline Walls niched_hall() {

@@ -59,6 +59,7 @@ struct EngineOptions {
   OdometryNoiseOptions odometry_noise;
   OdometryBiasOptions odometry_bias;
   OdometryLearningOptions odometry_learning;
+  UsualMisfitOptions usual_misfit;
   PoseHistoryOptions pose_history;
   TeammateOptions teammates;
   HealthOptions health;
@@ -105,6 +106,7 @@ struct EngineOptions {
     group("odometry_noise", odometry_noise);
     group("odometry_bias", odometry_bias);
     group("odometry_learning", odometry_learning);
+    group("usual_misfit", usual_misfit);
     visit_team_tuning(group);
   }
 

@@ -82,6 +82,8 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
   } else if (!placement.matched) {
     robot.turn_error.go_on();
   }
+  if (placement.matched && expectation.plausible && !place.suspect)
+    robot.usual_misfit.learn(placement.match.quality.score, options.usual_misfit);
   if (placement.matched && expectation.plausible && !expectation.catches_up) {
     const double yaw = place.pose.patch_from_object.yaw;
     const Eigen::Matrix2d local_from_step = Eigen::Rotation2Dd(yaw).toRotationMatrix();

@@ -47,6 +47,13 @@ MatchOptions from_scan_to_scan(const EngineOptions& options) {
   return match_options;
 }
 
+// Where odometry tells that the robot is there, and where it does not: then other walls may look alike.
+double least_score(const Robot& robot, bool doubtful, const EngineOptions& options) {
+  if (!doubtful) return options.localise.min_score;
+  return std::max(options.localise.min_score_implausible,
+                  robot.usual_misfit.least_score(options.usual_misfit));
+}
+
 // A match together with the share of what was expected that it was fitted with. The same beams count at the
 // calibrated noise of relations for what is published.
 Placement placement_of(Match match, const Expectation& expectation, double share,
@@ -101,7 +108,7 @@ class BestFit {
         information_(expectation.tracking_covariance.inverse()),
         // How far it is from where odometry has the robot is weighed at the end.
         doubtful_(!expectation.plausible || place_.suspect),
-        min_score_(doubtful_ ? its_.min_score_implausible : its_.min_score) {}
+        min_score_(least_score(robot, doubtful_, options)) {}
 
   /// From where odometry puts the robot, and from elsewhere where that does not fit, or surprises.
   void try_all() {
@@ -295,9 +302,8 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
       share = 1;
     }
   }
-  // A robot that was carried away sees walls that are elsewhere.
-  const double least_score = believed ? its.doubtful_score : its.min_score_implausible;
-  if (!match.ok || match.quality.score < least_score) return std::nullopt;
+  const double min_score = believed ? its.doubtful_score : least_score(robot, true, options);
+  if (!match.ok || match.quality.score < min_score) return std::nullopt;
   return placement_of(std::move(match), expectation, share, options);
 }
 

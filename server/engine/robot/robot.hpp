@@ -16,6 +16,7 @@
 #include "server/engine/robot/pose_history.hpp"
 #include "server/engine/robot/robot_health.hpp"
 #include "server/engine/robot/turn_error.hpp"
+#include "server/engine/robot/usual_misfit.hpp"
 
 namespace isthmus {
 
@@ -101,6 +102,7 @@ struct Robot {
   OdometryNoise noise;
   OdometryBias bias;
   TurnError turn_error;  ///< beyond that
+  UsualMisfit usual_misfit;
   RobotHealth health;
   std::deque<PendingScan> pending;  ///< scans that wait for odometry
   std::optional<Localisation> place;
@@ -121,10 +123,10 @@ struct Robot {
   std::size_t patches = 0;                   ///< that it has added to the map
 
   auto members() {
-    return std::tie(declaration, declared, odometry, noise, bias, turn_error, health, pending, place, session,
-                    surroundings, local_map, local_map_centre, local_map_stamp, last_scan_utime,
-                    newest_scan_utime, local_loops, unplaced, history, way, seen, first_patch, stale_scans,
-                    patches);
+    return std::tie(declaration, declared, odometry, noise, bias, turn_error, usual_misfit, health, pending,
+                    place, session, surroundings, local_map, local_map_centre, local_map_stamp,
+                    last_scan_utime, newest_scan_utime, local_loops, unplaced, history, way, seen,
+                    first_patch, stale_scans, patches);
   }
 };
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/support/walls.hpp"
 
 namespace isthmus {
@@ -56,6 +58,24 @@ TEST(MatchRelations, SayWhereTheLinesAreNotWhereTheMatchCameToRest) {
   const Pose found = minimiser(relations[0].measurement, expected);
   EXPECT_NEAR(found.x, expected.x, 0.01);
   EXPECT_NEAR(found.y, expected.y, 0.01);
+}
+
+// As MatchScan.NoiseTurnsAMatchBetweenWallsAtUnlikeDistancesNoMoreOneWayThanTheOther.
+TEST(MatchRelations, NoiseTurnsThemNoMoreOneWayThanTheOther) {
+  constexpr int trials = 500;
+  std::mt19937 engine(2);
+  const Pose from{0, -0.4, 0}, to{0.2, -0.4, 0};
+  double yaw_rad = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const Scan before = with_noise(scan_from(corridor(), from), 0.03, engine);
+    const auto points = to_points(with_noise(scan_from(corridor(), to), 0.03, engine), laser_of(), {});
+    const LocalMap map{PatchId{0}, {{make_patch(PatchId{0}, "R1", before, laser_of(), {}), from}}};
+    const Match match = match_scan(map, points, {to, Eigen::Matrix3d::Identity()}, {});
+    const auto relations = match_relations(map, points, match, PatchId{7}, {}, {});
+    ASSERT_EQ(relations.size(), 1U);
+    yaw_rad += minimiser(relations[0].measurement, ominus(to, from)).yaw / trials;
+  }
+  EXPECT_NEAR(yaw_rad, 0, 3e-4);
 }
 
 TEST(MatchRelations, PatchesPairedWithFewBeamsGetNone) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "tests/support/walls.hpp"
 
@@ -67,8 +68,8 @@ TEST(MatchScan, IsPulledAlongACorridorByNoMoreThanTheFewBeamsThereAreTrusted) {
   const Prediction sure{truth, Eigen::Vector3d(along, 1, 1).asDiagonal()};
   const Match match = match_scan(map, points, sure, {});
   ASSERT_TRUE(match.ok);
-  // Of the root of f / √(f² + thin²), f being the few beams' share; that itself would be .38.
-  EXPECT_NEAR(match.direction_trust(0, 0), 0.62, 0.03);
+  // Of the root of f / √(f² + thin²), f being the few beams' share; that itself would be .23.
+  EXPECT_NEAR(match.direction_trust(0, 0), 0.475, 0.03);
   const double of_beams = match.beam_information(0, 0) / (match.beam_information(0, 0) + along);
   EXPECT_NEAR(match.local_from_robot.x - truth.x, -moved_m * of_beams, 0.002);
 }
@@ -140,6 +141,31 @@ TEST(MatchScan, TheOtherFaceOfAWallIsNoPair) {
   EXPECT_FALSE(match.ok);
   EXPECT_TRUE(match.pairs.empty());
   EXPECT_EQ(match.local_from_robot, (Pose{0.2, 0, 0}));
+}
+
+// Of the patch's points near a beam's end, those are paired whose noise has brought them there: more so on
+// the near wall, where they lie close together, and more so here than farther on.
+//
+//    =======================   1.4 m
+//
+//      o->   o->
+//    =======================   0.6 m
+TEST(MatchScan, NoiseTurnsAMatchBetweenWallsAtUnlikeDistancesNoMoreOneWayThanTheOther) {
+  constexpr int trials = 500;
+  std::mt19937 engine(1);
+  const Pose from{0, -0.4, 0}, to{0.2, -0.4, 0};
+  double yaw_rad = 0, aside_m = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const Scan before = with_noise(scan_from(corridor(), from), 0.03, engine);
+    const Scan after = with_noise(scan_from(corridor(), to), 0.03, engine);
+    const LocalMap map{PatchId{0}, {{make_patch(PatchId{0}, "R1", before, laser_of(), {}), from}}};
+    const Match match = match_scan(map, to_points(after, laser_of(), {}), vague(to), {});
+    ASSERT_TRUE(match.ok);
+    yaw_rad += match.local_from_robot.yaw / trials;
+    aside_m += (match.local_from_robot.y - to.y) / trials;
+  }
+  EXPECT_NEAR(yaw_rad, 0, 3e-4);
+  EXPECT_NEAR(aside_m, 0, 5e-4);
 }
 
 // The patch saw a piece of wall half a metre long, and the scan sees on beyond both its ends.

@@ -65,6 +65,19 @@ struct OdometryLearningOptions {
   }
 };
 
+/// How well scans must fit where odometry does not tell that the robot is there, see robot/usual_misfit.hpp.
+struct UsualMisfitOptions {
+  double memory_scans = 500;
+  double rare_share = 0.05;
+
+  template <class Visitor>
+  void visit_options(Visitor&& option) {
+    option(memory_scans, "memory_scans", "count", "that a robot's usual misfit is the mean of, about");
+    option(rare_share, "rare_share", share_unit,
+           "of scans that fit so badly where they belong: one that fits worse is not believed");
+  }
+};
+
 /// What odometry errs by always, see robot/odometry_bias.hpp. Standard deviations are those of robots at
 /// large.
 struct OdometryBiasOptions {

@@ -135,6 +135,21 @@ TEST(Follow, RemembersTheScan) {
   EXPECT_EQ(place.lost_scans, 0);
 }
 
+TEST(Follow, LearnsHowScansFitWhereOdometryLeavesNoDoubt) {
+  OnPatches on({{0, 0, 0}});
+  on.match.quality.score = 0.9;
+  const auto least_score = [&] { return on.robot.usual_misfit.least_score({}); };
+  const double at_first = least_score();
+  on.follow_to({}, false);
+  on.follow_to({}, true, false);
+  EXPECT_EQ(least_score(), at_first) << "not matched, or after a jump";
+  on.robot.place->suspect = true;
+  on.follow_to({});
+  EXPECT_EQ(least_score(), at_first) << "the first after a jump";
+  on.follow_to({});
+  EXPECT_GT(least_score(), at_first);
+}
+
 TEST(Follow, CountsScansThatWereNotMatched) {
   OnPatches on({{0, 0, 0}});
   on.follow_to({0.1, 0, 0.1}, false, true, {0.1, 0, 0});

@@ -186,6 +186,26 @@ TEST(LocaliseAnew, AsksForABetterScoreAfterOdometryThatCannotBeBelieved) {
   EXPECT_TRUE(is_found(0.5));
 }
 
+TEST(LocaliseAnew, AsksForAScoreAsUsualAfterOdometryThatCannotBeBelieved) {
+  const Pose truth{0.45, -0.25, 0.85};
+  Walls changed = furnished_room();
+  add_box(changed, 0.8, -0.9, 1.1, -0.6);
+  const auto with = [&](bool plausible, double usual_score) {
+    Robot robot = robot_at({0.4, -0.3, 0.2});
+    for (int i = 0; i < 1000; ++i) robot.usual_misfit.learn(usual_score, {});
+    Expectation expectation = expecting(robot.place->pose.patch_from_object);
+    expectation.plausible = plausible;
+    return placed_anew(robot, expectation, local_map_of(furnished_room()), changed, truth);
+  };
+  const std::optional<Placement> believed = with(true, 1);
+  ASSERT_TRUE(believed);
+  const double score = believed->match.quality.score;
+  ASSERT_GT(score, 0.65);
+  ASSERT_LT(score, 0.95);
+  EXPECT_FALSE(with(false, 1 - (1 - score) / 4));
+  EXPECT_TRUE(with(false, 1 - (1 - score) / 2));
+}
+
 TEST(LocaliseAnew, SaysNothingWhereTheScanFitsNowhereOrThereIsNoneOrNoMap) {
   Walls other;
   add_box(other, -1, -1, 1, 1);

@@ -218,6 +218,26 @@ TEST(Place, AsksForABetterScoreAfterOdometryThatCannotBeBelieved) {
   EXPECT_FALSE(with(true, true).matched);
 }
 
+// Furniture was brought in since: fewer than nineteen of twenty beams fit, as ever.
+TEST(Place, AsksForAScoreAsUsualAfterOdometryThatCannotBeBelieved) {
+  const Pose truth{0.4, -0.3, 0.2};
+  Walls changed = furnished_room();
+  add_box(changed, 0.8, -0.9, 1.1, -0.6);
+  const auto with = [&](bool plausible, double usual_score) {
+    Robot robot = robot_at(truth);
+    for (int i = 0; i < 1000; ++i) robot.usual_misfit.learn(usual_score, {});
+    Expectation expectation = expecting(truth);
+    expectation.plausible = plausible;
+    return placed(robot, expectation, local_map_of(furnished_room()), changed, truth);
+  };
+  const double score = with(true, 1).match.quality.score;
+  ASSERT_GT(score, 0.65) << "more than is asked of a robot of which nothing is known";
+  ASSERT_LT(score, 0.95);
+  EXPECT_TRUE(with(true, 1).matched);
+  EXPECT_FALSE(with(false, 1 - (1 - score) / 4).matched);
+  EXPECT_TRUE(with(false, 1 - (1 - score) / 2).matched);
+}
+
 // Odometry that stood still and then jumps: where the laser cannot tell, as in a corridor, it is believed.
 TEST(Place, GoesWhereAJumpLedToWhereWallsDoNotObject) {
   Expectation expectation = expecting({0, 0, 0}, 0.5, 0.3);

@@ -317,9 +317,9 @@ TEST(TrialByScans, SaysByWhatItWasJudged) {
 }
 
 TEST(TrialByScans, OfAMergeThatSharesLittleWaits) {
-  const Trial trial = merge_along(0, 20, 9.3, 30, long_corridor()).tried();
+  const Trial trial = merge_along(0, 17, 9.3, 30, long_corridor()).tried();
   EXPECT_TRUE(trial.undecided());
-  EXPECT_GE(trial.patches_touched(), 12);
+  EXPECT_GE(trial.patches_touched(), 8);
   EXPECT_EQ(trial.refusal(), Reason::too_little_support);
 }
 

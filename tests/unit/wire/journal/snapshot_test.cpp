@@ -236,8 +236,8 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
   const std::string journal = write_team_journal(directory, 60);
   update_snapshots(journal);
   const std::string newest = list_journal(journal).snapshots.rbegin()->second;
-  std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(14);
-  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 14; this program reads version 13");
+  std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(15);
+  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 15; this program reads version 14");
   EXPECT_TRUE(is_snapshot(newest));
   EXPECT_FALSE(is_snapshot(segment_path(journal, 1)));
 }
@@ -245,26 +245,26 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
 /// Of each version that there ever was there is a file. A change of what is written needs a new version
 /// (server/wire/journal/snapshot.cpp), and the old file must then be refused by word, or migrated.
 TEST(Snapshots, OfEveryEarlierVersionAreRefusedByWord) {
-  for (int version = 1; version < 13; ++version) {
+  for (int version = 1; version < 14; ++version) {
     const std::string name = "version " + std::to_string(version);
     const std::string directory = "tests/unit/wire/snapshots/version-" + std::to_string(version);
     const JournalFiles files = list_journal(directory);
     ASSERT_EQ(files.snapshots.size(), 1U) << name;
     const std::string why = why_unreadable(files.snapshots.begin()->second);
-    EXPECT_NE(why.find("is of " + name + "; this program reads version 13"), std::string::npos) << why;
+    EXPECT_NE(why.find("is of " + name + "; this program reads version 14"), std::string::npos) << why;
   }
 }
 
-TEST(Snapshots, OfVersion13AreRead) {
-  const std::string path = "tests/unit/wire/snapshots/version-13/snapshot-000001.isthmus";
+TEST(Snapshots, OfVersion14AreRead) {
+  const std::string path = "tests/unit/wire/snapshots/version-14/snapshot-000001.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
-  EXPECT_EQ(snapshot.map.events, 672);
+  EXPECT_EQ(snapshot.map.events, 668);
   EXPECT_EQ(map.patches.size(), 15U);
-  EXPECT_EQ(map.trajectory_rows, 108U);
-  EXPECT_EQ(map.sightings.size(), 10U);
+  EXPECT_EQ(map.trajectory_rows, 109U);
+  EXPECT_EQ(map.sightings.size(), 6U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "117db6b6b7ff61e203249723258d218356b5fe6c695c6fb4219da8402385d2a7");
+  EXPECT_EQ(map_sha256(map), "82d968a3837ddde7afbe5d1cacf95e5d01da48df3207d53ebb862328d3b0b49d");
 }
 
 }  // namespace
