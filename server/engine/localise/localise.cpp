@@ -47,9 +47,8 @@ MatchOptions from_scan_to_scan(const EngineOptions& options) {
   return match_options;
 }
 
-// Where odometry tells that the robot is there, and where it does not: then other walls may look alike.
-double least_score(const Robot& robot, bool doubtful, const EngineOptions& options) {
-  if (!doubtful) return options.localise.min_score;
+// Where odometry does not tell that the robot is there, other walls may look alike.
+double min_score_in_doubt(const Robot& robot, const EngineOptions& options) {
   return std::max(options.localise.min_score_implausible,
                   robot.usual_misfit.least_score(options.usual_misfit));
 }
@@ -108,7 +107,7 @@ class BestFit {
         information_(expectation.tracking_covariance.inverse()),
         // How far it is from where odometry has the robot is weighed at the end.
         doubtful_(!expectation.plausible || place_.suspect),
-        min_score_(least_score(robot, doubtful_, options)) {}
+        min_score_(doubtful_ ? min_score_in_doubt(robot, options) : its_.min_score) {}
 
   /// From where odometry puts the robot, and from elsewhere where that does not fit, or surprises.
   void try_all() {
@@ -302,7 +301,7 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
       share = 1;
     }
   }
-  const double min_score = believed ? its.doubtful_score : least_score(robot, true, options);
+  const double min_score = believed ? its.doubtful_score : min_score_in_doubt(robot, options);
   if (!match.ok || match.quality.score < min_score) return std::nullopt;
   return placement_of(std::move(match), expectation, share, options);
 }
