@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tests/support/walls.hpp"

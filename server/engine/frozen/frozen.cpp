@@ -114,7 +114,8 @@ std::optional<ScanOutcome> Frozen::try_given(const Map& map, Robot& robot, Given
   if (const auto found = search_about(trial, map, observation.points, options, given.why)) {
     Robot tried = robot;
     tried.place = guessed(*found, odom_from_robot, utime, options.frozen);
-    const Expectation expectation = expect(tried, odom_from_robot, utime, options);
+    Expectation expectation = expect(tried, odom_from_robot, utime, options);
+    expectation.sought = true;
     choose_local_map(map, tried, expectation.local_from_robot, observation.points, options);
     const Placement placement = localise(tried, expectation, tried.local_map, observation.points, options);
     if (placement.matched) {
@@ -134,26 +135,29 @@ std::optional<ScanOutcome> Frozen::try_given(const Map& map, Robot& robot, Given
 void Frozen::put_where_thought(Robot& robot, Lookout& lookout, std::int64_t utime,
                                const Pose& odom_from_robot, const FrozenOptions& options) {
   std::optional<ManifoldPose> thought = lookout.finder.take_found();
-  if (!thought && lookout.last) thought = lookout.last->pose;
+  const bool sought = thought.has_value();
+  if (!sought && lookout.last) thought = lookout.last->pose;
   lookout.last.reset();
   if (!thought) return;
   robot.place = guessed(*thought, odom_from_robot, utime, options);
   lookout.tries_left = options.max_tries;
   lookout.moved_away = true;
+  lookout.sought = sought;
 }
 
 std::optional<ScanOutcome> Frozen::follow_on(const Map& map, Robot& robot, const Observation& observation,
                                              const Pose& odom_from_robot, const EngineOptions& options) {
   const std::vector<ScanPoint>& points = observation.points;
   const std::int64_t utime = observation.scan.utime;
-  const Expectation expectation = expect(robot, odom_from_robot, utime, options);
+  const std::string& name = robot.declaration.robot;
+  const auto lookout = lookouts_.find(name);
+  Expectation expectation = expect(robot, odom_from_robot, utime, options);
+  expectation.sought = lookout != lookouts_.end() && lookout->second.sought;
   choose_local_map(map, robot, expectation.local_from_robot, points, options);
   const Placement placement = localise(robot, expectation, robot.local_map, points, options);
   follow(map, robot, expectation, placement, odom_from_robot, utime, options);
-  const std::string& name = robot.declaration.robot;
   if (placement.matched) {
     robot.place->since_last_patch = {};  // since the last match, here: the robot has no patches
-    const auto lookout = lookouts_.find(name);
     const bool moved_away = lookout != lookouts_.end() && lookout->second.moved_away;
     if (lookout != lookouts_.end()) lookouts_.erase(lookout);
     return ScanOutcome{answer(map, robot, true), Unmatched::no, moved_away || robot.session < 0, false,

@@ -59,6 +59,7 @@ class Frozen {
     Finder finder;
     int tries_left = 0;       ///< scans to be matched where it is thought to be; 0: any number
     bool moved_away = false;  ///< it may be elsewhere: where it is found, a new session begins
+    bool sought = false;      ///< where it is thought to be, the finder found
   };
 
   /// What became of poses that were given.

@@ -18,6 +18,9 @@ struct Expectation {
   double seconds = 0;     ///< since the last scan, no less than LocaliseOptions::min_period_s
   bool plausible = true;  ///< false: no robot moves like that
   bool catches_up = false;  ///< what odometry said is taken to hold what it had not told before
+  /// The place of the robot, where this begins, was searched for all over the map or told by somebody: what
+  /// looks like it elsewhere was weighed then.
+  bool sought = false;
 };
 
 /// What odometry is taken to err by in a turn: nothing that anybody knows, or what it erred by before

@@ -47,10 +47,12 @@ MatchOptions from_scan_to_scan(const EngineOptions& options) {
   return match_options;
 }
 
-// Where odometry does not tell that the robot is there, other walls may look alike.
-double min_score_in_doubt(const Robot& robot, const EngineOptions& options) {
-  return std::max(options.localise.min_score_implausible,
-                  robot.usual_misfit.least_score(options.usual_misfit));
+// Where odometry does not tell that the robot is there, other walls may look alike. Where it was sought and found,
+// what is not as it was when it was mapped may fit worse than usual.
+double min_score_in_doubt(const Robot& robot, const Expectation& expectation, const EngineOptions& options) {
+  const double least = options.localise.min_score_implausible;
+  if (expectation.sought && expectation.plausible) return least;
+  return std::max(least, robot.usual_misfit.least_score(options.usual_misfit));
 }
 
 // A match together with the share of what was expected that it was fitted with. The same beams count at the
@@ -107,7 +109,7 @@ class BestFit {
         information_(expectation.tracking_covariance.inverse()),
         // How far it is from where odometry has the robot is weighed at the end.
         doubtful_(!expectation.plausible || place_.suspect),
-        min_score_(doubtful_ ? min_score_in_doubt(robot, options) : its_.min_score) {}
+        min_score_(doubtful_ ? min_score_in_doubt(robot, expectation, options) : its_.min_score) {}
 
   /// From where odometry puts the robot, and from elsewhere where that does not fit, or surprises.
   void try_all() {
@@ -301,7 +303,7 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
       share = 1;
     }
   }
-  const double min_score = believed ? its.doubtful_score : min_score_in_doubt(robot, options);
+  const double min_score = believed ? its.doubtful_score : min_score_in_doubt(robot, expectation, options);
   if (!match.ok || match.quality.score < min_score) return std::nullopt;
   return placement_of(std::move(match), expectation, share, options);
 }

@@ -145,6 +145,49 @@ TEST(Frozen, PutsARobotWhereItIsSaidToBeIfItsScanFitsThere) {
   EXPECT_TRUE(on.lost().empty());
 }
 
+// A hall in which things stand that did not when it was mapped, and a robot that knows nothing but scans that fit.
+Walls changed_hall() {
+  Walls walls = niched_hall();
+  for (double x = 2; x < 20; x += 1.2) add_box(walls, x, 1.3, x + 0.3, 1.6);
+  return walls;
+}
+
+void let_learn_that_all_fits(OnTheMap& on) {
+  for (int i = 0; i < 1000; ++i) on.robot.usual_misfit.learn(0.97, on.options.usual_misfit);
+}
+
+TEST(Frozen, PutsARobotWhereItIsSaidToBeThoughSomeStandsThereThatDidNot) {
+  Given on;
+  let_learn_that_all_fits(on);
+  const Pose truth{5, 0.3, 0.2};
+  on.give({5.6, -0.2, 0.5});
+  const auto outcome = on.scan(truth, {}, changed_hall());
+  ASSERT_TRUE(outcome);
+  EXPECT_NEAR(outcome->pose.map_from_robot.x, 5, 0.05);
+}
+
+TEST(Frozen, FindsARobotWhereSomeStandsThatDidNot) {
+  OnTheMap on({});
+  let_learn_that_all_fits(on);
+  on.robot.place.reset();
+  std::optional<ScanOutcome> outcome;
+  double x = 4;
+  for (; x < 14 && !outcome; x += 0.1) {
+    outcome = on.scan({x, 0.3, 0}, {x - 4, 0, 0}, changed_hall());
+    on.wait();
+  }
+  ASSERT_TRUE(outcome);
+  EXPECT_NEAR(outcome->pose.map_from_robot.x, x - 0.1, 0.1);
+}
+
+// Where odometry jumps, the walls near by are not taken for its own that fit so.
+TEST(Frozen, DoesNotFollowAJumpToWhereSomeStandsThatDidNot) {
+  OnTheMap on({4, 0.3, 0});
+  let_learn_that_all_fits(on);
+  ASSERT_TRUE(on.scan({4.1, 0.3, 0}));
+  EXPECT_FALSE(on.scan({4.1, 0.3, 0}, {34.1, 0.3, 0}, changed_hall()));
+}
+
 TEST(Frozen, LeavesARobotWhereItIsSaidToBeInVainAndSaysWhy) {
   Given on;
   EXPECT_EQ(on.give({11, 0, 0}, 0.3, 0.2), DropReason::none);

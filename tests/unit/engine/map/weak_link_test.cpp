@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "relations/fit.hpp"
 #include "tests/support/ways.hpp"

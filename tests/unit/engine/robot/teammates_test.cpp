@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "tests/support/relations.hpp"
 #include "tests/support/walls.hpp"

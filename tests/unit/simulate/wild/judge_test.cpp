@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <numbers>
 
 #include "tests/support/walls.hpp"
 
