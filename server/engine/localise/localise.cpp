@@ -47,8 +47,8 @@ MatchOptions from_scan_to_scan(const EngineOptions& options) {
   return match_options;
 }
 
-// Where odometry does not tell that the robot is there, other walls may look alike. Where it was sought and found,
-// what is not as it was when it was mapped may fit worse than usual.
+// Where odometry does not tell that the robot is there, other walls may look alike. Where it was sought and
+// found, what is not as it was when it was mapped may fit worse than usual.
 double min_score_in_doubt(const Robot& robot, const Expectation& expectation, const EngineOptions& options) {
   const double least = options.localise.min_score_implausible;
   if (expectation.sought && expectation.plausible) return least;
