@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <ostream>
 #include <string>
 
 #include "server/feature_maps/output/feature_files.hpp"
@@ -36,7 +38,18 @@ constexpr Gate gates[] = {
     {"intel", 0, 0.0160, 0.25, 0.0145, 0.225},
     {"fr079", -0.04, 0.0350, 0.51, 0.0340, 0.465},
     {"aces", 0, 0.0405, 0.38, 0.0390, 0.355},
+    {"mit-csail", 0, 0.0325, 0.42, 0.0310, 0.370},
 };
+
+// The name of a test has no hyphen.
+std::string name_of(const Gate& gate) {
+  std::string name = gate.log;
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+// So that tests are listed by their logs.
+std::ostream& operator<<(std::ostream& stream, const Gate& gate) { return stream << gate.log; }
 
 /// Imports a log of the benchmark; the path of the event log, nothing where there is no data.
 std::optional<std::string> imported(const Gate& gate, const TemporaryDirectory& directory) {
@@ -120,11 +133,12 @@ TEST_P(RealLogBySegments, IsAsAccurateAsItsGateAsksWhereAFilterAloneLosesItsWay)
 
 INSTANTIATE_TEST_SUITE_P(Benchmark, RealLogBySegments,
                          testing::Values(Gate{"intel", 0, 0.04, 0.43, 0, 0},
-                                         Gate{"fr079", -0.04, 0.049, 0.75, 0, 0}),
-                         [](const auto& test) { return std::string(test.param.log); });
+                                         Gate{"fr079", -0.04, 0.049, 0.75, 0, 0},
+                                         Gate{"mit-csail", 0, 0.036, 0.43, 0, 0}),
+                         [](const auto& test) { return name_of(test.param); });
 
 INSTANTIATE_TEST_SUITE_P(Benchmark, RealLog, testing::ValuesIn(gates),
-                         [](const auto& test) { return std::string(test.param.log); });
+                         [](const auto& test) { return name_of(test.param); });
 
 }  // namespace
 }  // namespace isthmus
