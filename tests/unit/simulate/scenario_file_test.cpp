@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/program/command_line.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tools/simulate/scenario/scenario_settings.hpp"
 
@@ -104,7 +105,8 @@ TEST(ScenarioFile, RefusesATourThatGrazesAWall) {
 
 TEST(ScenarioFile, NamesWhatIsMissing) {
   EXPECT_EQ(error_of([] { load_scenario("no_such_scenario"); }),
-            "no scenario is called 'no_such_scenario'; --list names them");
+            "no scenario is called 'no_such_scenario'; isthmus-simulate --list names them");
+  EXPECT_THROW(load_scenario("no_such_scenario"), UsageError);
   EXPECT_EQ(error_of([] { load_scenario("./no_such_file.toml"); }), "./no_such_file.toml: cannot be read");
 }
 

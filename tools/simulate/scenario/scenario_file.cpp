@@ -161,8 +161,8 @@ Scenario load_scenario(const std::string& name_or_file, const std::vector<std::s
   if (name_or_file.find('/') == std::string::npos && file.extension() != ".toml") {
     file = scenario_directory() / (name_or_file + ".toml");
     if (!fs::exists(file)) {
-      throw std::runtime_error("no scenario is called '" + name_or_file + "'; --list names them" +
-                               did_you_mean(name_or_file, scenario_names()));
+      throw UsageError("no scenario is called '" + name_or_file + "'; isthmus-simulate --list names them" +
+                       did_you_mean(name_or_file, scenario_names()));
     }
   }
   Setting root = read_toml(file.string());
