@@ -145,7 +145,8 @@ TEST(Frozen, PutsARobotWhereItIsSaidToBeIfItsScanFitsThere) {
   EXPECT_TRUE(on.lost().empty());
 }
 
-// A hall in which things stand that did not when it was mapped, and a robot that knows nothing but scans that fit.
+// A hall in which things stand that did not when it was mapped, and a robot that knows nothing but scans that
+// fit.
 Walls changed_hall() {
   Walls walls = niched_hall();
   for (double x = 2; x < 20; x += 1.2) add_box(walls, x, 1.3, x + 0.3, 1.6);
