@@ -223,11 +223,13 @@ TEST(Place, AsksForAScoreAsUsualAfterOdometryThatCannotBeBelieved) {
   const Pose truth{0.4, -0.3, 0.2};
   Walls changed = furnished_room();
   add_box(changed, 0.8, -0.9, 1.1, -0.6);
-  const auto with = [&](bool plausible, double usual_score) {
+  const auto with = [&](bool plausible, double usual_score, bool sought = false) {
     Robot robot = robot_at(truth);
+    robot.place->suspect = sought;
     for (int i = 0; i < 1000; ++i) robot.usual_misfit.learn(usual_score, {});
     Expectation expectation = expecting(truth);
     expectation.plausible = plausible;
+    expectation.sought = sought;
     return placed(robot, expectation, local_map_of(furnished_room()), changed, truth);
   };
   const double score = with(true, 1).match.quality.score;
@@ -236,6 +238,9 @@ TEST(Place, AsksForAScoreAsUsualAfterOdometryThatCannotBeBelieved) {
   EXPECT_TRUE(with(true, 1).matched);
   EXPECT_FALSE(with(false, 1 - (1 - score) / 4).matched);
   EXPECT_TRUE(with(false, 1 - (1 - score) / 2).matched);
+  EXPECT_TRUE(with(true, 1 - (1 - score) / 4, true).matched)
+      << "where it was sought and found, as it stands there";
+  EXPECT_FALSE(with(false, 1 - (1 - score) / 4, true).matched) << "from there odometry has jumped anew";
 }
 
 // Odometry that stood still and then jumps: where the laser cannot tell, as in a corridor, it is believed.
