@@ -3,11 +3,13 @@
 
     tests/scenario/page_test.py --build .build/dev [--pictures DIR] [Page.test_an_exploration_is_shown_live]
 
+All tests, if none is named, run at the same time, each as a process: mostly they wait for robots and for frames.
 Exit code 0 where all holds, 1 with what does not; 0 and "no browser" where Chromium, its driver or Selenium are
 missing (tools/install-dependencies.sh --browser).
 """
 
 import argparse
+import concurrent.futures
 import json
 import math
 import os
@@ -689,6 +691,22 @@ class LargePage(InBrowser):
         self.check_labels(labels, 6)
 
 
+def each_by_itself():
+    """Runs every test as a process, all at the same time; the exit code."""
+    tests = [f"{case.__name__}.{name}" for case in InBrowser.__subclasses__() for name in unittest.defaultTestLoader.getTestCaseNames(case)]
+
+    def run(test):
+        return subprocess.run([sys.executable, __file__, *sys.argv[1:], test], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+    with concurrent.futures.ThreadPoolExecutor(len(tests)) as pool:
+        results = list(pool.map(run, tests))
+    for test, result in zip(tests, results):
+        print(f"{test}\n{result.stdout}")
+    failed = [test for test, result in zip(tests, results) if result.returncode]
+    print(f"{len(tests) - len(failed)} of {len(tests)} tests passed" + (f"; failed: {', '.join(failed)}" if failed else ""))
+    return 1 if failed or not tests else 0
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default=ARGUMENTS.build)
@@ -698,4 +716,6 @@ if __name__ == "__main__":
     if missing():
         print(f"no browser: {', '.join(missing())} missing (tools/install-dependencies.sh --browser)")
         sys.exit(0)
+    if not ARGUMENTS.tests:
+        sys.exit(each_by_itself())
     unittest.main(argv=sys.argv[:1] + ARGUMENTS.tests)
