@@ -27,6 +27,7 @@ Json account_of(const TrialAccount& account) {
           {"contradiction", account.contradiction},
           {"own_contradiction", account.own_contradiction},
           {"way_m", account.way_m},
+          {"unmatched_m", account.unmatched_m},
           {"width_m", account.width_m},
           {"own_m", account.own_m},
           {"border_contradiction", account.border_contradiction},

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "server/engine/map/dependencies.hpp"
+#include "server/engine/propagation/trial.hpp"
 
 namespace isthmus {
 namespace {
@@ -51,10 +52,6 @@ std::vector<std::size_t> agreed(const World& world, const TagPatches& tags,
   return records;
 }
 
-double by_sightings(std::size_t agreeing, const TrialOptions& its) {
-  return its.log_odds_per_sighting * std::max(0.0, static_cast<double>(agreeing) - 2);
-}
-
 // How much matches says that the two maps are of ground that is alike. That there is no other ground like it,
 // it says only as far as buildings are rare that are the same twice.
 double by_what_matches(const TrialAccount& account, const TrialOptions& its) {
@@ -77,12 +74,12 @@ std::optional<MergeAccount> contradicted_merge(const World& world, const TagPatc
     if (!parted(rest, refused.record.joining.first, refused.record.joining.second)) continue;
     MergeAccount account{
         id,
-        by_sightings(merge.evidence.size(), its) + by_what_matches(merge.record.account, its),
-        by_sightings(contradicting(ledger, rest), its),
+        log_odds_of_agreeing(merge.evidence.size(), its) + by_what_matches(merge.record.account, its),
+        log_odds_of_agreeing(contradicting(ledger, rest), its),
         {}};
     if (account.contradicting <= account.supporting) continue;
     account.agreed = agreed(world, tags, observations, rest);
-    account.supporting = by_sightings(merge.evidence.size() + account.agreed.size(), its) +
+    account.supporting = log_odds_of_agreeing(merge.evidence.size() + account.agreed.size(), its) +
                          by_what_matches(merge.record.account, its);
     if (account.contradicting <= account.supporting) continue;
     if (!worst || account.contradicting - account.supporting > worst->contradicting - worst->supporting)

@@ -1,6 +1,5 @@
 #include "server/engine/closures/rival_merge.hpp"
 
-#include <algorithm>
 #include <set>
 #include <span>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "server/engine/map/local_loop.hpp"
 #include "server/engine/map/ways.hpp"
 #include "server/engine/propagation/shared_part.hpp"
+#include "server/engine/propagation/trial.hpp"
 
 namespace isthmus {
 namespace {
@@ -49,7 +49,7 @@ bool is_elsewhere(const Map& map, const Joining& joining, const EngineOptions& o
 }
 
 Overlay on_trial(const TrialAccount& account) {
-  return {account.way_m, account.unmatched_m(), account.width_m};
+  return {account.way_m, account.unmatched_m, account.width_m};
 }
 
 // As far from what matches as the map cannot have bent: beyond, a loop may be open.
@@ -72,13 +72,8 @@ Overlay as_it_lies(const Map& map, const RelationGraph& apart, const Joining& jo
   std::vector<PatchId> known_to_both =
       overlapping(map, apart.patches_of(first), apart.patches_of(second), options.shared_part);
   std::erase_if(known_to_both, may_have_bent);
-  const double matched_m = way_m(map, matched, options.shared_part);
-  return {matched_m, std::max(0.0, way_m(map, known_to_both, options.shared_part) - matched_m),
-          width_m(map, matched)};
-}
-
-double by_sightings(const Entry& merge, const TrialOptions& its) {
-  return its.log_odds_per_sighting * std::max(0.0, static_cast<double>(merge.evidence.size()) - 2);
+  return {way_m(map, matched, options.shared_part),
+          unmatched_way_m(map, apart, known_to_both, matched, options), width_m(map, matched)};
 }
 
 // By so much as a loop must be likely, or the one would be accepted now and the other no more.
@@ -103,8 +98,9 @@ std::optional<RivalledMerge> rivalled_merge(const World& world, const ClosureLed
     const RelationGraph apart = without(graph, dependencies, id);
     if (apart.island(joining.first) == apart.island(joining.second)) continue;
     const Overlay overlay = as_it_lies(world.map, apart, joining, world.options);
-    const RivalledMerge found{id, log_odds(overlay, merge.record.account, its) + by_sightings(merge, its),
-                              as_rival};
+    const RivalledMerge found{
+        id, log_odds(overlay, merge.record.account, its) + log_odds_of_agreeing(merge.evidence.size(), its),
+        as_rival};
     if (!is_likelier(found, its.min_loop_log_odds)) continue;
     if (!least || found.as_it_lies < least->as_it_lies) least = found;
   }

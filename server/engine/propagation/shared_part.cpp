@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "server/engine/map/contradiction.hpp"
 #include "server/engine/map/drift.hpp"
+#include "server/engine/map/surroundings.hpp"
 #include "server/engine/map/ways.hpp"
 
 namespace isthmus {
@@ -93,6 +95,23 @@ double way_m(const Map& map, std::span<const PatchId> patches, const SharedPartO
     ++strides;
   }
   return options.stride_m * static_cast<double>(strides);
+}
+
+double unmatched_way_m(const Map& map, const RelationGraph& apart, std::span<const PatchId> known,
+                       std::span<const PatchId> matched, const EngineOptions& options) {
+  const double beside_m = 2 * options.shared_part.stride_m;  // in this place or the next
+  const std::set<PatchId> matching(matched.begin(), matched.end());
+  const auto matches_beside = [&](PatchId id) {
+    const std::vector<PatchId> own_way =
+        apart.within_hops(id, options.propagation.same_side_hops, says_where_walls_are);
+    return std::ranges::any_of(own_way, [&](PatchId other) {
+      return matching.contains(other) && (position(map, other) - position(map, id)).norm() < beside_m;
+    });
+  };
+  std::vector<PatchId> unmatched;
+  for (const PatchId id : known)
+    if (!matches_beside(id)) unmatched.push_back(id);
+  return way_m(map, unmatched, options.shared_part);
 }
 
 std::vector<PatchId> overlapping(const Map& map, std::span<const PatchId> first,

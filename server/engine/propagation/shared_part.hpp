@@ -19,6 +19,11 @@ struct SharedPart {
 /// Way on which patches lie, however often it was driven.
 double way_m(const Map& map, std::span<const PatchId> patches, const SharedPartOptions& options);
 
+/// Of the way on which `known` lie, places where nothing matches: no patch there is among `matched`, nor is
+/// one of those beside it on its own way, a few relations away in the graph without what is tried.
+double unmatched_way_m(const Map& map, const RelationGraph& apart, std::span<const PatchId> known,
+                       std::span<const PatchId> matched, const EngineOptions& options);
+
 /// How wide patches lie across their length: next to nothing along one corridor.
 double width_m(const Map& map, std::span<const PatchId> patches);
 

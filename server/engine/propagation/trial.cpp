@@ -265,6 +265,8 @@ void Trial::judge(std::int64_t now_utime) {
   account_.matched = static_cast<int>(propagation_.matched().size());
   account_.compared = account_.matched + static_cast<int>(propagation_.unmatched().size());
   account_.way_m = way_m(map_, propagation_.matched(), options_.shared_part);
+  account_.unmatched_m = unmatched_way_m(map_, propagation_.before(), propagation_.unmatched(),
+                                         propagation_.matched(), options_);
   account_.width_m = width_m(map_, propagation_.matched());
   account_.shared_log_odds = shared_log_odds(account_.way_m, account_.width_m);
   if (proposal_.measured) return;
@@ -280,7 +282,7 @@ void Trial::judge(std::int64_t now_utime) {
 // themselves, by more than their noise: where many say the same, they are true and their noise is not.
 void Trial::judge_sightings() {
   const TrialOptions& its = options_.trial;
-  account_.sighting_log_odds = its.log_odds_per_sighting * std::max(0, proposal_.supporters - 2);
+  account_.sighting_log_odds = log_odds_of_agreeing(static_cast<std::size_t>(proposal_.supporters), its);
   const double by_sightings =
       its.log_odds_per_sighting_cost * std::max(0.0, account_.cost - its.even_sighting_cost);
   account_.fit_log_odds = -by_sightings - log_odds_by_walls();
@@ -354,7 +356,7 @@ void Trial::judge_loop() {
   const double by_finds = its.log_odds_per_find_cost * std::max(0.0, account_.cost - its.even_find_cost);
   const double by_scans = log_odds_by_walls();
   account_.fit_log_odds = -by_finds - by_scans;
-  account_.shared_log_odds -= its.log_odds_per_unmatched_m * account_.unmatched_m();
+  account_.shared_log_odds -= its.log_odds_per_unmatched_m * account_.unmatched_m;
   if (account_.log_odds() < -its.min_loop_log_odds) {
     refusal_ = by_finds > by_scans ? Reason::finds_disagree : Reason::walls_in_free_space;
   } else if (account_.log_odds() < its.min_loop_log_odds) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <tuple>
@@ -18,6 +19,11 @@ struct SharedPart;
 /// What the map may err by beyond its covariance where sightings close a loop: variances of x, y, yaw.
 inline Eigen::Vector3d slip_variances(const TrialOptions& options) {
   return {options.slip_variance_m2, options.slip_variance_m2, options.slip_variance_rad2};
+}
+
+/// By how many sightings agree that a closure is true: any two may, by chance.
+inline double log_odds_of_agreeing(std::size_t sightings, const TrialOptions& options) {
+  return sightings > 2 ? options.log_odds_per_sighting * static_cast<double>(sightings - 2) : 0;
 }
 
 /// Where scans found a loop to close: how a patch lies to one that they take for near it, and the way over

@@ -67,7 +67,7 @@ void write_labelled_closures(const std::vector<LabelledClosure>& closures, const
   CsvFile csv(
       file,
       "run,id,kind,proposed_by,state,reason,true,off_m,off_rad,supporters,two_way,compared,matched,cost,"
-      "contradiction,own_contradiction,way_m,width_m,own_m,border_contradiction,look_alikes,"
+      "contradiction,own_contradiction,way_m,unmatched_m,width_m,own_m,border_contradiction,look_alikes,"
       "prior_log_odds,sighting_log_odds,revisit_log_odds,shared_log_odds,fit_log_odds,layers_before,layers_"
       "after,"
       "layers_log_odds,blamed,blamed_log_odds,"
@@ -77,10 +77,10 @@ void write_labelled_closures(const std::vector<LabelledClosure>& closures, const
     const TrialAccount& a = c.account;
     csv.row(one.run, c.id, word(c.kind), c.from_scans ? "scans" : "sightings", word(c.state), word(c.reason),
             one.is_true() ? 1 : 0, one.off_m, one.off_rad, a.supporters, a.two_way ? 1 : 0, a.compared,
-            a.matched, a.cost, a.contradiction, a.own_contradiction, a.way_m, a.width_m, a.own_m,
-            a.border_contradiction, a.look_alikes, a.prior_log_odds, a.sighting_log_odds, a.revisit_log_odds,
-            a.shared_log_odds, a.fit_log_odds, a.layers_before, a.layers_after, a.layers_log_odds, a.blamed,
-            a.blamed_log_odds, a.log_odds());
+            a.matched, a.cost, a.contradiction, a.own_contradiction, a.way_m, a.unmatched_m, a.width_m,
+            a.own_m, a.border_contradiction, a.look_alikes, a.prior_log_odds, a.sighting_log_odds,
+            a.revisit_log_odds, a.shared_log_odds, a.fit_log_odds, a.layers_before, a.layers_after,
+            a.layers_log_odds, a.blamed, a.blamed_log_odds, a.log_odds());
   }
   csv.commit();
 }

@@ -129,8 +129,8 @@ struct TrialOptions {
     option(log_odds_per_way_m, "log_odds_per_way_m", "log-odds/m",
            "that a loop or merge is true, of way that matches: ground looks alike for a few metres,");
     option(log_odds_per_unmatched_m, "log_odds_per_unmatched_m", "log-odds/m",
-           "of way that both sides know and that does not match: against a loop, and against a merge where "
-           "another is possible");
+           "of way that both sides know and on which nothing matches (on trial 0.5 m of 95 true loops in the "
+           "mean, 2.4 m of 41 false ones): against a loop, and a merge where another is possible");
     option(repeats_probability, "repeats_probability", "probability",
            "and so seldom a corridor repeats itself as far as it goes: the most that way says for a loop");
     option(log_odds_per_width_m, "log_odds_per_width_m", "log-odds/m",

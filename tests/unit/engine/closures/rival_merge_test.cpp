@@ -39,15 +39,15 @@ struct Rivalled {
     record.account.prior_log_odds = 3;
     return record;
   }
-  // By so many metres that match, and as many patches that do not.
-  ClosureRecord& refuse(double way_m, int unmatched = 0, const Pose& off = elsewhere) {
+  // By so many metres that match, and so many that do not.
+  ClosureRecord& refuse(double way_m, double unmatched_m = 0, const Pose& off = elsewhere) {
     rival = ledger.take_id();
     ClosureRecord& record = enter(rival, ClosureKind::loop, off);
     record.state = ClosureState::refused;
     record.reason = Reason::walls_in_free_space;
     record.account.way_m = way_m;
-    record.account.matched = static_cast<int>(way_m);
-    record.account.compared = record.account.matched + unmatched;
+    record.account.matched = record.account.compared = static_cast<int>(way_m);
+    record.account.unmatched_m = unmatched_m;
     return record;
   }
   std::optional<RivalledMerge> found() { return rivalled_merge(scene.world(20), ledger, ledger.at(rival)); }
@@ -85,7 +85,7 @@ TEST(RivalMerge, IsOneThatWouldBeAcceptedWhereTheMergeWouldNoMore) {
   EXPECT_LT(found->as_it_lies, 7);
 }
 
-TEST(RivalMerge, IsNoneWhereHalfOfWhatWasComparedDoesNotMatch) {
+TEST(RivalMerge, IsNoneWhereHalfOfTheGroundDoesNotMatch) {
   Rivalled its;
   its.refuse(40, 40);
   EXPECT_FALSE(its.found());

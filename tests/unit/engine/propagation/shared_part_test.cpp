@@ -52,6 +52,21 @@ TEST(SharedPartWay, CountsAMetreOnceHoweverOftenItWasDriven) {
   EXPECT_EQ(way_m(placed.map, matched, {}), 3);
 }
 
+// Two ways over the same ground, of which one is matched up to x = 3.
+TEST(SharedPartWay, IsUnmatchedWhereNothingBesideMatchesOnTheSameWay) {
+  Placed placed;
+  const std::vector<PatchId> first = placed.add(row(0, 8)), second = placed.add(row(0, 8, 0.2));
+  placed.relate_in_order(first.front(), first.back());
+  placed.relate_in_order(second.front(), second.back());
+  std::vector<PatchId> matched = first;
+  matched.insert(matched.end(), {second[0], second[1], second[3]});
+  const RelationGraph& apart = placed.map.graph();
+  const std::vector<PatchId> gap = {second[2]}, end(second.begin() + 4, second.end());
+  EXPECT_EQ(unmatched_way_m(placed.map, apart, gap, matched, {}), 0);
+  EXPECT_EQ(unmatched_way_m(placed.map, apart, end, matched, {}), 4) << "from 5 to 8";
+  EXPECT_EQ(unmatched_way_m(placed.map, apart, first, matched, {}), 0);
+}
+
 // Twice the standard deviation across the length of the whole.
 TEST(SharedPartWidth, IsAcrossTheLength) {
   Placed placed;

@@ -240,22 +240,35 @@ TEST(TrialByScans, OfALoopFoundAtOneOfSeveralPlacesNeedsMoreThanItsWay) {
   }
 }
 
-// Half of what lies beside it the second time is another corridor.
+std::vector<Walls> where_robots_were(std::size_t patches) {
+  return std::vector<Walls>(patches, long_corridor());
+}
+
+// From 6 m on it is a narrow place the second time.
 TEST(TrialByScans, OfALoopIsTheLessLikelyTheMoreOfTheGroundDoesNotMatch) {
-  Walls half = long_corridor();
-  std::erase_if(half, [](const auto& wall) { return std::min(wall.first.x(), wall.second.x()) > 6; });
-  for (double x = 6.5; x < 20; x += 1.1) add_box(half, x, -0.6, x + 0.4, -0.1);
-  Case its = by_scans(loop_of(long_corridor(), along(0, 11, 0.3), half, along(0.3, 11, 0.3)));
+  std::vector<Walls> seen = where_robots_were(11);
+  std::fill(seen.begin() + 6, seen.end(), Walls{{{-100, -0.2}, {100, -0.1}}, {{-100, 0.7}, {100, 0.6}}});
+  Case its = by_scans(loop_of(where_robots_were(12), along(0, 11, 0.3), seen, along(0.3, 11, 0.3)));
   found(its, 0);
   its.say(PatchId{3}, PatchId{15});
   EngineOptions none;
   none.trial.log_odds_per_unmatched_m = 0;
   const TrialAccount account = its.tried().account(), without = its.tried(none).account();
-  ASSERT_GT(account.compared, account.matched);
-  ASSERT_GT(account.matched, 0);
-  const double share = static_cast<double>(account.compared - account.matched) / account.matched;
+  ASSERT_GT(account.unmatched_m, 0);
   EXPECT_NEAR(without.shared_log_odds - account.shared_log_odds,
-              TrialOptions{}.log_odds_per_unmatched_m * share * account.way_m, 1e-9);
+              TrialOptions{}.log_odds_per_unmatched_m * account.unmatched_m, 1e-9);
+}
+
+// Somebody in the way, a scan as the robot turns: what lies there matches as others saw it.
+TEST(TrialByScans, OfALoopScansThatDoNotMatchAmidOthersThatDoSayNothing) {
+  std::vector<Walls> seen = where_robots_were(11);
+  seen[3] = seen[6] = crooked_room();
+  Case its = by_scans(loop_of(where_robots_were(12), along(0, 11, 0.3), seen, along(0.3, 11, 0.3)));
+  found(its, 0);
+  its.say(PatchId{3}, PatchId{15});
+  const TrialAccount account = its.tried().account();
+  ASSERT_GT(account.compared, account.matched);
+  EXPECT_EQ(account.unmatched_m, 0);
 }
 
 // As likely as each of the others, but for where the map had them.
