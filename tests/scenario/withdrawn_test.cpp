@@ -105,8 +105,9 @@ std::vector<TrajectoryRow> rows_of(const MapCopy& map) {
 
 /// Of what robots drove on others' patches without adding any, less is left than the reference has.
 constexpr double worse_than_reference = 6;
-/// What a match relates by, others took over meanwhile: as many relations, give or take a few.
-constexpr double as_many = 1.05;
+/// What a match relates by, others took over meanwhile: about as many relations. A loop that is closed later
+/// matches more at once, up to a sixth of all; with the merge there are a third more.
+constexpr double as_many = 1.2;
 constexpr double min_error_m = 0.01;
 
 void expect_like_the_reference(const Team& run, const MapCopy& map) {
