@@ -91,6 +91,14 @@ TEST(RivalMerge, IsNoneWhereHalfOfTheGroundDoesNotMatch) {
   EXPECT_FALSE(its.found());
 }
 
+TEST(RivalMerge, IsHeldAgainstGroundThatBothMapsKnowAndThatDoesNotMatch) {
+  Rivalled its;
+  its.refuse(40);
+  const double counted = its.found()->as_it_lies;
+  its.scene.options.trial.log_odds_per_unmatched_m = 0;
+  EXPECT_LT(counted, its.found()->as_it_lies - 0.5);
+}
+
 TEST(RivalMerge, IsNoneThatDriftExplains) {
   Rivalled its;
   its.refuse(40, 0, {0.3, 0.2, 0.02});
