@@ -160,6 +160,7 @@ Json health(const MapCopy& map) {
                            {"turn_correlation", f.turn_correlation},
                            {"best_lag_scans", f.best_lag_scans},
                            {"off_at_best_lag", f.off_at_best_lag},
+                           {"scan_delay_s", robot.scan_delay_s},
                            {"offset_scans", f.offset_scans ? Json(*f.offset_scans) : Json()},
                            {"off_at_offset", f.off_at_offset}};
   }

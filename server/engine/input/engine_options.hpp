@@ -60,6 +60,7 @@ struct EngineOptions {
   OdometryBiasOptions odometry_bias;
   OdometryLearningOptions odometry_learning;
   UsualMisfitOptions usual_misfit;
+  ScanDelayOptions scan_delay;
   PoseHistoryOptions pose_history;
   TeammateOptions teammates;
   HealthOptions health;
@@ -107,6 +108,7 @@ struct EngineOptions {
     group("odometry_bias", odometry_bias);
     group("odometry_learning", odometry_learning);
     group("usual_misfit", usual_misfit);
+    group("scan_delay", scan_delay);
     visit_team_tuning(group);
   }
 

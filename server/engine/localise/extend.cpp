@@ -88,14 +88,22 @@ OdometryPath told_path(const Localisation& place) {
   return path;
 }
 
+// Of its errors at random, and of those that it has in common with the paths before and after it.
+Eigen::Matrix3d path_covariance(Robot& robot, const OdometryPath& path, const Pose& matched, bool well_seen,
+                                const EngineOptions& options) {
+  Eigen::Matrix3d covariance = robot.noise.path_covariance(path.start_from_end, path.covariance, matched,
+                                                           well_seen, options.odometry_noise);
+  covariance(2, 2) += robot.bias.path_yaw_variance(path.start_from_end, options.odometry_bias);
+  return covariance;
+}
+
 }  // namespace
 
 Relation odometry_relation(Robot& robot, PatchId next, const EngineOptions& options) {
   const OdometryPath& path = robot.place->since_last_patch;
   // Where nothing matches, its own account is all there is.
   return odometry_relation(robot.place->last_patch, next, path,
-                           robot.noise.path_covariance(path.start_from_end, path.covariance,
-                                                       path.start_from_end, false, options.odometry_noise));
+                           path_covariance(robot, path, path.start_from_end, false, options));
 }
 
 void put_robot_on(Robot& robot, PatchId patch) {
@@ -215,8 +223,7 @@ bool extend(Map& map, Robot& robot, Observation observation, const Placement& pl
       placement.matched && placement.match.direction_trust.determinant() > options.follow.well_seen;
   const Pose previous_from_robot =
       placement.matched ? ominus(map_from_robot, map.manifold().pose(previous)) : path.start_from_end;
-  const Eigen::Matrix3d covariance = robot.noise.path_covariance(
-      path.start_from_end, path.covariance, previous_from_robot, well_seen, options.odometry_noise);
+  const Eigen::Matrix3d covariance = path_covariance(robot, path, previous_from_robot, well_seen, options);
   const Relation odometry = odometry_relation(previous, id, path, covariance);
   if (placement.matched) {
     if (std::optional<Relation> ground = ground_relation(map, robot, placement, odometry, options))

@@ -84,6 +84,13 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
   }
   if (placement.matched && expectation.plausible && !place.suspect)
     robot.usual_misfit.learn(placement.match.quality.score, options.usual_misfit);
+  if (placement.matched && expectation.plausible && !place.suspect && place.lost_scans == 0) {
+    const double variance_rad2 =
+        robot.noise.covariance(expectation.claimed_step, options.odometry_noise)(2, 2);
+    robot.scan_delay.learn({place.utime, utime, matched_step.yaw, variance_rad2}, robot.odometry,
+                           options.scan_delay);
+    robot.odometry.set_delay_of_others(robot.scan_delay.us());
+  }
   if (placement.matched && expectation.plausible && !expectation.catches_up) {
     const double yaw = place.pose.patch_from_object.yaw;
     const Eigen::Matrix2d local_from_step = Eigen::Rotation2Dd(yaw).toRotationMatrix();

@@ -14,6 +14,7 @@ std::vector<HealthRecord> health_records(const std::map<std::string, Robot>& rob
     const std::map<DropReason, std::int64_t> dropped =
         any ? found->second : std::map<DropReason, std::int64_t>{};
     HealthRecord record{name, robot.health.figures(options.health), {}};
+    record.scan_delay_s = 1e-6 * static_cast<double>(robot.scan_delay.us());
     record.warnings =
         health_warnings(name, robot.declaration.laser, record.figures, dropped, options.health_warnings);
     records.push_back(std::move(record));

@@ -21,6 +21,7 @@ struct HealthRecord {
   std::string robot;
   HealthFigures figures;
   std::vector<HealthWarning> warnings;
+  double scan_delay_s = 0;  ///< by which scans are taken to be stamped later than odometry (ScanDelay)
 };
 
 /// What looks wrong with a robot's data; nothing while too little is known. Of warnings with the same cause,

@@ -6,6 +6,11 @@
 
 namespace isthmus {
 
+Eigen::Matrix2d OdometryBias::Estimate::covariance(const Eigen::Vector2d& prior_sigmas) const {
+  const Eigen::Matrix2d prior = prior_sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
+  return (information + prior).inverse();
+}
+
 void OdometryBias::Estimate::learn(const Eigen::Vector2d& regressor, double error, double variance,
                                    double kept, const Eigen::Vector2d& prior_sigmas, double outlier_sigmas) {
   // Huber's weight of what is left: a slip is no bias.
@@ -14,9 +19,13 @@ void OdometryBias::Estimate::learn(const Eigen::Vector2d& regressor, double erro
   const double weight = (off > bound ? bound / off : 1) / variance;
   information = kept * information + weight * regressor * regressor.transpose();
   sum = kept * sum + weight * error * regressor;
-  const Eigen::Matrix2d with_prior =
-      information + Eigen::Matrix2d(prior_sigmas.cwiseAbs2().cwiseInverse().asDiagonal());
-  value = with_prior.inverse() * sum;
+  value = covariance(prior_sigmas) * sum;
+}
+
+double OdometryBias::path_yaw_variance(const Pose& path, const OdometryBiasOptions& options) const {
+  const Eigen::Vector2d together(options.memory_m * position(path).norm(),
+                                 options.memory_rad * std::abs(path.yaw));
+  return yaw_.covariance({options.turn_per_m_sigma, options.turn_share_sigma}).diagonal().dot(together);
 }
 
 Pose OdometryBias::corrected(const Pose& step) const {

@@ -30,6 +30,14 @@ class OdometryBias {
              const Eigen::Matrix2d& direction_trust, const OdometryBiasOptions& options,
              const OdometryLearningOptions& learning);
 
+  /// What a path may be turned off by (rad²) for what is not known of the bias, which goes on from path to
+  /// path: of an error that is the same over so much way as the estimate remembers, and another after that,
+  /// the sum over a long way has the variance of so many independent ones.
+  ///
+  /// Of its way nothing is said: of all along a corridor nobody knows how far it went but odometry, and the
+  /// less that says, the farther do few beams pull that happen to fit.
+  double path_yaw_variance(const Pose& path, const OdometryBiasOptions& options) const;
+
   double turn_per_m() const { return yaw_.value(0); }
   double turn_share() const { return yaw_.value(1); }
   double aside_share() const { return aside_.value(0); }
@@ -44,6 +52,7 @@ class OdometryBias {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     Eigen::Vector2d value = Eigen::Vector2d::Zero();
 
+    Eigen::Matrix2d covariance(const Eigen::Vector2d& prior_sigmas) const;
     void learn(const Eigen::Vector2d& regressor, double error, double variance, double kept,
                const Eigen::Vector2d& prior_sigmas, double outlier_sigmas);
     auto members() { return std::tie(information, sum, value); }

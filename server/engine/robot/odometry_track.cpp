@@ -22,7 +22,7 @@ std::optional<Pose> OdometryTrack::newest() const {
   return samples_.back().odom_from_robot;
 }
 
-std::optional<Pose> OdometryTrack::at(std::int64_t utime) const {
+std::optional<Pose> OdometryTrack::at_own(std::int64_t utime) const {
   const Sample* after = nullptr;
   for (auto sample = samples_.rbegin(); sample != samples_.rend(); ++sample) {
     if (sample->utime == utime) return sample->odom_from_robot;
@@ -36,6 +36,27 @@ std::optional<Pose> OdometryTrack::at(std::int64_t utime) const {
     if (sample->utime < utime - backward_limit) break;
   }
   return std::nullopt;
+}
+
+std::vector<double> OdometryTrack::own_yaws_back_from(std::int64_t utime, std::int64_t step_us,
+                                                      std::size_t count) const {
+  std::vector<double> yaws;
+  const Sample* after = nullptr;
+  for (auto sample = samples_.rbegin(); sample != samples_.rend() && yaws.size() < count; ++sample) {
+    while (sample->utime <= utime && yaws.size() < count) {
+      if (!after && sample->utime < utime) return {};  // newer than all
+      if (sample->utime == utime) {
+        yaws.push_back(sample->odom_from_robot.yaw);
+      } else {
+        const double share =
+            static_cast<double>(utime - sample->utime) / static_cast<double>(after->utime - sample->utime);
+        yaws.push_back(interpolate(sample->odom_from_robot, after->odom_from_robot, share).yaw);
+      }
+      utime -= step_us;
+    }
+    after = &*sample;
+  }
+  return yaws.size() < count ? std::vector<double>{} : yaws;
 }
 
 }  // namespace isthmus

@@ -15,6 +15,7 @@
 #include "server/engine/robot/odometry_track.hpp"
 #include "server/engine/robot/pose_history.hpp"
 #include "server/engine/robot/robot_health.hpp"
+#include "server/engine/robot/scan_delay.hpp"
 #include "server/engine/robot/turn_error.hpp"
 #include "server/engine/robot/usual_misfit.hpp"
 
@@ -103,6 +104,7 @@ struct Robot {
   OdometryBias bias;
   TurnError turn_error;  ///< beyond that
   UsualMisfit usual_misfit;
+  ScanDelay scan_delay;
   RobotHealth health;
   std::deque<PendingScan> pending;  ///< scans that wait for odometry
   std::optional<Localisation> place;
@@ -123,10 +125,10 @@ struct Robot {
   std::size_t patches = 0;                   ///< that it has added to the map
 
   auto members() {
-    return std::tie(declaration, declared, odometry, noise, bias, turn_error, usual_misfit, health, pending,
-                    place, session, surroundings, local_map, local_map_centre, local_map_stamp,
-                    last_scan_utime, newest_scan_utime, local_loops, unplaced, history, way, seen,
-                    first_patch, stale_scans, patches);
+    return std::tie(declaration, declared, odometry, noise, bias, turn_error, usual_misfit, scan_delay,
+                    health, pending, place, session, surroundings, local_map, local_map_centre,
+                    local_map_stamp, last_scan_utime, newest_scan_utime, local_loops, unplaced, history, way,
+                    seen, first_patch, stale_scans, patches);
   }
 };
 

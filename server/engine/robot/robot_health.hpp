@@ -54,7 +54,8 @@ struct HealthFigures {
   int best_lag_scans = 0;
   double off_at_best_lag = 1;
   /// The same to a tenth of a scan; nothing before the robot has turned enough to tell. Where it is negative
-  /// a scan is older than the odometry that comes with it.
+  /// a scan is older than the odometry that comes with it. What was learned of it before, and is taken out
+  /// (HealthRecord::scan_delay_s), is no part of it.
   std::optional<double> offset_scans;
   double off_at_offset = 1;
 

@@ -164,11 +164,12 @@ TEST(Extend, RelatesAnUnmatchedScanByOdometryAlone) {
   const std::vector<const Relation*> relations = relations_between(in.map, 0, 1);
   ASSERT_EQ(relations.size(), 1U);
   EXPECT_EQ(relations[0]->kind, RelationKind::odometry);
-  const Eigen::Matrix3d covariance =
+  Eigen::Matrix3d covariance =
       in.robot.noise.path_covariance(said, in.robot.noise.covariance(said, {}), said, false, {});
+  covariance(2, 2) += in.robot.bias.path_yaw_variance(said, {});
   EXPECT_TRUE(
       std::get<RelativePose>(relations[0]->measurement).information.isApprox(covariance.inverse(), 1e-6))
-      << "as far as paths of odometry err";
+      << "as far as paths of odometry err, each by itself and together";
 }
 
 // A robot in a corridor that has come back on its first patch, after a second one a metre ahead; its odometry
@@ -235,7 +236,13 @@ TEST(OdometryRelation, TellsTheWayFromTheNewestOwnPatch) {
   EXPECT_EQ(relation.b, PatchId{5});
   EXPECT_EQ(relation.kind, RelationKind::odometry);
   EXPECT_EQ(relation.origin.kind, OriginKind::odometry);
-  expect_near(std::get<RelativePose>(relation.measurement).a_from_b, {1, 0, 0});
+  const auto& told = std::get<RelativePose>(relation.measurement);
+  expect_near(told.a_from_b, {1, 0, 0});
+  const Eigen::Matrix3d alone =
+      in.robot.noise.path_covariance({1, 0, 0}, Eigen::Matrix3d::Identity() * 0.01, {1, 0, 0}, false, {});
+  EXPECT_NEAR(told.information.inverse()(2, 2), alone(2, 2) + in.robot.bias.path_yaw_variance({1, 0, 0}, {}),
+              1e-9)
+      << "it turns as the ways before and after it do";
 }
 
 TEST(WorthAPatch, IsAScanFarFromEveryPatch) {

@@ -39,7 +39,7 @@ struct OnPatches {
     placement.match = match;
     placement.covariance = Eigen::Vector3d(1, 4, 9).asDiagonal();
     placement.tracking_covariance = Eigen::Vector3d(2, 8, 18).asDiagonal();
-    follow(map, robot, expectation, placement, {7, 8, 0.5}, 5'000'000, {});
+    follow(map, robot, expectation, placement, {7, 8, 0.5}, utime, {});
   }
   const ManifoldPose& pose() const { return robot.place->pose; }
 
@@ -47,6 +47,7 @@ struct OnPatches {
   Map map;
   Robot robot;
   Match match;  ///< of the next scan
+  std::int64_t utime = 5'000'000;
 };
 
 // Eq. 14: the nearest patch, and r = π* ⊖ π in its frame.
@@ -176,6 +177,28 @@ TEST(Follow, LearnsHowFarOdometryIsRight) {
   on.robot.place->pose.patch_from_object = {};
   on.follow_to({0.5, 0, 0}, true, true, {0.1, 0, 0});
   EXPECT_GT(on.robot.noise.translation_scale(), before);
+}
+
+// A robot that turns to and fro on the spot, and whose scans are stamped 0.3 s late.
+TEST(Follow, LearnsWhichMomentOfOdometryAScanIsOf) {
+  OnPatches on({{0, 0, 0}});
+  const auto yaw_at = [](double seconds) { return 0.5 * std::sin(0.7 * seconds); };
+  const auto delay_after = [&](bool plausible) {
+    on.robot.odometry.clear();
+    on.robot.scan_delay = {};
+    for (int i = 1; i < 200; ++i) {
+      const double seconds = 0.2 * i;
+      for (int k = 0; k < 4; ++k)
+        on.robot.odometry.add(200'000 * i + 50'000 * k, {0, 0, yaw_at(seconds + 0.05 * k)});
+      on.utime = 200'000 * i;
+      on.follow_to({0, 0, yaw_at(seconds - 0.3)}, true, plausible,
+                   {0, 0, yaw_at(seconds) - yaw_at(seconds - 0.2)});
+    }
+    return on.robot.odometry.newest_utime() - on.robot.odometry.newest_own_utime();
+  };
+  EXPECT_NEAR(static_cast<double>(delay_after(true)), 300'000, 15'000);
+  on.robot.odometry.set_delay_of_others(0);
+  EXPECT_EQ(delay_after(false), 0) << "of implausible odometry nothing is learned";
 }
 
 std::vector<int> patches_in(const LocalMap& local_map) {

@@ -41,6 +41,27 @@ TEST(OdometryTrack, TakesTheNewestPairWhenStampsWentBack) {
   EXPECT_NEAR(track.at(1'000'001)->x, 4, 1e-4);
 }
 
+TEST(OdometryTrack, IsAskedByStampsThatAreLaterThanItsOwn) {
+  OdometryTrack track;
+  for (int i = 0; i <= 10; ++i) track.add(100'000 * i, {0.1 * i, 0, 0});
+  track.set_delay_of_others(250'000);
+  EXPECT_NEAR(track.at(600'000)->x, 0.35, 1e-9);
+  EXPECT_NEAR(track.at_own(600'000)->x, 0.6, 1e-9);
+  EXPECT_EQ(track.newest_utime(), 1'250'000);
+  EXPECT_TRUE(track.at(1'250'000));
+  EXPECT_FALSE(track.at(1'250'001)) << "what odometry has not told yet";
+}
+
+TEST(OdometryTrack, TellsHeadingsBackFromAStamp) {
+  OdometryTrack track;
+  for (int i = 0; i <= 10; ++i) track.add(100'000 * i, {0, 0, 0.1 * i});
+  const std::vector<double> yaws = track.own_yaws_back_from(950'000, 150'000, 4);
+  ASSERT_EQ(yaws.size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(yaws[k], 0.95 - 0.15 * static_cast<double>(k), 1e-9);
+  EXPECT_TRUE(track.own_yaws_back_from(1'000'001, 150'000, 2).empty()) << "newer than all";
+  EXPECT_TRUE(track.own_yaws_back_from(950'000, 150'000, 8).empty()) << "older than all";
+}
+
 TEST(TurnError, GoesOnWhereErrorsFollowOneAnother) {
   TurnError error;
   EXPECT_EQ(error.expected_rad(), 0);
@@ -166,6 +187,23 @@ TEST(OdometryBias, IsHardlyMovedByASlip) {
   const double before = robot.bias.turn_per_m();
   robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0.6}, robot.noise, Eigen::Matrix2d::Identity(), {}, {});
   EXPECT_NEAR(robot.bias.turn_per_m(), before, 0.001);
+}
+
+// A hundred paths of a metre, each as sure as it says, are together as sure as the bias over a hundred
+// metres.
+TEST(OdometryBias, TurnsPathsTogetherAsFarAsItIsNotKnown) {
+  BiasedWheels robot;
+  const OdometryBiasOptions options;
+  const double way_m = options.memory_m, one_m = 1;
+  EXPECT_NEAR(std::sqrt(way_m * robot.bias.path_yaw_variance({one_m, 0, 0}, options)),
+              options.turn_per_m_sigma * way_m, 1e-9);
+  EXPECT_NEAR(robot.bias.path_yaw_variance({0, -2, -0.5}, options),
+              2 * options.memory_m * std::pow(options.turn_per_m_sigma, 2) +
+                  0.5 * options.memory_rad * std::pow(options.turn_share_sigma, 2),
+              1e-9);
+  const double before = robot.bias.path_yaw_variance({one_m, 0, 0}, options);
+  robot.drive(2000);
+  EXPECT_LT(robot.bias.path_yaw_variance({one_m, 0, 0}, options), 0.05 * before) << "once it is learned";
 }
 
 TEST(OdometryBias, FollowsALoadThatChanges) {
