@@ -34,6 +34,7 @@ double posterior_mean_s(const std::vector<double>& delays, const std::vector<dou
 
 void ScanDelay::learn(const MatchedTurn& turn, const OdometryTrack& odometry,
                       const ScanDelayOptions& options) {
+  if (odometry.empty()) return;
   const std::int64_t max_us = us_of(options.max_s);
   waiting_.push_back(turn);
   while (waiting_.front().to_utime + max_us <= odometry.newest_own_utime()) {

@@ -39,6 +39,13 @@ struct TurningRobot {
 
 TEST(ScanDelay, IsNoneBeforeAnythingIsLearned) { EXPECT_EQ(ScanDelay().us(), 0); }
 
+TEST(ScanDelay, IsNotLearnedWithoutOdometry) {
+  ScanDelay delay;
+  for (int i = 1; i < 10; ++i) delay.learn({scan_us * (i - 1), scan_us * i, 0.3, 1e-5}, OdometryTrack{}, {});
+  EXPECT_EQ(delay.us(), 0);
+  EXPECT_TRUE(std::get<1>(delay.members()).empty());
+}
+
 TEST(ScanDelay, IsLearnedFromTurns) {
   for (const double delay_s : {-0.33, -0.04, 0.0, 0.12, 0.64}) {
     TurningRobot robot(delay_s);
