@@ -89,7 +89,8 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
         robot.noise.covariance(expectation.claimed_step, options.odometry_noise)(2, 2);
     robot.scan_delay.learn({place.utime, utime, matched_step.yaw, variance_rad2}, robot.odometry,
                            options.scan_delay);
-    robot.odometry.set_delay_of_others(robot.scan_delay.us());
+    // What odometry has yet to tell of a scan's moment is not waited for.
+    robot.odometry.set_delay_of_others(std::max<std::int64_t>(0, robot.scan_delay.us()));
   }
   if (placement.matched && expectation.plausible && !expectation.catches_up) {
     const double yaw = place.pose.patch_from_object.yaw;
