@@ -23,8 +23,7 @@ void OdometryBias::Estimate::learn(const Eigen::Vector2d& regressor, double erro
 }
 
 double OdometryBias::path_yaw_variance(const Pose& path, const OdometryBiasOptions& options) const {
-  const Eigen::Vector2d together(options.memory_m * position(path).norm(),
-                                 options.memory_rad * std::abs(path.yaw));
+  const Eigen::Vector2d together(remembered_m_ * position(path).norm(), remembered_rad_ * std::abs(path.yaw));
   return yaw_.covariance({options.turn_per_m_sigma, options.turn_share_sigma}).diagonal().dot(together);
 }
 
@@ -42,6 +41,8 @@ void OdometryBias::learn(const Pose& odometry_step, const Pose& matched_step, co
   // A robot at rest tells only how matching trembles.
   if (way_m < learning.rest_m && turn_rad < learning.rest_rad) return;
   const double kept = std::exp(-way_m / options.memory_m - turn_rad / options.memory_rad);
+  remembered_m_ = kept * remembered_m_ + way_m;
+  remembered_rad_ = kept * remembered_rad_ + turn_rad;
   const Eigen::Vector2d regressor(odometry_step.x, odometry_step.yaw);
   const double match_variance = options.match_sigma_m * options.match_sigma_m;
   yaw_.learn(regressor, wrap_angle(matched_step.yaw - odometry_step.yaw),

@@ -32,7 +32,8 @@ class OdometryBias {
 
   /// What a path may be turned off by (rad²) for what is not known of the bias, which goes on from path to
   /// path: of an error that is the same over so much way as the estimate remembers, and another after that,
-  /// the sum over a long way has the variance of so many independent ones.
+  /// the sum over a long way has the variance of so many independent ones. A robot that matches nothing keeps
+  /// what its odometry is declared to err by.
   ///
   /// Of its way nothing is said: of all along a corridor nobody knows how far it went but odometry, and the
   /// less that says, the farther do few beams pull that happen to fit.
@@ -43,7 +44,7 @@ class OdometryBias {
   double aside_share() const { return aside_.value(0); }
   double way_share() const { return way_.value(0); }
 
-  auto members() { return std::tie(yaw_, aside_, way_); }
+  auto members() { return std::tie(yaw_, aside_, way_, remembered_m_, remembered_rad_); }
 
  private:
   /// An error that is linear in way and turn, by recursive least squares that forgets.
@@ -61,6 +62,8 @@ class OdometryBias {
   Estimate yaw_;
   Estimate aside_;
   Estimate way_;
+  double remembered_m_ = 0;  ///< that the estimates hold, of what was driven: the memory's, in the end
+  double remembered_rad_ = 0;
 };
 
 }  // namespace isthmus

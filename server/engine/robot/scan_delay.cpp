@@ -15,19 +15,24 @@ std::vector<double> delays_s(const ScanDelayOptions& options) {
 
 std::int64_t us_of(double seconds) { return std::llround(1e6 * seconds); }
 
-double posterior_mean_s(const std::vector<double>& delays, const std::vector<double>& log_likelihoods,
-                        const ScanDelayOptions& options) {
-  std::vector<double> log_posteriors;
-  for (std::size_t k = 0; k < delays.size(); ++k)
-    log_posteriors.push_back(log_likelihoods[k] - 0.5 * std::pow(delays[k] / options.sigma_s, 2));
-  const double most = *std::ranges::max_element(log_posteriors);
+// The mean of a delay of any length, or none where that is the more probable: one robot in two has none.
+double most_probable_s(const std::vector<double>& delays, const std::vector<double>& log_likelihoods,
+                       const ScanDelayOptions& options) {
+  std::vector<double> log_priors;
+  double priors = 0;
+  for (const double delay : delays) {
+    log_priors.push_back(-0.5 * std::pow(delay / options.sigma_s, 2));
+    priors += std::exp(log_priors.back());
+  }
+  const double most = *std::ranges::max_element(log_likelihoods);
   double sum = 0, weights = 0;
   for (std::size_t k = 0; k < delays.size(); ++k) {
-    const double weight = std::exp(log_posteriors[k] - most);
+    const double weight = std::exp(log_priors[k] + log_likelihoods[k] - most) / priors;
     sum += weight * delays[k];
     weights += weight;
   }
-  return sum / weights;
+  const double none = std::exp(log_likelihoods[delays.size() / 2] - most);
+  return weights > none ? sum / weights : 0;
 }
 
 }  // namespace
@@ -62,7 +67,7 @@ void ScanDelay::weigh(const MatchedTurn& turn, const OdometryTrack& odometry,
     const double error = wrap_angle(to[k] - from[k] - turn.rad);
     log_likelihoods_[k] = kept * log_likelihoods_[k] - std::log1p(error * error / scale);
   }
-  us_ = us_of(posterior_mean_s(delays, log_likelihoods_, options));
+  us_ = us_of(most_probable_s(delays, log_likelihoods_, options));
 }
 
 }  // namespace isthmus

@@ -26,8 +26,10 @@ struct MatchedTurn {
 ///
 /// Temporal calibration by correlating turns (Mair et al. 2011, "Spatio-temporal initialization for IMU to
 /// camera registration"): of each delay in a grid, the likelihood of what odometry told of all matched turns
-/// is kept, under Cauchy's distribution, as wheels that slip err by much; the prior is normal about none. The
-/// answer is the mean of what is known then, so that little evidence moves it little.
+/// is kept, under Cauchy's distribution, as wheels that slip err by much. Before anything is known, it is as
+/// probable that there is no delay as that there is one, which is normal about none. Until a delay is the
+/// more probable there is none, so that stamps that are right stay as they are; then it is the mean of what
+/// is known.
 class ScanDelay {
  public:
   /// Microseconds; negative where odometry is late.

@@ -154,8 +154,16 @@ TEST(Extend, KeepsTheWayOfOdometryThatTurnsAreCountedWrongIn) {
   EXPECT_NEAR(covariance(0, 2), 0, 1e-6);
 }
 
+void learn_little_of_bias(Robot& robot) {
+  const Pose step{0.5, 0, 0.1};
+  for (int i = 0; i < 10; ++i)
+    robot.bias.learn(step, step, Eigen::Matrix3d::Identity(), Eigen::Matrix2d::Identity(), {}, {});
+  ASSERT_GT(robot.bias.path_yaw_variance(step, {}), 1e-3);
+}
+
 TEST(Extend, RelatesAnUnmatchedScanByOdometryAlone) {
   InARoom in;
+  learn_little_of_bias(in.robot);
   const Pose said{0.8, 0.3, 0.2};
   in.robot.place->append(said, in.robot.noise.covariance(said, {}));
   Placement placement = in.matched(said);
@@ -230,6 +238,7 @@ TEST(Extend, RefitsTheMapAroundTheNewPatch) {
 
 TEST(OdometryRelation, TellsTheWayFromTheNewestOwnPatch) {
   InARoom in;
+  learn_little_of_bias(in.robot);
   in.robot.place->append({1, 0, 0}, Eigen::Matrix3d::Identity() * 0.01);
   const Relation relation = odometry_relation(in.robot, PatchId{5}, {});
   EXPECT_EQ(relation.a, PatchId{0});

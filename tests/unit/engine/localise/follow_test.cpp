@@ -179,11 +179,11 @@ TEST(Follow, LearnsHowFarOdometryIsRight) {
   EXPECT_GT(on.robot.noise.translation_scale(), before);
 }
 
-// A robot that turns to and fro on the spot, and whose scans are stamped 0.3 s late.
+// A robot that turns to and fro on the spot, and whose scans are stamped so late.
 TEST(Follow, LearnsWhichMomentOfOdometryAScanIsOf) {
   OnPatches on({{0, 0, 0}});
   const auto yaw_at = [](double seconds) { return 0.5 * std::sin(0.7 * seconds); };
-  const auto delay_after = [&](bool plausible) {
+  const auto delay_after = [&](double late_s, bool plausible) {
     on.robot.odometry.clear();
     on.robot.scan_delay = {};
     for (int i = 1; i < 200; ++i) {
@@ -191,14 +191,16 @@ TEST(Follow, LearnsWhichMomentOfOdometryAScanIsOf) {
       for (int k = 0; k < 4; ++k)
         on.robot.odometry.add(200'000 * i + 50'000 * k, {0, 0, yaw_at(seconds + 0.05 * k)});
       on.utime = 200'000 * i;
-      on.follow_to({0, 0, yaw_at(seconds - 0.3)}, true, plausible,
+      on.follow_to({0, 0, yaw_at(seconds - late_s)}, true, plausible,
                    {0, 0, yaw_at(seconds) - yaw_at(seconds - 0.2)});
     }
     return on.robot.odometry.newest_utime() - on.robot.odometry.newest_own_utime();
   };
-  EXPECT_NEAR(static_cast<double>(delay_after(true)), 300'000, 15'000);
+  EXPECT_NEAR(static_cast<double>(delay_after(0.3, true)), 300'000, 15'000);
   on.robot.odometry.set_delay_of_others(0);
-  EXPECT_EQ(delay_after(false), 0) << "of implausible odometry nothing is learned";
+  EXPECT_EQ(delay_after(0.3, false), 0) << "of implausible odometry nothing is learned";
+  EXPECT_EQ(delay_after(-0.3, true), 0) << "a scan does not wait for what odometry has yet to tell";
+  EXPECT_LT(on.robot.scan_delay.us(), -200'000) << "but the report says so";
 }
 
 std::vector<int> patches_in(const LocalMap& local_map) {

@@ -189,21 +189,27 @@ TEST(OdometryBias, IsHardlyMovedByASlip) {
   EXPECT_NEAR(robot.bias.turn_per_m(), before, 0.001);
 }
 
-// A hundred paths of a metre, each as sure as it says, are together as sure as the bias over a hundred
-// metres.
+// Paths over as much way as is remembered, each as sure as it says, are together as sure as the bias is.
 TEST(OdometryBias, TurnsPathsTogetherAsFarAsItIsNotKnown) {
-  BiasedWheels robot;
   const OdometryBiasOptions options;
-  const double way_m = options.memory_m, one_m = 1;
-  EXPECT_NEAR(std::sqrt(way_m * robot.bias.path_yaw_variance({one_m, 0, 0}, options)),
-              options.turn_per_m_sigma * way_m, 1e-9);
-  EXPECT_NEAR(robot.bias.path_yaw_variance({0, -2, -0.5}, options),
-              2 * options.memory_m * std::pow(options.turn_per_m_sigma, 2) +
-                  0.5 * options.memory_rad * std::pow(options.turn_share_sigma, 2),
-              1e-9);
-  const double before = robot.bias.path_yaw_variance({one_m, 0, 0}, options);
-  robot.drive(2000);
-  EXPECT_LT(robot.bias.path_yaw_variance({one_m, 0, 0}, options), 0.05 * before) << "once it is learned";
+  const Pose path{0, -2, -0.5};
+  const auto variance = [&](double way_m, double turn_rad) {
+    return 2 * way_m * std::pow(options.turn_per_m_sigma, 2) +
+           0.5 * turn_rad * std::pow(options.turn_share_sigma, 2);
+  };
+  BiasedWheels robot, unsure;
+  unsure.noise *= 1e9;
+  EXPECT_EQ(unsure.bias.path_yaw_variance(path, options), 0) << "of a robot that matches nothing";
+  unsure.drive(100);
+  EXPECT_NEAR(unsure.bias.path_yaw_variance(path, options) / variance(10, 4), 1, 0.1);
+  unsure.drive(9900);
+  const double kept = std::exp(-0.1 / options.memory_m - 0.04 / options.memory_rad);
+  EXPECT_NEAR(unsure.bias.path_yaw_variance(path, options) / variance(0.1 / (1 - kept), 0.04 / (1 - kept)), 1,
+              0.02)
+      << "no more than is remembered of 1000 m";
+  robot.drive(10000);
+  EXPECT_LT(robot.bias.path_yaw_variance(path, options), 0.05 * unsure.bias.path_yaw_variance(path, options))
+      << "once it is learned";
 }
 
 TEST(OdometryBias, FollowsALoadThatChanges) {

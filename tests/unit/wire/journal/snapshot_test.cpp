@@ -260,11 +260,11 @@ TEST(Snapshots, OfVersion16AreRead) {
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
   EXPECT_EQ(snapshot.map.events, 1077);
-  EXPECT_EQ(map.patches.size(), 29U);
+  EXPECT_EQ(map.patches.size(), 27U);
   EXPECT_EQ(map.trajectory_rows, 173U);
   EXPECT_EQ(map.sightings.size(), 29U);
   EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "77460461d6c03f4645a537b2870a5e9988afd9748d8bcfaecbda9daa605a88a2");
+  EXPECT_EQ(map_sha256(map), "01202765b5024a83870235529be20da2baaea944a1f0b3107a7759eed54c041e");
 }
 
 }  // namespace
