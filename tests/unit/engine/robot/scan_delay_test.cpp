@@ -72,17 +72,17 @@ TEST(ScanDelay, IsNoneUntilOneIsMoreProbable) {
   exact.drive(0, 300);
   EXPECT_EQ(exact.delay.us(), 0) << "not some microseconds";
   TurningRobot robot(0.3, 0.02);
-  robot.drive(0, 10);
+  robot.drive(0, 18);
   EXPECT_EQ(robot.delay.us(), 0) << "turns of some milliradians tell little";
-  robot.drive(10, 190);
+  robot.drive(18, 182);
   EXPECT_NEAR(robot.learned_s(), 0.3, 0.1);
 }
 
 TEST(ScanDelay, FollowsADriverThatWasRestarted) {
   TurningRobot robot(0.12);
-  robot.drive(0, 300);
+  robot.drive(0, 1500);
   robot.delay_s = 0.5;
-  robot.drive(300, 1500);
+  robot.drive(1500, 1000);
   EXPECT_NEAR(robot.learned_s(), 0.5, 0.03);
 }
 
