@@ -121,7 +121,8 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
   place.append(expectation.plausible ? expectation.step : matched_step, expectation.step_covariance);
   if (placement.matched)
     place.since_last_patch.face(yaw_before + matched_step.yaw, placement.tracking_covariance(2, 2));
-  place.odom_from_robot = odom_from_robot;
+  // The next step begins where odometry was at this scan by the delay as it is known now.
+  place.odom_from_robot = robot.odometry.at(utime).value_or(odom_from_robot);
   place.utime = utime;
   place.suspect = placement.matched ? false : place.suspect || !expectation.plausible;
   place.lost_scans = placement.matched ? 0 : place.lost_scans + 1;

@@ -197,6 +197,7 @@ TEST(Follow, LearnsWhichMomentOfOdometryAScanIsOf) {
     return on.robot.odometry.newest_utime() - on.robot.odometry.newest_own_utime();
   };
   EXPECT_NEAR(static_cast<double>(delay_after(0.3, true)), 300'000, 15'000);
+  EXPECT_EQ(on.robot.place->odom_from_robot, on.robot.odometry.at(on.utime)) << "the next step begins there";
   on.robot.odometry.set_delay_of_others(0);
   EXPECT_EQ(delay_after(0.3, false), 0) << "of implausible odometry nothing is learned";
   EXPECT_EQ(delay_after(-0.3, true), 0) << "a scan does not wait for what odometry has yet to tell";
