@@ -296,14 +296,17 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
     return std::nullopt;
   const bool believed = expectation.plausible && !robot.place->suspect;
   double share = its.loose_share;
-  if (believed) {
-    if (std::optional<Match> both =
-            matched_with_odometry(near, points, expectation, match, match_options, options)) {
-      match = *std::move(both);
-      share = 1;
-    }
+  double min_score = its.doubtful_score;
+  if (!believed) {
+    min_score = min_score_in_doubt(robot, expectation, options);
+  } else if (std::optional<Match> both =
+                 matched_with_odometry(near, points, expectation, match, match_options, options)) {
+    match = *std::move(both);
+    share = 1;
+  } else {
+    // What was weighed against odometry, and outweighs it, need not fit as well.
+    min_score = its.min_score;
   }
-  const double min_score = believed ? its.doubtful_score : min_score_in_doubt(robot, expectation, options);
   if (!match.ok || match.quality.score < min_score) return std::nullopt;
   return placement_of(std::move(match), expectation, share, options);
 }

@@ -186,6 +186,25 @@ TEST(LocaliseAnew, AsksForABetterScoreAfterOdometryThatCannotBeBelieved) {
   EXPECT_TRUE(is_found(0.5));
 }
 
+// After three seconds without a scan much of what is seen is new, and what fits is little of it; the odds
+// against odometry count that.
+TEST(LocaliseAnew, AsksForNoMoreThanUsualOfWhatOutweighsOdometry) {
+  const Pose truth{0.45, -0.25, 0.85};
+  const auto is_found = [&](double min_score, double doubtful_score, const Expectation& expectation) {
+    EngineOptions options;
+    options.localise.min_score = min_score;
+    options.localise.doubtful_score = doubtful_score;
+    return placed_anew(robot_at({0.4, -0.3, 0.2}), expectation, local_map_of(furnished_room()),
+                       furnished_room(), truth, options)
+        .has_value();
+  };
+  const Expectation contradicted = expecting({0.4, -0.3, 0.2}), loose = expecting({0.4, -0.3, 0.2}, 0.3, 0.5);
+  EXPECT_TRUE(is_found(0.5, 0.99, contradicted));
+  EXPECT_FALSE(is_found(0.99, 0.5, contradicted));
+  EXPECT_FALSE(is_found(0.5, 0.99, loose)) << "nothing was weighed";
+  EXPECT_TRUE(is_found(0.99, 0.5, loose));
+}
+
 TEST(LocaliseAnew, AsksForAScoreAsUsualAfterOdometryThatCannotBeBelieved) {
   const Pose truth{0.45, -0.25, 0.85};
   Walls changed = furnished_room();
