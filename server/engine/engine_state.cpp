@@ -211,8 +211,10 @@ void EngineState::answer_all(Outcome& outcome) {
 
 Observation EngineState::observed(const Robot& robot, const Scan& scan, const Pose& odom_from_robot) const {
   const Laser& laser = robot.declaration.laser;
-  const std::vector<Body> bodies =
+  std::vector<Body> bodies =
       teammates_around(map, robots, robot, odom_from_robot, scan.utime, configuration.engine.teammates);
+  // What ends within its own is part of it, or touches it and may go where it goes: no place to know again.
+  bodies.push_back({Eigen::Vector2d::Zero(), robot.declaration.footprint_radius_m});
   return observe(without_bodies(scan, laser, bodies), laser, configuration.engine.patch);
 }
 

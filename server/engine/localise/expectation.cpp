@@ -105,7 +105,7 @@ Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t
   if (expectation.plausible && is_rest(expectation.claimed_step, options.odometry_learning))
     noise += covariance_of_freeze(place, its.freeze_probability);
   // What wheels err by goes on from scan to scan while no match tells: the standard deviations add up.
-  noise *= 1 + 2.0 * place.lost_scans;
+  noise *= 1 + 2.0 * place.unseen_steps;
   expectation.step_covariance = noise;
   const Pose& r = place.pose.patch_from_object;
   const ComposeJacobians jacobians = compose_jacobians(r, expectation.step);

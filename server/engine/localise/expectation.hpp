@@ -16,11 +16,14 @@ struct Expectation {
   Pose step;              ///< odometry since the last scan, without its bias; none where that is implausible
   Pose claimed_step;      ///< what odometry said
   double seconds = 0;     ///< since the last scan, no less than LocaliseOptions::min_period_s
-  bool plausible = true;  ///< false: no robot moves like that
+  bool plausible = true;  ///< false: no robot moves as odometry says
   bool catches_up = false;  ///< what odometry said is taken to hold what it had not told before
   /// The place of the robot, where this begins, was searched for all over the map or told by somebody: what
   /// looks like it elsewhere was weighed then.
   bool sought = false;
+  bool seen = false;  ///< the step is the one that two scans show (expect_as_seen), not odometry's
+
+  bool is_known() const { return plausible || seen; }  ///< where the robot went, by odometry or by scans
 };
 
 /// What odometry is taken to err by in a turn: nothing that anybody knows, or what it erred by before

@@ -74,12 +74,13 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
              const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options) {
   Localisation& place = *robot.place;
   const Pose matched_step = ominus(placement.local_from_robot, place.pose.patch_from_object);
-  if (placement.matched && expectation.plausible) {
-    const Pose told = robot.bias.corrected(expectation.claimed_step);
+  const bool step_is_seen = placement.matched || expectation.seen;
+  const Pose told = robot.bias.corrected(expectation.claimed_step);
+  if (step_is_seen && expectation.plausible) {
     robot.turn_error.learn(wrap_angle(matched_step.yaw - told.yaw),
                            robot.noise.covariance(told, options.odometry_noise)(2, 2),
                            options.odometry_noise);
-  } else if (!placement.matched) {
+  } else if (!step_is_seen) {
     robot.turn_error.go_on();
   }
   if (placement.matched && expectation.plausible && !place.suspect)
@@ -88,7 +89,7 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
     const double variance_rad2 =
         robot.noise.covariance(expectation.claimed_step, options.odometry_noise)(2, 2);
     robot.scan_delay.learn({place.utime, utime, matched_step.yaw, variance_rad2}, robot.odometry,
-                           options.scan_delay);
+                           options.scan_delay, options.odometry_bias);
     // What odometry has yet to tell of a scan's moment is not waited for.
     robot.odometry.set_delay_of_others(std::max<std::int64_t>(0, robot.scan_delay.us()));
   }
@@ -97,11 +98,10 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
     const Eigen::Matrix2d local_from_step = Eigen::Rotation2Dd(yaw).toRotationMatrix();
     const Eigen::Matrix2d trust =
         local_from_step.transpose() * placement.match.direction_trust * local_from_step;
-    robot.noise.learn(expectation.step, matched_step, trust, options.odometry_noise,
-                      options.odometry_learning);
+    robot.noise.learn(told, matched_step, trust, options.odometry_noise, options.odometry_learning);
     robot.bias.learn(expectation.claimed_step, matched_step,
-                     robot.noise.covariance(expectation.step, options.odometry_noise), trust,
-                     options.odometry_bias, options.odometry_learning);
+                     robot.noise.covariance(told, options.odometry_noise), trust, options.odometry_bias,
+                     options.odometry_learning);
   }
   if (placement.matched) {
     robot.health.matched(expectation.claimed_step, matched_step,
@@ -114,18 +114,19 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
   if (!is_rest(expectation.claimed_step, options.odometry_learning)) {
     place.untold = {};
     place.last_told = matched_step;
-  } else if (placement.matched) {
+  } else if (step_is_seen) {
     place.untold = place.untold * matched_step;
   }
   const double yaw_before = place.since_last_patch.start_from_end.yaw;
-  place.append(expectation.plausible ? expectation.step : matched_step, expectation.step_covariance);
+  place.append(expectation.is_known() ? expectation.step : matched_step, expectation.step_covariance);
   if (placement.matched)
     place.since_last_patch.face(yaw_before + matched_step.yaw, placement.tracking_covariance(2, 2));
   // The next step begins where odometry was at this scan by the delay as it is known now.
   place.odom_from_robot = robot.odometry.at(utime).value_or(odom_from_robot);
   place.utime = utime;
-  place.suspect = placement.matched ? false : place.suspect || !expectation.plausible;
+  place.suspect = placement.matched ? false : place.suspect || !expectation.is_known();
   place.lost_scans = placement.matched ? 0 : place.lost_scans + 1;
+  place.unseen_steps = placement.matched ? 0 : place.unseen_steps + (expectation.seen ? 0 : 1);
 }
 
 void follow(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,

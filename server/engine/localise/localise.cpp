@@ -24,8 +24,8 @@ SearchWindow window_of(const Expectation& expectation, const LocaliseOptions& op
           half(covariance(2, 2), options.min_window_rad, options.max_window_rad)};
 }
 
-// Where a robot can be by now, at all headings that it can have turned to since its last match. What odometry
-// tells late, scans have shown already: the robot may also be where it was.
+// Where a robot can be by now, at all headings that it can have turned to since its last match, in steps that
+// no scan showed. What odometry tells late, scans have shown already: the robot may also be where it was.
 SearchWindow window_anew(const Robot& robot, const Expectation& expectation, std::int64_t utime,
                          const LocaliseOptions& options) {
   const Localisation& place = *robot.place;
@@ -33,11 +33,13 @@ SearchWindow window_anew(const Robot& robot, const Expectation& expectation, std
   const double period_s = std::max(options.min_period_s, static_cast<double>(utime - place.utime) * 1e-6);
   SearchWindow window = window_of(expectation, options);
   const Eigen::Vector2d half_step = 0.5 * (position(was) - position(window.centre));
-  window.centre = {window.centre.x + half_step.x(), window.centre.y + half_step.y(), was.yaw};
+  window.centre = {window.centre.x + half_step.x(), window.centre.y + half_step.y(),
+                   expectation.seen ? window.centre.yaw : was.yaw};
   window.half_x_m += std::abs(half_step.x());
   window.half_y_m += std::abs(half_step.y());
-  window.half_yaw_rad =
-      std::min(std::numbers::pi, options.max_turn_rad_per_s * period_s * (place.lost_scans + 1));
+  const int unseen_steps = place.unseen_steps + (expectation.seen ? 0 : 1);
+  if (unseen_steps > 0)
+    window.half_yaw_rad = std::min(std::numbers::pi, options.max_turn_rad_per_s * period_s * unseen_steps);
   return window;
 }
 
@@ -108,7 +110,7 @@ class BestFit {
         match_options_(from_scan_to_scan(options)),
         information_(expectation.tracking_covariance.inverse()),
         // How far it is from where odometry has the robot is weighed at the end.
-        doubtful_(!expectation.plausible || place_.suspect),
+        doubtful_(!expectation.is_known() || place_.suspect),
         min_score_(doubtful_ ? min_score_in_doubt(robot, expectation, options) : its_.min_score) {}
 
   /// From where odometry puts the robot, and from elsewhere where that does not fit, or surprises.
@@ -126,7 +128,7 @@ class BestFit {
     }
     // Odometry that stood still and then jumps may well be right about where it jumps to: where the laser
     // cannot tell, as in a corridor, it is believed.
-    if (!expectation_.plausible) try_from(was * expectation_.claimed_step, -its_.claimed_start_loss);
+    if (!expectation_.is_known()) try_from(was * expectation_.claimed_step, -its_.claimed_start_loss);
     if (!is_good()) {
       const CorrelativeResult found =
           search_window(local_map_, points_, window_of(expectation_, its_), options_.correlative);
@@ -294,7 +296,7 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
   if (ambiguous && (match.quality.score < its.min_score_implausible ||
                     rivals(match, match_from(found.second_local_from_robot), options)))
     return std::nullopt;
-  const bool believed = expectation.plausible && !robot.place->suspect;
+  const bool believed = expectation.is_known() && !robot.place->suspect;
   double share = its.loose_share;
   double min_score = its.doubtful_score;
   if (!believed) {
@@ -304,8 +306,8 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
     match = *std::move(both);
     share = 1;
   } else {
-    // What was weighed against odometry, and outweighs it, need not fit as well.
-    min_score = its.min_score;
+    // What was weighed against odometry, and outweighs it, need not fit as well, unless a scan says the same.
+    if (!expectation.seen) min_score = its.min_score;
   }
   if (!match.ok || match.quality.score < min_score) return std::nullopt;
   return placement_of(std::move(match), expectation, share, options);

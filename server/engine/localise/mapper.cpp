@@ -5,6 +5,8 @@
 
 #include "server/engine/localise/extend.hpp"
 #include "server/engine/localise/follow.hpp"
+#include "server/engine/localise/seen_step.hpp"
+#include "server/engine/localise/weighing.hpp"
 
 namespace isthmus {
 namespace {
@@ -33,30 +35,56 @@ bool has_lost_its_way(const Robot& robot, const EngineOptions& options) {
          loops.window_sigmas * sigma_m > loops.unambiguous_half_width_m;
 }
 
-// Where a scan fits: in the local map or, where that is in doubt, clearly better somewhere else near.
-Placement place_scan(const Map& map, Robot& robot, const Expectation& expectation,
-                     std::span<const ScanPoint> points, std::int64_t utime, const EngineOptions& options) {
-  choose_local_map(map, robot, expectation.local_from_robot, points, options);
-  Placement placement = localise(robot, expectation, robot.local_map, points, options);
-  if (!is_doubtful(placement, options.localise)) return placement;
-  LocalMap near = robot.surroundings.nearest_patches(map, expectation.local_from_robot, options.surroundings);
-  std::optional<Placement> anew = localise_anew(robot, expectation, near, points, utime, options);
-  if (!anew) return placement;
-  const double min_score = placement.match.quality.score + options.localise.other_start_gain;
-  if (placement.matched && anew->match.quality.score <= min_score) return placement;
-  robot.local_map = std::move(near);
-  robot.local_map_centre = anew->local_from_robot;
-  return *std::move(anew);
+/// A scan's place, and what it was expected by.
+struct PlacedScan {
+  Expectation expectation;
+  Placement placement;
+};
+
+// A scan that fits nowhere lies where the scan before it has it, else where odometry has it, and what that
+// told of turns errs on as before.
+PlacedScan unmatched(const Robot& robot, PlacedScan placed, const Pose& odom_from_robot, std::int64_t utime,
+                     const EngineOptions& options) {
+  if (!placed.expectation.seen)
+    placed.expectation = expect(robot, odom_from_robot, utime, options, TurnErrors::going_on);
+  placed.placement.local_from_robot = placed.expectation.local_from_robot;
+  placed.placement.covariance = placed.expectation.covariance;
+  placed.placement.tracking_covariance = placed.expectation.tracking_covariance;
+  return placed;
 }
 
-// A scan that fits nowhere lies where odometry has it, and what odometry told of turns errs on as before.
-Expectation expect_unmatched(const Robot& robot, Placement& placement, const Pose& odom_from_robot,
-                             std::int64_t utime, const EngineOptions& options) {
-  Expectation expectation = expect(robot, odom_from_robot, utime, options, TurnErrors::going_on);
-  placement.local_from_robot = expectation.local_from_robot;
-  placement.covariance = expectation.covariance;
-  placement.tracking_covariance = expectation.tracking_covariance;
-  return expectation;
+// A poor fit far from where the scan before has it is chance.
+bool is_elsewhere(const Placement& placement, const Expectation& expectation,
+                  const LocaliseOptions& options) {
+  return placement.matched &&
+         surprise(placement.local_from_robot, expectation, options) >= options.doubted_surprise.value();
+}
+
+// Where a scan fits: in the local map or, where that is in doubt, where the scan before it has it, or clearly
+// better somewhere else near.
+PlacedScan place_scan(const Map& map, Robot& robot, const Pose& odom_from_robot,
+                      std::span<const ScanPoint> points, std::int64_t utime, const EngineOptions& options) {
+  Expectation expectation = expect(robot, odom_from_robot, utime, options);
+  choose_local_map(map, robot, expectation.local_from_robot, points, options);
+  Placement placement = localise(robot, expectation, robot.local_map, points, options);
+  if (!is_doubtful(placement, options.localise)) return {expectation, std::move(placement)};
+  if (std::optional<Expectation> seen = expect_as_seen(robot, odom_from_robot, points, utime, options)) {
+    expectation = *std::move(seen);
+    placement = localise(robot, expectation, robot.local_map, points, options);
+    if (!is_doubtful(placement, options.localise)) return {expectation, std::move(placement)};
+    if (is_elsewhere(placement, expectation, options.localise)) {
+      placement.matched = false;
+      placement.reason = Unmatched::low_score;
+    }
+  }
+  LocalMap near = robot.surroundings.nearest_patches(map, expectation.local_from_robot, options.surroundings);
+  std::optional<Placement> anew = localise_anew(robot, expectation, near, points, utime, options);
+  if (!anew) return {expectation, std::move(placement)};
+  const double min_score = placement.match.quality.score + options.localise.other_start_gain;
+  if (placement.matched && anew->match.quality.score <= min_score) return {expectation, std::move(placement)};
+  robot.local_map = std::move(near);
+  robot.local_map_centre = anew->local_from_robot;
+  return {expectation, *std::move(anew)};
 }
 
 }  // namespace
@@ -73,25 +101,28 @@ ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pos
                       const EngineOptions& options) {
   const std::vector<ScanPoint>& points = observation.points;
   if (!robot.place) {
+    robot.last_scan = observation.scan;
     begin_island(map, robot, std::move(observation), odom_from_robot, options);
     return {answer(map, robot, true), {}, true};
   }
   const bool full = has_all_patches(robot, options);
   const std::int64_t utime = observation.scan.utime;
-  Expectation expectation = expect(robot, odom_from_robot, utime, options);
-  Placement placement = place_scan(map, robot, expectation, points, utime, options);
-  if (placement.matched && expectation.plausible && !full && has_lost_its_way(robot, options)) {
+  PlacedScan placed = place_scan(map, robot, odom_from_robot, points, utime, options);
+  auto& [expectation, placement] = placed;
+  if (placement.matched && expectation.is_known() && !full && has_lost_its_way(robot, options)) {
     placement.matched = false;
     placement.reason = Unmatched::no_overlap;
   }
-  if (!placement.matched) expectation = expect_unmatched(robot, placement, odom_from_robot, utime, options);
-  if (!placement.matched && (robot.place->suspect || !expectation.plausible) &&
+  if (!placement.matched) placed = unmatched(robot, std::move(placed), odom_from_robot, utime, options);
+  if (!placement.matched && (robot.place->suspect || !expectation.is_known()) &&
       robot.place->lost_scans + 1 >= options.follow.max_lost_scans && !full) {
     robot.health.unmatched();
+    robot.last_scan = observation.scan;
     begin_island(map, robot, std::move(observation), odom_from_robot, options);
     return {answer(map, robot, true), {}, true};
   }
   follow(map, robot, expectation, placement, odom_from_robot, utime, options);
+  robot.last_scan = observation.scan;
   const bool worth_it = placement.matched
                             ? worth_a_patch(map, robot.surroundings, placement, observation.star, options)
                             : worth_a_patch_unmatched(robot, placement, points, options);

@@ -60,13 +60,15 @@ struct Localisation {
   OdometryPath since_last_patch;
   ToldTurn told_since_last_patch;  ///< what odometry by itself says of the turn since then
   int lost_scans = 0;              ///< unmatched in a row
+  int unseen_steps = 0;            ///< of theirs, those that the scan before did not show either
   bool suspect = false;            ///< odometry did something implausible since the last match
 
   void append(const Pose& odometry_step, const Eigen::Matrix3d& step_covariance);  ///< to the way
 
   auto members() {
     return std::tie(pose, covariance, tracking_covariance, odom_from_robot, last_step, last_told, untold,
-                    utime, last_patch, since_last_patch, told_since_last_patch, lost_scans, suspect);
+                    utime, last_patch, since_last_patch, told_since_last_patch, lost_scans, unseen_steps,
+                    suspect);
   }
 };
 
@@ -107,6 +109,7 @@ struct Robot {
   ScanDelay scan_delay;
   RobotHealth health;
   std::deque<PendingScan> pending;  ///< scans that wait for odometry
+  Scan last_scan;                   ///< where `place` is: ground that no patch may have seen
   std::optional<Localisation> place;
   std::int32_t session = -1;
   Surroundings surroundings;
@@ -126,7 +129,7 @@ struct Robot {
 
   auto members() {
     return std::tie(declaration, declared, odometry, noise, bias, turn_error, usual_misfit, scan_delay,
-                    health, pending, place, session, surroundings, local_map, local_map_centre,
+                    health, pending, last_scan, place, session, surroundings, local_map, local_map_centre,
                     local_map_stamp, last_scan_utime, newest_scan_utime, local_loops, unplaced, history, way,
                     seen, first_patch, stale_scans, patches);
   }

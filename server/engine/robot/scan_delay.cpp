@@ -37,13 +37,13 @@ double most_probable_s(const std::vector<double>& delays, const std::vector<doub
 
 }  // namespace
 
-void ScanDelay::learn(const MatchedTurn& turn, const OdometryTrack& odometry,
-                      const ScanDelayOptions& options) {
+void ScanDelay::learn(const MatchedTurn& turn, const OdometryTrack& odometry, const ScanDelayOptions& options,
+                      const OdometryBiasOptions& as_bias) {
   if (odometry.empty()) return;
   const std::int64_t max_us = us_of(options.max_s);
   waiting_.push_back(turn);
   while (waiting_.front().to_utime + max_us <= odometry.newest_own_utime()) {
-    weigh(waiting_.front(), odometry, options);
+    weigh(waiting_.front(), odometry, options, as_bias);
     waiting_.pop_front();
     if (waiting_.empty()) return;
   }
@@ -51,10 +51,10 @@ void ScanDelay::learn(const MatchedTurn& turn, const OdometryTrack& odometry,
   while (waiting_.front().to_utime + 2 * max_us < turn.to_utime) waiting_.pop_front();
 }
 
-void ScanDelay::weigh(const MatchedTurn& turn, const OdometryTrack& odometry,
-                      const ScanDelayOptions& options) {
+void ScanDelay::weigh(const MatchedTurn& turn, const OdometryTrack& odometry, const ScanDelayOptions& options,
+                      const OdometryBiasOptions& as_bias) {
   const std::vector<double> delays = delays_s(options);
-  const double scale = turn.variance_rad2 + options.match_sigma_rad * options.match_sigma_rad;
+  const double scale = turn.variance_rad2 + as_bias.match_sigma_rad * as_bias.match_sigma_rad;
   const std::int64_t first_us = us_of(delays.front()), step_us = us_of(options.step_s);
   const std::vector<double> from =
       odometry.own_yaws_back_from(turn.from_utime - first_us, step_us, delays.size());
@@ -62,7 +62,7 @@ void ScanDelay::weigh(const MatchedTurn& turn, const OdometryTrack& odometry,
       odometry.own_yaws_back_from(turn.to_utime - first_us, step_us, delays.size());
   if (from.empty() || to.empty()) return;
   log_likelihoods_.resize(delays.size(), 0);
-  const double kept = std::exp(-std::abs(turn.rad) / options.memory_rad);
+  const double kept = std::exp(-std::abs(turn.rad) / as_bias.memory_rad);
   for (std::size_t k = 0; k < delays.size(); ++k) {
     const double error = wrap_angle(to[k] - from[k] - turn.rad);
     log_likelihoods_[k] = kept * log_likelihoods_[k] - std::log1p(error * error / scale);

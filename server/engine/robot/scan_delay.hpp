@@ -35,13 +35,16 @@ class ScanDelay {
   /// Microseconds; negative where odometry is late.
   std::int64_t us() const { return us_; }
 
-  /// A turn is weighed once odometry goes on far enough beyond it.
-  void learn(const MatchedTurn& turn, const OdometryTrack& odometry, const ScanDelayOptions& options);
+  /// A turn is weighed once odometry goes on far enough beyond it. Of matches as much is known, and of turns
+  /// as long remembered, as for the odometry's bias.
+  void learn(const MatchedTurn& turn, const OdometryTrack& odometry, const ScanDelayOptions& options,
+             const OdometryBiasOptions& as_bias);
 
   auto members() { return std::tie(log_likelihoods_, waiting_, us_); }
 
  private:
-  void weigh(const MatchedTurn& turn, const OdometryTrack& odometry, const ScanDelayOptions& options);
+  void weigh(const MatchedTurn& turn, const OdometryTrack& odometry, const ScanDelayOptions& options,
+             const OdometryBiasOptions& as_bias);
 
   std::vector<double> log_likelihoods_;  // of the delays, from the least on
   std::deque<MatchedTurn> waiting_;

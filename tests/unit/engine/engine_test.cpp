@@ -63,6 +63,22 @@ TEST(Engine, ARobotDrivingThroughARoomIsLocalisedOnOneIsland) {
   EXPECT_EQ(map.trajectory_rows, 20U);
 }
 
+// A cable hangs before its laser, and somebody touches it: that goes where the robot goes.
+TEST(Engine, WhatEndsWithinARobotsOwnBodyIsNoPartOfItsMap) {
+  Engine engine;
+  Event declared = robot("R1");
+  std::get<RobotEvent>(declared.body).footprint_radius_m = 0.4;
+  engine.handle(declared);
+  Walls with_cable = furnished_room();
+  add_box(with_cable, -1.8, -1.1, -1.7, -0.9);
+  engine.handle(odometry("R1", start_utime, {-2, -1, 0}));
+  engine.handle(at(start_utime, ScanEvent{"R1", scan_from(with_cable, {-2, -1, 0}, start_utime)}));
+  const MapCopy map = engine.copy();
+  ASSERT_EQ(map.patches.size(), 1U);
+  ASSERT_FALSE(map.patches.front()->points.empty());
+  for (const ScanPoint& point : map.patches.front()->points) EXPECT_GT(point.position.norm(), 0.4);
+}
+
 // The old patches stay, new ones are refused, and the robot is still told where it is.
 TEST(Engine, ARobotWithAllItsPatchesIsLocalisedAndAddsNoMore) {
   Configuration configuration;

@@ -113,16 +113,12 @@ struct ScanDelayOptions {
   double sigma_s = 0.3;
   double max_s = 1;
   double step_s = 0.025;
-  double match_sigma_rad = 0.004;
-  double memory_rad = 100;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(sigma_s, "sigma_s", "s", "standard deviation of the delay, of robots at large");
     option(max_s, "max_s", "s", "of a delay that is looked for, either way");
     option(step_s, "step_s", "s", "between the delays that are compared");
-    option(match_sigma_rad, "match_sigma_rad", "rad", "of a matched turn");
-    option(memory_rad, "memory_rad", "rad", "of turns after which one counts for a third");
   }
 };
 

@@ -70,7 +70,8 @@ TEST(Expect, AddsUpWhatOdometryErrsByWhileNoScanIsMatched) {
   const auto noise = [&] { return expect(robot, step, 200'000, options).step_covariance; };
   const Eigen::Matrix3d of_one = noise();
   Eigen::Matrix3d sum = of_one;
-  for (robot.place->lost_scans = 1; robot.place->lost_scans < 5; ++robot.place->lost_scans) sum += noise();
+  for (robot.place->unseen_steps = 1; robot.place->unseen_steps < 5; ++robot.place->unseen_steps)
+    sum += noise();
   EXPECT_TRUE(sum.isApprox(5 * 5 * of_one, 1e-9));
 }
 

@@ -50,6 +50,45 @@ struct OnPatches {
   std::int64_t utime = 5'000'000;
 };
 
+// A scan that fits nowhere: its step is known by the one before it, or by odometry alone.
+TEST(MoveOn, LearnsFromAStepThatTwoScansShowWhatOdometryMissed) {
+  for (const bool seen : {true, false}) {
+    OnPatches on({{0, 0, 0}});
+    Expectation expectation;
+    expectation.seen = seen;
+    expectation.step = {0.01, 0, 0.3};
+    expectation.step_covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
+    for (int i = 0; i < 3; ++i) {
+      Placement placement;
+      placement.local_from_robot = on.robot.place->pose.patch_from_object * expectation.step;
+      move_on(on.robot, expectation, placement, {}, on.utime += 200'000, {});
+      on.robot.place->pose.patch_from_object = placement.local_from_robot;
+    }
+    EXPECT_EQ(on.robot.turn_error.expected_rad() > 0.2, seen);
+    EXPECT_NEAR(on.robot.place->untold.yaw, seen ? 0.9 : 0, 1e-9) << "odometry may tell it yet";
+    EXPECT_EQ(on.robot.place->lost_scans, 3) << "of the map";
+  }
+}
+
+// What scans showed of a step was right, and odometry was not.
+TEST(MoveOn, LearnsHowFarOdometryErrsNotTheStepThatScansShow) {
+  OnPatches on({{0, 0, 0}});
+  const double scale_before = on.robot.noise.translation_scale();
+  Expectation expectation;
+  expectation.seen = true;
+  expectation.claimed_step = {0.1, 0, 0};
+  expectation.step = {0.2, 0, 0};
+  expectation.step_covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
+  for (int i = 0; i < 20; ++i) {
+    Placement placement;
+    placement.matched = true;
+    placement.local_from_robot = expectation.step;
+    placement.covariance = placement.tracking_covariance = 1e-4 * Eigen::Matrix3d::Identity();
+    move_on(on.robot, expectation, placement, {}, on.utime += 200'000, {});
+  }
+  EXPECT_GT(on.robot.noise.translation_scale(), scale_before);
+}
+
 // Eq. 14: the nearest patch, and r = π* ⊖ π in its frame.
 TEST(Follow, PutsTheRobotOnTheNearestPatch) {
   OnPatches on({{0, 0, 0}, {2, 0.5, quarter_turn}});

@@ -137,7 +137,7 @@ TEST(LocaliseAnew, SearchesAsFarAsTheRobotCanHaveTurnedSinceItWasMatched) {
   near.patches.push_back({patch_from(furnished_room(), PatchId{1}, {0, 0, 2}), {0, 0, 2}});
   const std::optional<Placement> early = placed_anew(robot, near, furnished_room(), truth);
   EXPECT_TRUE(!early || std::abs(wrap_angle(early->local_from_robot.yaw - truth.yaw)) > 0.5);
-  robot.place->lost_scans = 2;
+  robot.place->unseen_steps = 2;
   const std::optional<Placement> placement = placed_anew(robot, near, furnished_room(), truth);
   ASSERT_TRUE(placement);
   expect_near(placement->local_from_robot, truth, 0.02, 0.006);
@@ -148,7 +148,7 @@ TEST(LocaliseAnew, SaysNothingWhereTwoPosesFitAboutAsWell) {
   Walls square;
   add_box(square, -3, -3, 3, 3);
   Robot robot = robot_at({});
-  robot.place->lost_scans = 10;
+  robot.place->unseen_steps = 10;
   EXPECT_FALSE(placed_anew(robot, local_map_of(square), square, {0, 0, 0.8}));
   EXPECT_TRUE(placed_anew(robot, local_map_of(furnished_room()), furnished_room(), {0, 0, 0.8}))
       << "any other room tells";

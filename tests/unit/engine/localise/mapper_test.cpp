@@ -78,17 +78,15 @@ TEST(TakeScan, RefusesAPatchBeyondThoseThatARobotMayHave) {
   EXPECT_TRUE(may_not_begin(driven.robot, driven.options)) << "it would need a patch";
 }
 
-// Where nothing matches, odometry alone carries the map on.
+// Where nothing matches, nor one scan the other, odometry alone carries the map on.
 TEST(TakeScan, ExtendsTheMapByOdometryOnceItsSurroundingsAreLeftBehind) {
   Driven driven;
   driven.scan({});
-  Walls hall;
-  add_box(hall, -0.9, -0.9, 1.1, 0.8);
-  const auto elsewhere = [&](double way_m) { return driven.scan({}, {way_m, 0, 0}, hall); };
-  EXPECT_NE(elsewhere(0.1).unmatched, Unmatched::no);
-  elsewhere(0.3);
+  const Walls wedge{{{-5, -0.7}, {5, -0.3}}, {{-5, 0.5}, {5, 1.6}}};
+  EXPECT_NE(driven.scan({}, {0.1, 0, 0}, box(0.9)).unmatched, Unmatched::no);
+  driven.scan({}, {0.3, 0, 0}, wedge);
   EXPECT_EQ(driven.map.manifold().size(), 1U);
-  elsewhere(0.5);
+  driven.scan({}, {0.5, 0, 0}, box(0.7));
   ASSERT_EQ(driven.map.manifold().size(), 2U);
   EXPECT_NEAR(driven.map.manifold().pose(PatchId{1}).x, 0.5, 1e-6);
   EXPECT_EQ(driven.map.graph().relations().size(), 1U);
@@ -184,6 +182,42 @@ TEST(TakeScan, FindsTheHeadingOfATurnThatOdometryMissed) {
   EXPECT_NEAR(turned.pose.map_from_robot.yaw, 0.65, 0.01);
   EXPECT_NEAR(driven.scan({0, 0, 0.65}, {0, 0, 0.6}, furnished_room()).pose.map_from_robot.yaw, 0.65, 0.01)
       << "nor when it hears of it";
+}
+
+// It comes round a corner as its odometry freezes: of what it sees there no patch has seen anything. Scan by
+// scan it knows its turn all the same.
+TEST(TakeScan, GoesRoundACornerByWhatEachScanShowsOfTheOneBefore) {
+  Driven driven;
+  driven.scan({});
+  Walls round_the_corner;
+  add_box(round_the_corner, -0.9, -0.9, 1.1, 0.8);
+  for (int i = 0; i <= 2; ++i) {
+    const ScanOutcome lost = driven.scan({0, 0, 0.25 * i}, {}, round_the_corner);
+    EXPECT_FALSE(lost.pose.matched);
+    EXPECT_NEAR(lost.pose.map_from_robot.yaw, 0.25 * i, 0.02);
+  }
+  EXPECT_EQ(driven.robot.place->lost_scans, 3);
+  EXPECT_EQ(driven.robot.place->unseen_steps, 1);
+}
+
+// Beside a wall that the map does not have it sees walls that would fit a good way off. Its odometry, and
+// what it saw a moment before, say that it is where it was.
+TEST(TakeScan, BelievesWhatItSawAMomentBeforeRatherThanADoubtfulFitElsewhere) {
+  Driven driven;
+  driven.options.localise.doubtful_score = 0.95;
+  driven.scan({});
+  Walls moved{{{-3, 1}, {3, 1}}, {{1, 1}, {1, 0.7}}, {{-1, 1}, {-1, 0.6}}, {{-0.3, 1}, {-0.3, 0.8}}};
+  EXPECT_FALSE(driven.scan({}, {}, moved).pose.matched);
+  for (Wall2d wall : furnished_room()) {
+    if (wall.first.y() > 0 && wall.second.y() > 0) continue;
+    wall.first += Eigen::Vector2d(0.5, -0.2);
+    wall.second += Eigen::Vector2d(0.5, -0.2);
+    moved.push_back(wall);
+  }
+  const ScanOutcome beside = driven.scan({}, {}, moved);
+  EXPECT_FALSE(beside.pose.matched);
+  EXPECT_NEAR(beside.pose.map_from_robot.x, 0, 0.02);
+  EXPECT_NEAR(beside.pose.map_from_robot.y, 0, 0.02);
 }
 
 // A desk was put there: what is seen now fits worse than before, and nowhere better.

@@ -31,7 +31,7 @@ struct TurningRobot {
       if (scans_slip && i % 10 == 3) slipped_rad += 1;
       const double now_s = 1e-6 * static_cast<double>(scan_us * i) - delay_s;
       const double turn_rad = radius_rad * (yaw_at(now_s) - yaw_at(now_s - 1e-6 * scan_us));
-      delay.learn({scan_us * (i - 1), scan_us * i, turn_rad, 1e-5}, odometry, {});
+      delay.learn({scan_us * (i - 1), scan_us * i, turn_rad, 1e-5}, odometry, {}, {});
     }
   }
   double learned_s() const { return 1e-6 * static_cast<double>(delay.us()); }
@@ -41,7 +41,8 @@ TEST(ScanDelay, IsNoneBeforeAnythingIsLearned) { EXPECT_EQ(ScanDelay().us(), 0);
 
 TEST(ScanDelay, IsNotLearnedWithoutOdometry) {
   ScanDelay delay;
-  for (int i = 1; i < 10; ++i) delay.learn({scan_us * (i - 1), scan_us * i, 0.3, 1e-5}, OdometryTrack{}, {});
+  for (int i = 1; i < 10; ++i)
+    delay.learn({scan_us * (i - 1), scan_us * i, 0.3, 1e-5}, OdometryTrack{}, {}, {});
   EXPECT_EQ(delay.us(), 0);
   EXPECT_TRUE(std::get<1>(delay.members()).empty());
 }
@@ -91,7 +92,7 @@ TEST(ScanDelay, KeepsNoMoreTurnsThanMayYetBeWeighed) {
   robot.drive(0, 100);
   const std::int64_t before = robot.delay.us();
   for (int i = 100; i < 1000; ++i)
-    robot.delay.learn({scan_us * (i - 1), scan_us * i, 0.3, 1e-5}, robot.odometry, {});
+    robot.delay.learn({scan_us * (i - 1), scan_us * i, 0.3, 1e-5}, robot.odometry, {}, {});
   EXPECT_LE(std::get<1>(robot.delay.members()).size(), 11U) << "of two seconds: no odometry came any more";
   EXPECT_EQ(robot.delay.us(), before);
 }
