@@ -70,6 +70,7 @@ TEST(ExpectAsSeen, LeavesToOdometryWhatScansDoNotTell) {
   EXPECT_NEAR(seen->step.y, 0, 0.01);
   EXPECT_NEAR(seen->step.yaw, 0.03, 0.005);
   EXPECT_GT(seen->step_covariance(0, 0), 4 * seen->step_covariance(1, 1));
+  EXPECT_LT(seen->step_covariance(0, 0), 0.1 * robot.place->covariance(0, 0)) << "the step alone errs";
 }
 
 // Wheels that slip in a turn: odometry, which tells a quarter of it again, errs as it did in the scan before.
