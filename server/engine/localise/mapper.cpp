@@ -109,6 +109,7 @@ ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pos
   const std::int64_t utime = observation.scan.utime;
   PlacedScan placed = place_scan(map, robot, odom_from_robot, points, utime, options);
   auto& [expectation, placement] = placed;
+  robot.last_scan = observation.scan;
   if (placement.matched && expectation.is_known() && !full && has_lost_its_way(robot, options)) {
     placement.matched = false;
     placement.reason = Unmatched::no_overlap;
@@ -117,12 +118,10 @@ ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pos
   if (!placement.matched && (robot.place->suspect || !expectation.is_known()) &&
       robot.place->lost_scans + 1 >= options.follow.max_lost_scans && !full) {
     robot.health.unmatched();
-    robot.last_scan = observation.scan;
     begin_island(map, robot, std::move(observation), odom_from_robot, options);
     return {answer(map, robot, true), {}, true};
   }
   follow(map, robot, expectation, placement, odom_from_robot, utime, options);
-  robot.last_scan = observation.scan;
   const bool worth_it = placement.matched
                             ? worth_a_patch(map, robot.surroundings, placement, observation.star, options)
                             : worth_a_patch_unmatched(robot, placement, points, options);
