@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/engine/record/map_copy.hpp"
+#include "server/paths/ground/island_surface.hpp"
 #include "server/paths/roads/roadmap.hpp"
 #include "tests/support/ways.hpp"
 
@@ -79,19 +80,33 @@ struct Spiral {
   }
 };
 
-/// A ground of one tile and one patch from (0, 0) on, `at` saying what each cell is.
+inline std::shared_ptr<const Ground> ground_of(const std::shared_ptr<const GroundTile>& tile,
+                                               const std::shared_ptr<const NearPatches>& near) {
+  IslandSurface surface;
+  surface.update({{place_of(*tile), tile}}, *near);
+  return std::make_shared<const Ground>(surface.surfaces(), near);
+}
+
 enum class Seen { nothing, open, occupied };
-inline std::shared_ptr<const Ground> ground_of(int size, const std::function<Seen(int x, int y)>& at) {
-  auto tile = std::make_shared<GroundTile>(GroundTile{{0, 0}, {0}, {}});
+
+/// A tile of one patch from a cell on, `at` saying what each cell is.
+inline GroundTile tile_of(const Cell& low, const std::function<Seen(int x, int y)>& at) {
+  GroundTile tile{low, {0}, {}};
   for (int y = 0; y < ground_tile_cells; ++y) {
     for (int x = 0; x < ground_tile_cells; ++x) {
-      const Seen seen = x < size && y < size ? at(x, y) : Seen::nothing;
-      if (seen != Seen::nothing) tile->layers.push_back({PatchId{0}, seen == Seen::occupied, false});
-      tile->first.push_back(static_cast<std::uint32_t>(tile->layers.size()));
+      const Seen seen = at(low.x + x, low.y + y);
+      if (seen != Seen::nothing) tile.layers.push_back({PatchId{0}, seen == Seen::occupied, false});
+      tile.first.push_back(static_cast<std::uint32_t>(tile.layers.size()));
     }
   }
-  return std::make_shared<const Ground>(std::vector<std::shared_ptr<const GroundTile>>{tile},
-                                        std::make_shared<const NearPatches>());
+  return tile;
+}
+
+/// A ground of one tile from (0, 0) on, of which nothing is seen from `size` cells on.
+inline std::shared_ptr<const Ground> ground_of(int size, const std::function<Seen(int x, int y)>& at) {
+  const GroundTile tile =
+      tile_of({0, 0}, [&](int x, int y) { return x < size && y < size ? at(x, y) : Seen::nothing; });
+  return ground_of(std::make_shared<const GroundTile>(tile), std::make_shared<const NearPatches>());
 }
 
 inline NodeId node_at(const Ground& ground, int x, int y) { return ground.at({x, y}).first; }

@@ -15,7 +15,7 @@ class Brushfire {
  public:
   using Counts = std::function<bool(NodeId, const Cell&)>;
 
-  Brushfire(const Ground& ground, int max_squared, const Counts& counts)
+  Brushfire(const GroundWindow& ground, int max_squared, const Counts& counts)
       : ground_(ground),
         counts_(counts),
         least_(ground.size(), std::numeric_limits<int>::max()),
@@ -47,7 +47,7 @@ class Brushfire {
   const std::vector<int>& least() const { return least_; }
 
  private:
-  const Ground& ground_;
+  const GroundWindow& ground_;
   const Counts& counts_;
   std::vector<int> least_;
   std::vector<std::vector<Source>> waiting_;
@@ -55,7 +55,7 @@ class Brushfire {
 
 }  // namespace
 
-std::vector<float> distances_m(const Ground& ground, std::span<const Source> sources, double reach_m,
+std::vector<float> distances_m(const GroundWindow& ground, std::span<const Source> sources, double reach_m,
                                const std::function<bool(NodeId, const Cell&)>& counts) {
   constexpr double half_diagonal = 0.5 * std::numbers::sqrt2;
   const double reach_cells = reach_m / ground_cell_m + half_diagonal;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "server/paths/ground/ground.hpp"
+#include "server/paths/ground/ground_window.hpp"
 
 namespace isthmus {
 
@@ -18,7 +18,7 @@ struct Source {
 /// point of that cell that lies nearest, at least. No more than `reach_m`. A brushfire that carries the
 /// nearest source along (Kalra, Ferguson and Stentz 2009). A node to which a source's cell is nothing
 /// (`counts`; empty: it always is something) does not carry it on.
-std::vector<float> distances_m(const Ground& ground, std::span<const Source> sources, double reach_m,
+std::vector<float> distances_m(const GroundWindow& ground, std::span<const Source> sources, double reach_m,
                                const std::function<bool(NodeId node, const Cell& source)>& counts = {});
 
 }  // namespace isthmus

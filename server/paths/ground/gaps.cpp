@@ -15,13 +15,13 @@ std::uint64_t key(const Cell& cell) {
 
 class GapSearch {
  public:
-  explicit GapSearch(const Ground& ground) : ground_(ground) {}
+  explicit GapSearch(const GroundWindow& ground) : ground_(ground) {}
 
   /// From a node's cell over the unseen ones beside it.
   void look_around(NodeId node) {
-    if (ground_.layer(node).occupied) return;
+    if (ground_.occupied(node)) return;
     visit_beside(ground_.cell(node), [&](const Cell& beside) {
-      if (is_unseen(beside) && looked_.insert(key(beside)).second) flood(beside, ground_.layer(node).leader);
+      if (is_unseen(beside) && looked_.insert(key(beside)).second) flood(beside, ground_.leader(node));
     });
   }
 
@@ -41,7 +41,7 @@ class GapSearch {
   /// Whether there is free ground, of one layer.
   bool is_rim(const Cell& cell) const {
     const NodeId node = ground_.only(cell);
-    return node >= 0 && !ground_.layer(node).occupied;
+    return node >= 0 && !ground_.occupied(node);
   }
 
   /// What was looked at before, and is beside this, is part of something larger: a gap is looked at as a
@@ -68,14 +68,14 @@ class GapSearch {
     for (const Cell& cell : cells) gaps_.push_back({cell, leader});
   }
 
-  const Ground& ground_;
+  const GroundWindow& ground_;
   std::unordered_set<std::uint64_t> looked_;
   std::vector<GapCell> gaps_;
 };
 
 }  // namespace
 
-std::vector<GapCell> find_gaps(const Ground& ground) {
+std::vector<GapCell> find_gaps(const GroundWindow& ground) {
   GapSearch search(ground);
   for (NodeId node = 0; node < static_cast<NodeId>(ground.size()); ++node) search.look_around(node);
   return search.take();

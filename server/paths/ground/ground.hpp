@@ -3,26 +3,22 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
-#include "server/paths/ground/ground_tile.hpp"
+#include "server/paths/ground/tile_surface.hpp"
 
 namespace isthmus {
-
-/// A cell of a layer: its number on its island's ground; -1: none.
-using NodeId = std::int32_t;
 
 /// The cells of an island in layers, as a surface: one steps from a cell to the eight beside it, within
 /// patches that are near one another (Howard et al. 2006, eqs. 2 and 3, along relations). Never changed.
 class Ground {
  public:
   /// Distances are known up to this.
-  static constexpr double reach_m = 1.2;
+  static constexpr double reach_m = measured_reach_m;
 
-  /// Tiles of one island, by their rows and columns.
-  Ground(std::vector<std::shared_ptr<const GroundTile>> tiles, std::shared_ptr<const NearPatches> near);
+  /// Surfaces of one island, by their rows and columns.
+  Ground(std::vector<std::shared_ptr<const TileSurface>> surfaces, std::shared_ptr<const NearPatches> near);
 
   std::size_t size() const { return cells_.size(); }
   const Cell& cell(NodeId node) const { return cells_[index(node)]; }
@@ -46,16 +42,22 @@ class Ground {
   float wall_m(NodeId node) const { return wall_m_[index(node)]; }
   /// The same to the nearest cell that nobody has seen.
   float unseen_m(NodeId node) const { return unseen_m_[index(node)]; }
+  /// Whether nobody has seen one of the four cells that have a side in common with this one.
+  bool borders_on_unseen(NodeId node) const { return borders_on_unseen_[index(node)] != 0; }
+
+  /// What the ground is made of, tile by tile; a tile's nodes are numbered on from `first_node`.
+  const std::vector<std::shared_ptr<const TileSurface>>& surfaces() const { return surfaces_; }
+  NodeId first_node(std::size_t surface) const { return first_node_[surface]; }
+  const std::shared_ptr<const NearPatches>& near() const { return near_; }
 
  private:
   static std::size_t index(NodeId node) { return static_cast<std::size_t>(node); }
-  void lay_out();
-  void fill_gaps();
-  void measure();
+  void find_tiles();
+  void add(const TileSurface& surface);
   /// Of the tile of a cell; -1: there is none.
   std::int32_t tile_index(const Cell& cell) const;
 
-  std::vector<std::shared_ptr<const GroundTile>> tiles_;
+  std::vector<std::shared_ptr<const TileSurface>> surfaces_;
   std::shared_ptr<const NearPatches> near_;
   Cell low_tile_;  // in tiles
   int columns_ = 0;
@@ -66,14 +68,7 @@ class Ground {
   std::vector<Layer> layers_;
   std::vector<float> wall_m_;
   std::vector<float> unseen_m_;
+  std::vector<std::uint8_t> borders_on_unseen_;
 };
-
-/// The eight cells around one.
-template <class Visit>
-void visit_beside(const Cell& cell, const Visit& visit) {
-  for (int dy = -1; dy <= 1; ++dy)
-    for (int dx = -1; dx <= 1; ++dx)
-      if (dx != 0 || dy != 0) visit(Cell{cell.x + dx, cell.y + dy});
-}
 
 }  // namespace isthmus

@@ -18,6 +18,16 @@ double moved_m(const Pose& before, const Pose& after) {
 /// A robot is localised in a patch that it lies in: farther out it is none of the patch's business.
 constexpr double farthest_stood_m = 30;
 
+/// The tiles that a raster lies on, from `low` to `high`.
+struct TileRange {
+  TilePlace low, high;
+};
+
+TileRange tiles_of(const PatchRaster& raster) {
+  const Cell low = raster.low(), high = raster.high();
+  return {{tile_of(low.y), tile_of(low.x)}, {tile_of(high.y - 1), tile_of(high.x - 1)}};
+}
+
 bool same_patches(const std::vector<TilePatch>& a, const std::vector<TilePatch>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const TilePatch& one, const TilePatch& other) {
     return one.id == other.id && one.raster == other.raster;
@@ -29,27 +39,16 @@ bool same_patches(const std::vector<TilePatch>& a, const std::vector<TilePatch>&
 void GroundKeeper::update(const MapCopy& map) {
   follow_robots(map);
   cut_into_cells(map);
-  near_ = std::make_shared<const NearPatches>(map, near_m);
-  std::map<Key, std::vector<TilePatch>> spread_out = spread(map);
-  std::set<IslandId> changed;
-  std::erase_if(tiles_, [&](const auto& kept) {
-    if (spread_out.contains(kept.first)) return false;
-    changed.insert(std::get<IslandId>(kept.first));
-    return true;
-  });
-  for (auto& [key, patches] : spread_out)
-    if (keep_tile(key, std::move(patches), *near_)) changed.insert(std::get<IslandId>(key));
-  for (const IslandId island : changed) grounds_.erase(island);
-  std::map<IslandId, std::vector<std::shared_ptr<const GroundTile>>> tiles;
-  for (const auto& [key, kept] : tiles_)
-    if (changed.contains(std::get<IslandId>(key))) tiles[std::get<IslandId>(key)].push_back(kept.tile);
-  for (auto& [island, of_island] : tiles)
-    grounds_[island] = std::make_shared<const Ground>(std::move(of_island), near_);
+  const auto before = std::exchange(near_, std::make_shared<const NearPatches>(near_->kept_up(map)));
+  Places near_changed = changed_nearness(map, *before);
+  std::map<IslandId, Patches> islands = spread(map);
+  std::erase_if(islands_, [&](const auto& kept) { return !islands.contains(kept.first); });
+  for (auto& [island, patches] : islands) keep_up(islands_[island], std::move(patches), near_changed[island]);
 }
 
 std::shared_ptr<const Ground> GroundKeeper::ground(IslandId island) const {
-  const auto found = grounds_.find(island);
-  return found == grounds_.end() ? nullptr : found->second;
+  const auto found = islands_.find(island);
+  return found == islands_.end() ? nullptr : found->second.ground;
 }
 
 void GroundKeeper::follow_robots(const MapCopy& map) {
@@ -94,30 +93,50 @@ void GroundKeeper::cut_into_cells(const MapCopy& map) {
   }
 }
 
-std::map<GroundKeeper::Key, std::vector<TilePatch>> GroundKeeper::spread(const MapCopy& map) const {
-  std::map<Key, std::vector<TilePatch>> tiles;
+std::map<IslandId, GroundKeeper::Patches> GroundKeeper::spread(const MapCopy& map) const {
+  std::map<IslandId, Patches> islands;
   for (std::size_t i = 0; i < rasters_.size(); ++i) {
     if (!rasters_[i]) continue;
     const PatchId id{static_cast<std::int32_t>(i)};
-    const IslandId island = map.graph.island(id);
-    const Cell low = rasters_[i]->low(), high = rasters_[i]->high();
-    for (std::int32_t row = tile_of(low.y); row <= tile_of(high.y - 1); ++row)
-      for (std::int32_t column = tile_of(low.x); column <= tile_of(high.x - 1); ++column)
-        tiles[{island, row, column}].push_back({id, rasters_[i]});
+    Patches& patches = islands[map.graph.island(id)];
+    const TileRange range = tiles_of(*rasters_[i]);
+    for (std::int32_t row = range.low.first; row <= range.high.first; ++row)
+      for (std::int32_t column = range.low.second; column <= range.high.second; ++column)
+        patches[{row, column}].push_back({id, rasters_[i]});
   }
-  return tiles;
+  return islands;
 }
 
-/// Whether the tile had to be made again.
-bool GroundKeeper::keep_tile(const Key& key, std::vector<TilePatch> patches, const NearPatches& near) {
-  std::vector<std::uint8_t> pairs = near_pairs(patches, near);
-  Kept& kept = tiles_[key];
-  if (kept.tile && kept.near == pairs && same_patches(kept.patches, patches)) return false;
-  const Cell low{std::get<2>(key) * ground_tile_cells, std::get<1>(key) * ground_tile_cells};
-  kept.tile = std::make_shared<const GroundTile>(make_ground_tile(low, patches, pairs));
+/// The places on or beside which both of two patches lie that came near one another, or are it no more.
+GroundKeeper::Places GroundKeeper::changed_nearness(const MapCopy& map, const NearPatches& before) const {
+  Places places;
+  for (const auto& [a, b] : near_->changes(before)) {
+    const auto& one = rasters_[static_cast<std::size_t>(a.value)];
+    const auto& other = rasters_[static_cast<std::size_t>(b.value)];
+    if (!one || !other || map.graph.island(a) != map.graph.island(b)) continue;
+    const TileRange around_one = tiles_of(*one), around_other = tiles_of(*other);
+    const auto low = [&](auto of) { return std::max(of(around_one.low), of(around_other.low)) - 1; };
+    const auto high = [&](auto of) { return std::min(of(around_one.high), of(around_other.high)) + 1; };
+    const auto row = [](const TilePlace& place) { return place.first; };
+    const auto column = [](const TilePlace& place) { return place.second; };
+    for (std::int32_t y = low(row); y <= high(row); ++y)
+      for (std::int32_t x = low(column); x <= high(column); ++x) places[map.graph.island(a)].emplace(y, x);
+  }
+  return places;
+}
+
+void GroundKeeper::keep_up(Kept& kept, Patches patches, const std::set<TilePlace>& near_changed) const {
+  std::erase_if(kept.tiles, [&](const auto& tile) { return !patches.contains(tile.first); });
+  for (const auto& [place, on_tile] : patches) {
+    std::shared_ptr<const GroundTile>& tile = kept.tiles[place];
+    if (tile && !near_changed.contains(place) && same_patches(kept.patches[place], on_tile)) continue;
+    const Cell low{place.second * ground_tile_cells, place.first * ground_tile_cells};
+    GroundTile made = make_ground_tile(low, on_tile, near_pairs(on_tile, *near_));
+    if (!tile || difference(*tile, made)) tile = std::make_shared<const GroundTile>(std::move(made));
+  }
   kept.patches = std::move(patches);
-  kept.near = std::move(pairs);
-  return true;
+  if (kept.surface.update(kept.tiles, *near_, near_changed))
+    kept.ground = std::make_shared<const Ground>(kept.surface.surfaces(), near_);
 }
 
 }  // namespace isthmus

@@ -110,6 +110,24 @@ class Layering {
 
 }  // namespace
 
+std::optional<CellBox> difference(const GroundTile& one, const GroundTile& other) {
+  CellBox box{{side_cells, side_cells}, {0, 0}};  // within the tile
+  const auto of = [](const GroundTile& tile, std::size_t cell) {
+    return std::span(tile.layers).subspan(tile.first[cell], tile.first[cell + 1] - tile.first[cell]);
+  };
+  for (int y = 0; y < side_cells; ++y) {
+    for (int x = 0; x < side_cells; ++x) {
+      const std::size_t cell = GroundTile::index(x, y);
+      if (std::ranges::equal(of(one, cell), of(other, cell))) continue;
+      box.low = {std::min(box.low.x, x), std::min(box.low.y, y)};
+      box.high = {std::max(box.high.x, x + 1), std::max(box.high.y, y + 1)};
+    }
+  }
+  if (box.high.x == 0) return std::nullopt;
+  const Cell& at = one.low;
+  return CellBox{{at.x + box.low.x, at.y + box.low.y}, {at.x + box.high.x, at.y + box.high.y}};
+}
+
 std::vector<std::uint8_t> near_pairs(std::span<const TilePatch> patches, const NearPatches& near) {
   std::vector<std::uint8_t> pairs(patches.size() * patches.size());
   for (std::size_t i = 0; i < patches.size(); ++i)

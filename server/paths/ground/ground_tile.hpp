@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "server/paths/ground/near_patches.hpp"
@@ -20,11 +22,16 @@ constexpr std::int32_t tile_of(std::int32_t cell) {
   return (cell - within) / ground_tile_cells;
 }
 
+/// A cell of a layer: its number among those of a tile, a window or an island's ground; -1: none.
+using NodeId = std::int32_t;
+
 /// What one stretch of the map says of a cell.
 struct Layer {
   PatchId leader;  ///< of the patches of the stretch that see the cell, the one with the nearest origin
   bool occupied = false;
   bool is_gap = false;  ///< nobody has seen it, and it is free by what lies around it: see `find_gaps`
+
+  bool operator==(const Layer&) const = default;
 };
 
 /// A patch as it lies on a tile.
@@ -44,6 +51,19 @@ struct GroundTile {
     return static_cast<std::size_t>(y) * ground_tile_cells + static_cast<std::size_t>(x);
   }
 };
+
+/// A tile's place on the plane: its row and column among tiles.
+using TilePlace = std::pair<std::int32_t, std::int32_t>;
+
+inline TilePlace place_of(const GroundTile& tile) { return {tile_of(tile.low.y), tile_of(tile.low.x)}; }
+
+/// The cells from `low` to before `high`.
+struct CellBox {
+  Cell low, high;
+};
+
+/// Where two tiles at one place differ; nothing where they are the same.
+std::optional<CellBox> difference(const GroundTile& one, const GroundTile& other);
 
 /// Which of a tile's patches are near one another, row by row.
 std::vector<std::uint8_t> near_pairs(std::span<const TilePatch> patches, const NearPatches& near);

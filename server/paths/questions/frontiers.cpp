@@ -14,20 +14,11 @@ namespace {
 
 std::size_t index(NodeId node) { return static_cast<std::size_t>(node); }
 
-bool borders_on_unseen(const Ground& ground, NodeId node) {
-  if (ground.layer(node).occupied) return false;
-  const Cell& cell = ground.cell(node);
-  for (const Cell& beside : {Cell{cell.x + 1, cell.y}, Cell{cell.x - 1, cell.y}, Cell{cell.x, cell.y + 1},
-                             Cell{cell.x, cell.y - 1}})
-    if (ground.step(node, beside) < 0) return true;
-  return false;
-}
-
 /// The cells of each frontier.
 std::vector<std::vector<NodeId>> clusters(const Ground& ground) {
   std::vector<std::uint8_t> open(ground.size());
   for (NodeId node = 0; node < static_cast<NodeId>(ground.size()); ++node)
-    open[index(node)] = borders_on_unseen(ground, node);
+    open[index(node)] = !ground.layer(node).occupied && ground.borders_on_unseen(node);
   std::vector<std::vector<NodeId>> found;
   for (NodeId node = 0; node < static_cast<NodeId>(ground.size()); ++node) {
     if (!std::exchange(open[index(node)], 0)) continue;

@@ -39,8 +39,7 @@ void Planner::update(std::shared_ptr<const MapCopy> map) {
   Zones zones(*map_);
   std::erase_if(roadmaps_, [&](const auto& kept) {
     const auto island = std::get<IslandId>(kept.first);
-    return &kept.second.roadmap->ground() != grounds_.ground(island).get() ||
-           !are_alike(zones.of(island), zones_.of(island));
+    return !grounds_.ground(island) || !are_alike(zones.of(island), zones_.of(island));
   });
   // Zones that have hardly moved stay as the roadmaps have them, or they would creep away.
   for (const auto& [key, kept] : roadmaps_) zones.keep(std::get<IslandId>(key), zones_);
@@ -57,7 +56,8 @@ std::shared_ptr<const Roadmap> Planner::roadmap(IslandId island, const Footprint
   if (!ground) return nullptr;
   KeptRoadmap& kept = roadmaps_[{island, footprint.radius_m, footprint.clearance_m, with_zones}];
   const std::span<const Zone> zones = with_zones ? zones_.of(island) : std::span<const Zone>();
-  if (!kept.roadmap) kept.roadmap = std::make_shared<const Roadmap>(ground, footprint, zones);
+  if (!kept.roadmap || &kept.roadmap->ground() != ground.get())
+    kept.roadmap = std::make_shared<const Roadmap>(ground, footprint, zones, kept.roadmap.get());
   kept.asked = ++asked_;
   std::shared_ptr<const Roadmap> found = kept.roadmap;
   if (roadmaps_.size() > max_roadmaps) {

@@ -34,7 +34,7 @@ class Planner {
 
   /// The map that questions are answered by from now on.
   void update(std::shared_ptr<const MapCopy> map);
-  /// Made when first asked for, and kept until the ground changes; at most eight footprints an island.
+  /// Made when first asked for, and where the ground has changed since; at most eight are kept.
   std::shared_ptr<const Roadmap> roadmap(IslandId island, const Footprint& footprint);
   const MapCopy& map() const { return *map_; }
   const Zones& zones() const { return zones_; }

@@ -1,83 +1,21 @@
 #include "server/paths/roads/roadmap.hpp"
 
-#include <algorithm>
-#include <numbers>
+#include <unordered_map>
 #include <utility>
 
 #include "server/paths/ground/cell_line.hpp"
 
 namespace isthmus {
-namespace {
-
-constexpr std::int32_t square_side_cells = 4;
-/// Where a robot has driven, the unseen is nowhere nearer than that.
-constexpr double max_from_unseen_m = stood_m - ground_cell_m;
-/// A straight way through a cell passes its centre by half its diagonal at most.
-constexpr double off_centre_m = 0.5 * std::numbers::sqrt2 * ground_cell_m;
-constexpr SquareId none = -1;
-constexpr SquareId free = -2;  // of no square yet
-
-bool in_one_square(const Cell& a, const Cell& b) {
-  const auto part = [](std::int32_t cell) { return cell & ~(square_side_cells - 1); };
-  return part(a.x) == part(b.x) && part(a.y) == part(b.y);
-}
-
-}  // namespace
 
 Roadmap::Roadmap(std::shared_ptr<const Ground> ground, const Footprint& footprint,
-                 std::span<const Zone> zones)
+                 std::span<const Zone> zones, const Roadmap* before)
     : ground_(std::move(ground)), footprint_(footprint) {
-  // A fit may move a zone by so much before a roadmap is made again (`are_alike`).
-  constexpr double moved_m = 0.5 * ground_cell_m;
-  find_squares(footprint, KeptOutCells(zones, footprint.radius_m + off_centre_m + moved_m));
-  find_beside();
-  find_open();
-}
-
-void Roadmap::find_squares(const Footprint& footprint, const KeptOutCells& kept_out) {
-  const auto from_walls = static_cast<float>(footprint.radius_m + footprint.clearance_m + off_centre_m);
-  const auto from_unseen = static_cast<float>(std::min(footprint.radius_m, max_from_unseen_m));
-  for (NodeId node = 0; node < static_cast<NodeId>(ground_->size()); ++node) {
-    const bool fits = !ground_->layer(node).occupied && ground_->wall_m(node) >= from_walls &&
-                      ground_->unseen_m(node) >= from_unseen && !kept_out.contains(ground_->cell(node));
-    square_.push_back(fits ? free : none);
-  }
-  for (NodeId node = 0; node < static_cast<NodeId>(ground_->size()); ++node)
-    if (square_[static_cast<std::size_t>(node)] == free) flood(node);
-}
-
-void Roadmap::flood(NodeId start) {
-  const auto square = static_cast<SquareId>(middle_.size());
-  std::vector<NodeId> members{start};
-  square_[static_cast<std::size_t>(start)] = square;
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    visit_beside(ground_->cell(members[i]), [&](const Cell& beside) {
-      if (!in_one_square(ground_->cell(start), beside)) return;
-      const NodeId next = ground_->step(members[i], beside);
-      if (next < 0 || square_[static_cast<std::size_t>(next)] != free) return;
-      square_[static_cast<std::size_t>(next)] = square;
-      members.push_back(next);
-    });
-  }
-  middle_.push_back(*std::max_element(members.begin(), members.end(), [this](NodeId a, NodeId b) {
-    return ground_->wall_m(a) < ground_->wall_m(b);
-  }));
-}
-
-void Roadmap::find_beside() {
-  std::vector<std::pair<SquareId, SquareId>> pairs;
-  for (NodeId node = 0; node < static_cast<NodeId>(ground_->size()); ++node) {
-    if (!fits(node)) continue;
-    visit_beside(ground_->cell(node), [&](const Cell& beside) {
-      if (in_one_square(ground_->cell(node), beside)) return;
-      const NodeId next = ground_->step(node, beside);
-      if (next < 0 || !fits(next)) return;
-      pairs.emplace_back(square(node), square(next));
-      pairs.emplace_back(square(next), square(node));
-    });
-  }
+  make_tiles(zones, before);
+  const Pairs pairs = join_tiles();
   std::vector<Cell> middles;
   std::vector<Eigen::Vector2d> points_m;
+  middles.reserve(middle_.size());
+  points_m.reserve(middle_.size());
   for (const NodeId middle : middle_) {
     middles.push_back(ground_->cell(middle));
     points_m.push_back(ground_->centre(middle));
@@ -86,39 +24,62 @@ void Roadmap::find_beside() {
   regions_ = Regions(middles, graph_);
 }
 
-/// Whether stepping from a cell to any of the eight beside it comes to the only layer there is, on which the
-/// footprint fits.
-bool Roadmap::is_open(NodeId node) const {
-  if (!fits(node) || ground_->only(ground_->cell(node)) != node) return false;
-  bool open = true;
-  visit_beside(ground_->cell(node), [&](const Cell& beside) {
-    const NodeId next = ground_->only(beside);
-    open = open && next >= 0 && fits(next) && ground_->step(node, beside) == next;
-  });
-  return open;
+void Roadmap::make_tiles(std::span<const Zone> zones, const Roadmap* before) {
+  // A fit may move a zone by so much before a roadmap is made again (`are_alike`).
+  constexpr double moved_m = 0.5 * ground_cell_m;
+  const KeptOutCells kept_out(zones, footprint_.radius_m + off_centre_m + moved_m);
+  std::unordered_map<const TileSurface*, std::shared_ptr<const RoadTile>> made;
+  if (before)
+    for (const auto& tile : before->tiles_) made.emplace(tile->surface.get(), tile);
+  for (const auto& surface : ground_->surfaces()) {
+    std::shared_ptr<const RoadTile>& tile = made[surface.get()];
+    if (!tile)
+      tile =
+          std::make_shared<const RoadTile>(make_road_tile(surface, footprint_, kept_out, *ground_->near()));
+    tiles_.push_back(tile);
+  }
 }
 
-/// From where something is near outwards, ring by ring.
-void Roadmap::find_open() {
-  constexpr std::uint8_t unreached = 255;
-  open_.assign(ground_->size(), unreached);
-  std::vector<NodeId> wave;
-  for (NodeId node = 0; node < static_cast<NodeId>(ground_->size()); ++node) {
-    if (is_open(node)) continue;
-    open_[static_cast<std::size_t>(node)] = 0;
-    wave.push_back(node);
+/// Numbers the tiles' squares on. Which of them are beside which, within tiles and across.
+Roadmap::Pairs Roadmap::join_tiles() {
+  Pairs pairs;
+  square_.reserve(ground_->size());
+  open_.reserve(ground_->size());
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    const RoadTile& tile = *tiles_[i];
+    const auto first = static_cast<SquareId>(middle_.size());
+    for (const SquareId square : tile.square) square_.push_back(square < 0 ? square : first + square);
+    for (const NodeId middle : tile.middle) middle_.push_back(ground_->first_node(i) + middle);
+    for (const auto& [from, to] : tile.beside) pairs.emplace_back(first + from, first + to);
+    open_.insert(open_.end(), tile.open_cells.begin(), tile.open_cells.end());
   }
-  for (std::uint8_t ring = 1; ring < unreached && !wave.empty(); ++ring) {
-    std::vector<NodeId> next_wave;
-    for (const NodeId node : wave) {
+  for (std::size_t i = 0; i < tiles_.size(); ++i) join_across(i, pairs);
+  return pairs;
+}
+
+void Roadmap::join_across(std::size_t tile, Pairs& pairs) const {
+  const Cell& low = tiles_[tile]->surface->tile->low;
+  constexpr int last = ground_tile_cells - 1;
+  const auto join = [&](int x, int y) {
+    const auto [begin, end] = ground_->at({low.x + x, low.y + y});
+    for (NodeId node = begin; node < end; ++node) {
+      if (!fits(node)) continue;
       visit_beside(ground_->cell(node), [&](const Cell& beside) {
-        const NodeId next = ground_->only(beside);
-        if (next < 0 || open_[static_cast<std::size_t>(next)] != unreached) return;
-        open_[static_cast<std::size_t>(next)] = ring;
-        next_wave.push_back(next);
+        if (tile_of(beside.x) == tile_of(low.x) && tile_of(beside.y) == tile_of(low.y)) return;
+        const NodeId next = ground_->step(node, beside);
+        if (next < 0 || !fits(next)) return;
+        pairs.emplace_back(square(node), square(next));
+        pairs.emplace_back(square(next), square(node));
       });
     }
-    wave = std::move(next_wave);
+  };
+  for (int i = 0; i <= last; ++i) {
+    join(i, 0);
+    join(i, last);
+  }
+  for (int i = 1; i < last; ++i) {
+    join(0, i);
+    join(last, i);
   }
 }
 

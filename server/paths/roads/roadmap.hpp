@@ -3,31 +3,24 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "server/paths/ground/ground.hpp"
 #include "server/paths/ground/zones.hpp"
 #include "server/paths/roads/point_graph.hpp"
 #include "server/paths/roads/regions.hpp"
+#include "server/paths/roads/road_tile.hpp"
 
 namespace isthmus {
 
-/// What a robot needs around its centre, in metres.
-struct Footprint {
-  double radius_m = 0.25;
-  double clearance_m = 0.1;  ///< more than that from walls
-};
-
-/// A square of a layer: its number in a roadmap; -1: none.
-using SquareId = std::int32_t;
-
-/// Where on a ground a footprint fits: its cells, joined to squares of 20 cm a side at most, and which
-/// squares one steps between. Never changed.
+/// Where on a ground a footprint fits: the squares of its tiles, and which of them one steps between. Never
+/// changed.
 class Roadmap {
  public:
-  /// It fits nowhere nearer to keep-out zones than its radius.
-  Roadmap(std::shared_ptr<const Ground> ground, const Footprint& footprint, std::span<const Zone> zones = {});
+  /// It fits nowhere nearer to keep-out zones than its radius. `before`: a roadmap for the same footprint and
+  /// zones, of which tiles are kept whose surface is the same.
+  Roadmap(std::shared_ptr<const Ground> ground, const Footprint& footprint, std::span<const Zone> zones = {},
+          const Roadmap* before = nullptr);
 
   const Ground& ground() const { return *ground_; }
   const Footprint& footprint() const { return footprint_; }
@@ -43,7 +36,8 @@ class Roadmap {
   const Regions& regions() const { return regions_; }
 
   /// So many cells in rows and columns around this one the footprint fits, the ground has one layer only, and
-  /// stepping comes to it: within them a line of sight need not be looked at.
+  /// stepping comes to it: within them a line of sight need not be looked at. At least; no cell beyond the
+  /// tile counts.
   std::int32_t open_cells(NodeId node) const { return open_[static_cast<std::size_t>(node)]; }
 
   /// The cell that one comes to straight from another where the footprint fits all along.
@@ -51,17 +45,18 @@ class Roadmap {
   bool sees(NodeId from, NodeId to) const { return straight(from, ground_->cell(to)) == to; }
 
  private:
-  void find_squares(const Footprint& footprint, const KeptOutCells& kept_out);
-  void flood(NodeId start);
-  void find_beside();
-  void find_open();
-  bool is_open(NodeId node) const;
+  using Pairs = std::vector<std::pair<SquareId, SquareId>>;
+
+  void make_tiles(std::span<const Zone> zones, const Roadmap* before);
+  Pairs join_tiles();
+  void join_across(std::size_t tile, Pairs& pairs) const;
 
   std::shared_ptr<const Ground> ground_;
   Footprint footprint_;
-  std::vector<SquareId> square_;    // by node
-  std::vector<NodeId> middle_;      // by square
-  std::vector<std::uint8_t> open_;  // by node
+  std::vector<std::shared_ptr<const RoadTile>> tiles_;  // as the ground's
+  std::vector<SquareId> square_;                        // by node
+  std::vector<NodeId> middle_;                          // by square
+  std::vector<std::uint8_t> open_;                      // by node
   PointGraph graph_;
   Regions regions_;
 };

@@ -1,12 +1,16 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "server/paths/ground/cell_line.hpp"
 #include "server/paths/ground/ground_keeper.hpp"
+#include "server/paths/ground/island_surface.hpp"
 #include "server/paths/questions/relative_pose.hpp"
 #include "server/paths/roads/pull.hpp"
 #include "server/paths/roads/route.hpp"
@@ -118,7 +122,8 @@ bool same_ground(const Ground& a, const Ground& b) {
   if (a.size() != b.size()) return false;
   for (NodeId node = 0; node < static_cast<NodeId>(a.size()); ++node) {
     if (a.cell(node) != b.cell(node) || a.layer(node).leader != b.layer(node).leader ||
-        a.layer(node).occupied != b.layer(node).occupied || a.wall_m(node) != b.wall_m(node))
+        a.layer(node).occupied != b.layer(node).occupied || a.wall_m(node) != b.wall_m(node) ||
+        a.unseen_m(node) != b.unseen_m(node) || a.borders_on_unseen(node) != b.borders_on_unseen(node))
       return false;
   }
   return true;
@@ -145,6 +150,105 @@ RC_GTEST_PROP(GroundKeeperProperty, KeepingUpGivesWhatStartingAnewGives, ()) {
   anew.update(testing::copy_of(map));
   for (const auto& island : map.graph().islands())
     RC_ASSERT(same_ground(*kept.ground(island.front()), *anew.ground(island.front())));
+}
+
+/// Rectangles of a plane of several tiles, each of one kind; the last to cover a cell tells what it is.
+struct Rectangle {
+  Cell low, high;
+  Seen seen = Seen::open;
+};
+
+Rectangle any_rectangle(int least, int most) {
+  const Cell low{*rc::gen::inRange(0, 2 * ground_tile_cells), *rc::gen::inRange(0, 2 * ground_tile_cells)};
+  const auto side_cells = [&] { return *rc::gen::inRange(least, most); };
+  return {low,
+          {low.x + side_cells(), low.y + side_cells()},
+          *rc::gen::element(Seen::nothing, Seen::open, Seen::occupied)};
+}
+
+IslandSurface::Tiles tiles_of(const std::vector<Rectangle>& rectangles) {
+  IslandSurface::Tiles tiles;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      const Cell low{column * ground_tile_cells, row * ground_tile_cells};
+      const GroundTile tile = testing::tile_of(low, [&](int x, int y) {
+        Seen seen = Seen::nothing;
+        for (const Rectangle& one : rectangles)
+          if (x >= one.low.x && x < one.high.x && y >= one.low.y && y < one.high.y) seen = one.seen;
+        return seen;
+      });
+      if (!tile.layers.empty())
+        tiles.emplace(TilePlace{row, column}, std::make_shared<const GroundTile>(tile));
+    }
+  }
+  return tiles;
+}
+
+RC_GTEST_PROP(IslandSurfaceProperty, AfterChangesAnywhereItIsWhatItIsMadeAnew, ()) {
+  const auto near = std::make_shared<const NearPatches>();
+  std::vector<Rectangle> rectangles;
+  for (int i = 0; i < 6; ++i) rectangles.push_back(any_rectangle(20, 2 * ground_tile_cells));
+  IslandSurface kept;
+  std::unique_ptr<Roadmap> roads;
+  for (int change = 0; change < 4; ++change) {
+    const IslandSurface::Tiles tiles = tiles_of(rectangles);
+    IslandSurface anew;
+    kept.update(tiles, *near);
+    anew.update(tiles, *near);
+    const auto ground = std::make_shared<const Ground>(kept.surfaces(), near);
+    RC_ASSERT(same_ground(*ground, Ground(anew.surfaces(), near)));
+    const Roadmap made(ground, testing::slim);
+    roads = std::make_unique<Roadmap>(ground, testing::slim, std::span<const Zone>(), roads.get());
+    RC_ASSERT(roads->squares() == made.squares());
+    for (SquareId square = 0; square < static_cast<SquareId>(made.squares()); ++square)
+      RC_ASSERT(std::ranges::equal(roads->beside(square), made.beside(square)));
+    for (NodeId node = 0; node < static_cast<NodeId>(ground->size()); ++node)
+      RC_ASSERT(roads->square(node) == made.square(node) && roads->open_cells(node) == made.open_cells(node));
+    rectangles.push_back(any_rectangle(1, 40));
+    if (*rc::gen::arbitrary<bool>()) rectangles.erase(rectangles.begin() + *rc::gen::inRange(0, 6));
+  }
+}
+
+/// Patches in a plane with relations between them, of which some come and go.
+RC_GTEST_PROP(NearPatchesProperty, KeepingUpGivesWhatMeasuringAnewGives, ()) {
+  Map map;
+  const auto add_patch = [&] {
+    const PatchId id = map.manifold().next_id();
+    map.add(testing::round_patch(testing::furnished_room(), id, {}, 1), any_pose(20));
+    return id;
+  };
+  const auto relate_any = [&](PatchId id) {
+    const PatchId other{*rc::gen::inRange(0, id.value)};
+    map.relate(testing::odometry_relation(other, id, map.relative_pose(other, id)));
+  };
+  for (int i = 0; i < 30; ++i)
+    if (const PatchId id = add_patch(); i > 0) relate_any(id);
+  constexpr double reach_m = 40;
+  NearPatches kept(testing::copy_of(map), reach_m);
+  for (int change = 0; change < 6; ++change) {
+    if (*rc::gen::inRange(0, 3) > 0)
+      relate_any(add_patch());
+    else
+      relate_any(PatchId{*rc::gen::inRange(1, map.manifold().next_id().value)});
+    const MapCopy copy = testing::copy_of(map);
+    const NearPatches before = kept;
+    kept = before.kept_up(copy);
+    const NearPatches anew(copy, reach_m);
+    std::vector<std::pair<PatchId, PatchId>> changes;
+    for (PatchId a{0}; a < map.manifold().next_id(); ++a.value) {
+      for (PatchId b{0}; b < map.manifold().next_id(); ++b.value) {
+        RC_ASSERT(kept.near(a, b) == anew.near(a, b));
+        if (kept.near(a, b)) RC_ASSERT(std::abs(kept.way_m(a, b) - anew.way_m(a, b)) < 1e-3F);
+        const bool was_there = b.value < static_cast<int>(copy.patches.size()) && before.way_m(b, b) == 0 &&
+                               b.value < map.manifold().next_id().value - 1;
+        if (a < b && was_there && before.near(a, b) != kept.near(a, b)) changes.emplace_back(a, b);
+      }
+    }
+    std::vector<std::pair<PatchId, PatchId>> told = kept.changes(before);
+    std::erase_if(told,
+                  [&](const auto& pair) { return pair.second.value == map.manifold().next_id().value - 1; });
+    RC_ASSERT(told == changes);
+  }
 }
 
 RC_GTEST_PROP(RelativePoseProperty, TheOtherWayRoundIsTheInverseWithItsCovariance, ()) {

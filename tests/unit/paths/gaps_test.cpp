@@ -50,7 +50,8 @@ TEST(Gaps, WhereSomethingWasHitAtItsRimSomethingMayStandInIt) {
 TEST(Gaps, TheEdgeOfTheKnownIsNone) {
   const auto ground = ground_with(6);
   EXPECT_EQ(ground->at({side, 30}).first, ground->at({side, 30}).second);
-  EXPECT_EQ(find_gaps(*ground).size(), 0U) << "those that there were are filled";
+  const TilesAround filled{{nullptr, nullptr, nullptr, nullptr, ground->surfaces()[0]->tile.get()}};
+  EXPECT_EQ(find_gaps(GroundWindow(filled, 0, {})).size(), 0U) << "those that there were are filled";
   FrontierOptions every;
   every.min_gain_m2 = 0;
   for (const Frontier& frontier : find_frontiers(Roadmap(ground, testing::slim), -1, every))

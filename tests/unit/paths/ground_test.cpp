@@ -84,8 +84,7 @@ std::shared_ptr<const Ground> half_closed_loop(const Cell& strip_low, const Cell
       tile->first.push_back(static_cast<std::uint32_t>(tile->layers.size()));
     }
   }
-  return std::make_shared<const Ground>(std::vector<std::shared_ptr<const GroundTile>>{tile},
-                                        std::make_shared<const NearPatches>(testing::copy_of(map), 1.5));
+  return testing::ground_of(tile, std::make_shared<const NearPatches>(testing::copy_of(map), 1.5));
 }
 
 TEST(Ground, WhatOneStretchHasNotSeenIsNotUnseenToAnotherThatHas) {
