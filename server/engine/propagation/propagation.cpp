@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/engine/map/local_loop.hpp"
 
@@ -69,6 +70,17 @@ std::vector<PatchId> Propagation::candidates(const Map& map, PatchId patch,
   return near;
 }
 
+/// Whether another patch that was matched found this one: what is left to compare it with then is at the edge
+/// of its view, and tells little.
+bool Propagation::is_joined(const Map& map, PatchId patch) const {
+  return std::ranges::any_of(map.graph().of(patch),
+                             [&](RelationId id) { return map.graph().find(id)->origin == origin_; });
+}
+
+void Propagation::take_from_unmatched(PatchId patch) {
+  if (std::exchange(visits(patch).unmatched, false)) std::erase(unmatched_, patch);
+}
+
 bool Propagation::step(Map& map, const EngineOptions& options) {
   const PatchId id = queue_.front();
   queue_.pop_front();
@@ -94,7 +106,8 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   query.partly_known = true;
   const LocalLoop found = match_loop(map, surroundings, query, options);
   if (found.relations.empty() || (!before_ && !found.unambiguous)) {
-    if (found.compared && found.unambiguous && !visits(id).matched && !visits(id).unmatched) {
+    if (found.compared && found.unambiguous && !visits(id).matched && !visits(id).unmatched &&
+        !is_joined(map, id)) {
       visits(id).unmatched = true;
       unmatched_.push_back(id);
     }
@@ -102,9 +115,11 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   }
   if (!visits(id).matched) matched_.push_back(id);
   visits(id).matched = true;
-  if (visits(id).unmatched) std::erase(unmatched_, id);
-  visits(id).unmatched = false;
-  for (const Relation& relation : found.relations) map.relate(relation);
+  for (const Relation& relation : found.relations) {
+    map.relate(relation);
+    take_from_unmatched(relation.a);
+    take_from_unmatched(relation.b);
+  }
   map.refit_around(id, options.propagation.refit_patches);
   for (const PatchId next : map.graph().neighbours(id)) enqueue(next, options.propagation);
   return true;

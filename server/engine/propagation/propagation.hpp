@@ -65,6 +65,8 @@ class Propagation {
     auto members() { return std::tie(count, queued, matched, unmatched); }
   };
   Visits& visits(PatchId patch);
+  bool is_joined(const Map& map, PatchId patch) const;
+  void take_from_unmatched(PatchId patch);
   std::vector<PatchId> candidates(const Map& map, PatchId patch, const EngineOptions& options) const;
 
   std::optional<RelationGraph> before_;

@@ -317,16 +317,19 @@ bool Trial::scans_disagree() const {
 }
 
 // By how much of the building matches: what only looks alike does so over so much more seldom, but for
-// corridors that repeat themselves from end to end. Where it is known to look alike along the way, the way
-// tells the places apart that the map has, and nothing of one that it does not have yet.
+// corridors that repeat themselves from end to end, and wings that repeat one another whole. Where it is
+// known to look alike along the way, the way tells the places apart that the map has, and nothing of one that
+// it does not have yet.
 double Trial::shared_log_odds(double way_m, double width_m) const {
   const TrialOptions& its = options_.trial;
-  const double by_width = its.log_odds_per_width_m * width_m;
-  if (proposal_.look_alikes > 1) return by_width;
   const double by_way = its.log_odds_per_way_m * way_m;
-  if (proposal_.merge) return by_way + by_width;
-  const double alike = its.repeats_probability + (1 - its.repeats_probability) * std::exp(-by_way);
-  return by_width - std::log(alike);
+  const double by_width = its.log_odds_per_width_m * width_m;
+  const bool is_told_by_way = proposal_.look_alikes <= 1;
+  if (proposal_.merge) return is_told_by_way ? by_way + by_width : by_width;
+  const auto unless_repeated = [&](double log_odds) {
+    return -std::log(its.repeats_probability + (1 - its.repeats_probability) * std::exp(-log_odds));
+  };
+  return unless_repeated(by_width) + (is_told_by_way ? unless_repeated(by_way) : 0);
 }
 
 // Without sightings, guard against perceptual aliasing: many buildings repeat themselves.

@@ -38,6 +38,13 @@ struct TwoWays {
     const PatchId a{1}, b{4};
     map.relate(sighting_relation(a, b, map.relative_pose(a, b)));
   }
+  // How 1 truly lies to 4.
+  void tell_sharply() {
+    Relation sharp = sighting_relation(PatchId{1}, PatchId{4}, {});
+    sharp.measurement = RelativePose{ominus(world[4], world[1]), Eigen::Vector3d(1e6, 1e6, 1e7).asDiagonal()};
+    map.relate(sharp);
+    map.refit_island(PatchId{0});
+  }
   Propagation begun() const { return {before, of_closure}; }
   bool stepped(Propagation& propagation) { return propagation.step(map, options); }
   void run(Propagation& propagation) {
@@ -202,11 +209,7 @@ TEST(Propagation, RemembersWhatMustFitAndDoesNot) {
     to = turn * to;
   }
   TwoWays ways(furnished_room(), first_drive, askew, second_drive);
-  Relation sharp = sighting_relation(PatchId{1}, PatchId{4}, {});
-  sharp.measurement =
-      RelativePose{ominus(second_drive[1], first_drive[1]), Eigen::Vector3d(1e6, 1e6, 1e7).asDiagonal()};
-  ways.map.relate(sharp);
-  ways.map.refit_island(PatchId{0});
+  ways.tell_sharply();
   Propagation propagation = ways.begun();
   propagation.enqueue(PatchId{1}, {});
   EXPECT_FALSE(ways.stepped(propagation));
@@ -214,6 +217,26 @@ TEST(Propagation, RemembersWhatMustFitAndDoesNot) {
   EXPECT_TRUE(propagation.done());
   propagation.retry({});
   EXPECT_FALSE(propagation.done()) << "once more, when poses are better";
+}
+
+// Whichever of the two was matched: what is left then to compare the other with lies at the edge of its view.
+TEST(Propagation, DoesNotHoldAgainstAPatchThatAnotherFoundThatItFindsNoMore) {
+  TwoWays ways;
+  ways.tell_sharply();
+  EngineOptions strict = ways.options;
+  strict.local_loops.max_surprise = {1e-15, 3};  // so that nothing is near enough to where it should be
+  Propagation propagation = ways.begun();
+  propagation.enqueue(PatchId{1}, {});
+  EXPECT_FALSE(propagation.step(ways.map, strict));
+  ASSERT_EQ(propagation.unmatched(), std::vector<PatchId>{PatchId{1}});
+  propagation.enqueue(PatchId{4}, {});
+  ASSERT_TRUE(ways.stepped(propagation));
+  ASSERT_FALSE(ways.map.graph().between(PatchId{1}, PatchId{4}).empty());
+  EXPECT_TRUE(propagation.unmatched().empty());
+  Propagation again = ways.begun();
+  again.enqueue(PatchId{1}, {});
+  EXPECT_FALSE(again.step(ways.map, strict));
+  EXPECT_TRUE(again.unmatched().empty());
 }
 
 // Two robots drove through a hall side by side, and each turned at every metre by half a degree more than it

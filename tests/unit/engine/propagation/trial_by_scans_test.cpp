@@ -227,6 +227,20 @@ TEST(TrialByScans, OfALoopAlongACorridorSaysNoMoreThanHowSeldomCorridorsRepeatTh
   EXPECT_GT(by_way, 4) << "and next to all of that";
 }
 
+// Nor across: wings repeat one another, with all corridors of theirs.
+TEST(TrialByScans, OfALoopSaysNoMoreThanHowSeldomWhatLiesAcrossRepeatsItself) {
+  Case its = by_scans(loop_of(niched_hall(), along(0, 11, 0), niched_hall(), along(0.3, 11, 0.3)));
+  its.say(PatchId{5}, PatchId{17});
+  its.proposal.look_alikes = 2;
+  EngineOptions wide;
+  wide.trial.log_odds_per_width_m = 1000;
+  const TrialAccount account = its.tried(wide).account();
+  ASSERT_GT(account.width_m, 0.02);
+  const double most = -std::log(wide.trial.repeats_probability);
+  EXPECT_LE(account.shared_log_odds, most + 1e-9);
+  EXPECT_GT(account.shared_log_odds, most - 0.1);
+}
+
 // What it matches along the way has told the places apart already, and is not counted twice.
 TEST(TrialByScans, OfALoopFoundAtOneOfSeveralPlacesNeedsMoreThanItsWay) {
   for (const bool one_of_several : {false, true}) {
