@@ -131,8 +131,7 @@ void GroundKeeper::keep_up(Kept& kept, Patches patches, const std::set<TilePlace
     std::shared_ptr<const GroundTile>& tile = kept.tiles[place];
     if (tile && !near_changed.contains(place) && same_patches(kept.patches[place], on_tile)) continue;
     const Cell low{place.second * ground_tile_cells, place.first * ground_tile_cells};
-    GroundTile made = make_ground_tile(low, on_tile, near_pairs(on_tile, *near_));
-    if (!tile || difference(*tile, made)) tile = std::make_shared<const GroundTile>(std::move(made));
+    tile = std::make_shared<const GroundTile>(make_ground_tile(low, on_tile, near_pairs(on_tile, *near_)));
   }
   kept.patches = std::move(patches);
   if (kept.surface.update(kept.tiles, *near_, near_changed))
