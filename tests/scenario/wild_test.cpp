@@ -25,6 +25,15 @@ TEST(Wild, ARingOfOfficesWithOdometryThatSlipsInFastTurns) { expect_no_failure(1
 
 TEST(Wild, TwoRobotsInWingsThatMeetThereAndBack) { expect_no_failure(24); }
 
+TEST(Wild, IsMappedWithTheConfigurationThatItIsGiven) {
+  Configuration sparse;
+  sparse.engine.patch_spacing_m = 100;
+  sparse.engine.uncovered_share = 1;
+  const WildTrial trial = try_wild(19, {}, sparse), usual = try_wild(19);
+  EXPECT_EQ(trial.scans, usual.scans) << "the run is the same";
+  EXPECT_GT(trial.score.mean_m, usual.score.mean_m) << "and its map has fewer patches";
+}
+
 TEST(Wild, SeedsTriedInProcessesOfTheirOwnScoreTheSame) {
   std::vector<WildTrial> trials;
   try_seeds(

@@ -169,6 +169,9 @@ def judge_reasons(build):
 def judge_words(build, work):
     bare = run(os.path.join(build, "bin", "isthmus-campaign"))
     expect(bare.returncode == 2 and "wild" in bare.stderr, "a bare isthmus-campaign tells the campaigns", bare)
+    unset = run(os.path.join(build, "bin", "isthmus-campaign"), "wild", "--seeds", "1", "--config", os.path.join(work, "none.toml"))
+    expect(unset.returncode == 1 and "none.toml: cannot be read" in unset.stderr and not unset.stdout,
+           "isthmus-campaign tells which configuration it cannot read", unset)
     unread = run(os.path.join(build, "bin", "isthmus-command"), "--wait", "0", "withdraw", "x")
     expect(unread.returncode == 2 and "not a closure's id: 'x'" in unread.stderr, "an order that cannot be read is wrong usage", unread)
     config = os.path.join(work, "start.toml")

@@ -79,7 +79,7 @@ WildTrial end(const Child& child) {
 
 }  // namespace
 
-WildTrial try_wild(std::uint64_t seed, const std::string& directory) {
+WildTrial try_wild(std::uint64_t seed, const std::string& directory, const Configuration& configuration) {
   WildTrial trial;
   trial.seed = seed;
   const double begin_s = process_cpu_s();
@@ -88,7 +88,7 @@ WildTrial try_wild(std::uint64_t seed, const std::string& directory) {
   const SimulatedRun run = simulate_wild(draw, scenario);
   for (const RobotTruth& robot : run.truth) trial.scans += robot.poses.size();
   trial.simulation_cpu_s = process_cpu_s() - begin_s;
-  const MapCopy map = map_events(run.events);
+  const MapCopy map = map_events(run.events, configuration);
   trial.cpu_s = process_cpu_s() - begin_s - trial.simulation_cpu_s;
   trial.score = judge_wild(scenario, run, map);
   const MapConfidence confidence = judge_confidence(map, run.truth, EngineOptions{}, MountSurvey{});

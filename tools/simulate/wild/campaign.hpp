@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/engine/input/configuration.hpp"
 #include "tools/simulate/campaigns/confidence/confidence.hpp"
 #include "tools/simulate/wild/draw.hpp"
 #include "tools/simulate/wild/judge.hpp"
@@ -26,7 +27,8 @@ struct WildTrial {
 
 /// Draws a run, maps it and judges the map. `directory`: where the log of a run that fails is kept, with its
 /// truth, in a folder of its own; empty: nowhere.
-WildTrial try_wild(std::uint64_t seed, const std::string& directory = {});
+WildTrial try_wild(std::uint64_t seed, const std::string& directory = {},
+                   const Configuration& configuration = {});
 
 /// Writes a drawn run as a log, with the truth beside it; either may be empty. Throws std::runtime_error
 /// naming the file and the reason.
