@@ -17,7 +17,7 @@ struct MatchOptions {
   double gate_kernels = 3;
   double min_gate_m = 0.1;
   int max_iterations = 20;
-  int max_points = 180;
+  int max_points = 250;
   int min_pairs = 12;
   double max_normal_angle_rad = 1.0;
   double thin_direction = 0.08;
@@ -38,7 +38,8 @@ struct MatchOptions {
            "pairs farther apart than so many scales of the loss are none");
     option(min_gate_m, "min_gate_m", "m", "pairs nearer than this are kept, whatever the scale of the loss");
     option(max_iterations, "max_iterations", "count", "of pairing and fitting");
-    option(max_points, "max_points", "count", "of a scan that are used; more are thinned evenly");
+    option(max_points, "max_points", "count",
+           "of a scan, or of several, that are used; more are thinned evenly");
     option(min_pairs, "min_pairs", "count", "of beams: where fewer are paired there is no match");
     option(max_normal_angle_rad, "max_normal_angle_rad", "rad",
            "between the normals of two points that may be paired");

@@ -71,7 +71,7 @@ CorrelativeOptions coarse_options(const EngineOptions& options) {
 
 CorrelativeOptions fine_options(const EngineOptions& options) {
   CorrelativeOptions fine = in_place(options.correlative, options.place_search);
-  fine.max_points = options.place_search.max_points;
+  fine.max_points = options.match.max_points;
   fine.second_share = options.place_search.fine_second_share;
   return fine;
 }
@@ -218,7 +218,6 @@ std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, con
                            const EngineOptions& options) {
   const PlaceSearchOptions& its = options.place_search;
   MatchOptions match_options = options.match;
-  match_options.max_points = its.max_points;
   match_options.kernel_m = its.bent_kernel_m;
   const Match whole = match_at(place, piece.points, answer.anchor_from_piece, match_options, its);
   if (!whole.ok) return std::nullopt;

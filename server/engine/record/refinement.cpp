@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scanmatch/match.hpp"
 #include "server/engine/map/surroundings.hpp"
@@ -78,7 +79,7 @@ void Refinement::take(const ScanEvent& scan) {
   MatchOptions match_options = options_.match;
   const RefinementOptions& its = options_.refinement;
   match_options.start_kernel_m = its.start_kernel_m;
-  match_options.max_points = its.max_points;
+  match_options.max_points = std::numeric_limits<int>::max();
   Prediction carried{row.patch_from_robot, Eigen::Matrix3d::Zero()};
   carried.information.diagonal() << 1 / (its.carried_sigma_m * its.carried_sigma_m),
       1 / (its.carried_sigma_m * its.carried_sigma_m), 1 / (its.carried_sigma_rad * its.carried_sigma_rad);

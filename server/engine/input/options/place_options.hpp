@@ -76,7 +76,6 @@ struct PlaceSearchOptions {
   double min_score = 0.45;
   double max_weak_sigma_m = 0.25;
   double bent_kernel_m = 0.08;
-  int max_points = 250;
   std::size_t max_carriers = 4;
   double prediction_variance_m2 = 0.25;
   double prediction_variance_rad2 = 0.01;
@@ -105,7 +104,6 @@ struct PlaceSearchOptions {
            "standard deviation of that scan along the direction that its beams determine least");
     option(bent_kernel_m, "bent_kernel_m", "m",
            "scale of the robust loss for the whole piece: some metres of way are not quite rigid");
-    option(max_points, "max_points", "count", "of the piece in the second search and the match");
     option(max_carriers, "max_carriers", "count",
            "of newest patches, the best of which carries the relations");
     option(prediction_variance_m2, "prediction_variance_m2", "m²", "of what the search found, for the match");

@@ -9,7 +9,6 @@ namespace isthmus {
 /// The last pass over a log (isthmus-replay --refine), see record/refinement.hpp.
 struct RefinementOptions {
   std::size_t max_patches = 12;
-  int max_points = 400;
   double min_score = 0.35;
   double start_kernel_m = 0.08;
   double carried_sigma_m = 0.05;
@@ -19,7 +18,6 @@ struct RefinementOptions {
   void visit_options(Visitor&& option) {
     option(max_patches, "max_patches", "count",
            "of a local map: the nearest, as none is newer than another here");
-    option(max_points, "max_points", "count", "of a scan: no robot waits, so nearly all");
     option(min_score, "min_score", share_unit, "of a match that is taken over");
     option(start_kernel_m, "start_kernel_m", "m",
            "match.start_kernel_m of these: the scan lies nearly right");
