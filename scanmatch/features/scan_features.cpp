@@ -40,7 +40,8 @@ std::optional<ObservedFeature> pole_of(const ScanAround& around, const PointRun&
   if (circle->chi_squared > options.chi_squared_per_point * static_cast<double>(own.size()))
     return std::nullopt;
   const std::optional<Line> line = fit_line(own);
-  if (line && line->chi_squared < circle->chi_squared + options.better_than_line.value()) return std::nullopt;
+  if (line && line->chi_squared < circle->chi_squared + options.better_than_line.bound(1))
+    return std::nullopt;
   const bool known = std::sqrt(circle->covariance(2, 2)) <= options.known_sigma_m;
   const int q = known ? 3 : 2;
   return ObservedFeature{pole_feature(circle->centre, circle->radius_m, known),

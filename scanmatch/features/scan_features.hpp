@@ -27,7 +27,7 @@ struct PoleOptions {
   double clear_m = 0.3;         ///< m that everything beside it lies behind it
   double known_sigma_m = 0.05;  ///< m: a radius less well known is left out (q = 2)
   /// That much less χ² than a line through the same points: a circle has one parameter more.
-  ChiSquaredBound better_than_line{0.9973, 1};
+  ChiSquaredTest better_than_line{0.9973};
   double chi_squared_per_point = 4;  ///< of the circle
 };
 

@@ -21,7 +21,23 @@ Events overruled(const std::vector<Said>& said) {
   return events;
 }
 
-constexpr double merged_s = 11.6;  // a moment after closure 0 was accepted
+/// When a closure is on trial and a moment after it was accepted, where no operator says anything.
+struct Trial {
+  double amid_s;
+  double accepted_s;
+};
+
+Trial trial_of(int closure) {
+  static const MapCopy map = map_events(meeting().events);
+  const ClosureRecord record = closure_of(map, closure);
+  const auto seconds = [](std::int64_t utime) {
+    return 1e-6 * static_cast<double>(utime - after_s(meeting().events, 0));
+  };
+  const double start_s = seconds(record.start_utime), end_s = seconds(record.end_utime);
+  return {(start_s + end_s) / 2, end_s + 0.1};
+}
+
+double merged_s() { return trial_of(0).accepted_s; }
 
 MapCopy forbidden_from_the_beginning() {
   Events events = meeting().events;
@@ -34,9 +50,10 @@ void expect_every_patch_on_its_robots_island(const MapCopy& map) {
 }
 
 TEST(Withdraw, RightAfterAcceptancePartsTheIslands) {
-  const std::int64_t then = after_s(meeting().events, merged_s);
-  ASSERT_EQ(state_of(play(meeting().events, then).engine.copy(), 0), "accepted");
-  Played played = play(overruled({{merged_s, Verb::withdraw, 0}}), then);
+  const std::int64_t then = after_s(meeting().events, merged_s());
+  const MapCopy accepted = play(meeting().events, then).engine.copy();
+  ASSERT_EQ(state_of(accepted, 0), "accepted");
+  Played played = play(overruled({{merged_s(), Verb::withdraw, 0}}), then);
   const MapCopy map = played.engine.copy();
   EXPECT_TRUE(played.drop_reasons.empty());
   EXPECT_EQ(state_of(map, 0), "withdrawn");
@@ -46,7 +63,7 @@ TEST(Withdraw, RightAfterAcceptancePartsTheIslands) {
   int forbidden = 0;
   for (const SightingRecord& record : map.sightings)
     forbidden += record.verdict == Verdict::refused && record.reason == Reason::forbidden ? 1 : 0;
-  EXPECT_EQ(forbidden, 5);
+  EXPECT_EQ(forbidden, closure_of(accepted, 0).account.supporters);
 }
 
 // The reference is the run in which the closure was forbidden from the beginning. The difference: which
@@ -55,7 +72,7 @@ TEST(Withdraw, RightAfterAcceptancePartsTheIslands) {
 TEST(Withdraw, LeavesWhatForbiddingFromTheBeginningLeaves) {
   const MapCopy reference = forbidden_from_the_beginning();
   ASSERT_EQ(islands(reference), 2U);
-  for (const double at_s : {merged_s, 12.5, 16.7, 18.0}) {  // the last two while closure 1 is tried out
+  for (const double at_s : {merged_s(), merged_s() + 1, trial_of(1).amid_s - 1, trial_of(1).amid_s}) {
     const MapCopy map = map_events(overruled({{at_s, Verb::withdraw, 0}}));
     EXPECT_EQ(islands(map), 2U) << at_s;
     EXPECT_EQ(relations_of(map, ClosureId{0}), 0U) << at_s;
@@ -89,8 +106,8 @@ TEST(Withdraw, OfBothClosuresPartsTheIslandsLongAfterwards) {
 TEST(Withdraw, IsRefusedForWhatIsNotAccepted) {
   Played plain = play(meeting().events);
   plain.engine.finish();
-  const Events events = overruled({{1, Verb::withdraw, 0},     // not proposed yet
-                                   {10.9, Verb::withdraw, 0},  // on trial
+  const Events events = overruled({{1, Verb::withdraw, 0},  // not proposed yet
+                                   {trial_of(0).amid_s, Verb::withdraw, 0},
                                    {30, Verb::withdraw, 17},
                                    {30, Verb::allow, 17},
                                    {30, Verb::allow, 0}});  // not forbidden
@@ -105,7 +122,7 @@ TEST(Withdraw, IsRefusedForWhatIsNotAccepted) {
 }
 
 TEST(Withdraw, TwiceIsRefusedTheSecondTime) {
-  Played played = play(overruled({{merged_s, Verb::withdraw, 0}, {12, Verb::withdraw, 0}}));
+  Played played = play(overruled({{merged_s(), Verb::withdraw, 0}, {merged_s() + 0.4, Verb::withdraw, 0}}));
   EXPECT_EQ(played.drop_reasons, (std::vector<DropReason>{DropReason::not_accepted}));
 }
 
@@ -154,22 +171,22 @@ TEST(Forbid, BeforehandKeepsTheIslandsApartHoweverOftenTheRobotsMeet) {
 }
 
 TEST(Forbid, OfWhatIsOnTrialEndsTheTrial) {
-  const MapCopy map = map_events(overruled({{10.9, Verb::forbid, 0}}));
+  const MapCopy map = map_events(overruled({{trial_of(0).amid_s, Verb::forbid, 0}}));
   EXPECT_EQ(state_of(map, 0), "refused");
   EXPECT_EQ(closure_of(map, 0).reason, Reason::forbidden);
   EXPECT_EQ(islands(map), 2U);
 }
 
 TEST(Forbid, OfAnAcceptedClosureWithdrawsIt) {
-  const MapCopy withdrawn = map_events(overruled({{merged_s, Verb::withdraw, 0}}));
-  const MapCopy forbidden = map_events(overruled({{merged_s, Verb::forbid, 0}}));
+  const MapCopy withdrawn = map_events(overruled({{merged_s(), Verb::withdraw, 0}}));
+  const MapCopy forbidden = map_events(overruled({{merged_s(), Verb::forbid, 0}}));
   EXPECT_EQ(state_of(forbidden, 0), "withdrawn");
   EXPECT_EQ(map_sha256(forbidden), map_sha256(withdrawn));
 }
 
 TEST(Allow, AfterAWithdrawalMergesAgain) {
   for (const double again_s : {14.0, 59.0}) {
-    const MapCopy map = map_events(overruled({{12, Verb::withdraw, 0}, {again_s, Verb::allow, 0}}));
+    const MapCopy map = map_events(overruled({{merged_s(), Verb::withdraw, 0}, {again_s, Verb::allow, 0}}));
     EXPECT_EQ(islands(map), 1U) << again_s;
     std::vector<ScanRelation> inter = sample_relations(meeting().truth, 1);
     std::erase_if(inter, [](const ScanRelation& r) { return r.robot1 == r.robot2; });

@@ -58,8 +58,9 @@ TEST(Sightings, AMergesRelationsSayWhichClosureTheyCameFrom) {
   const MapCopy map = map_events(meeting().events);
   std::size_t of_closures = 0;
   for (const auto& [id, relation] : map.graph.relations()) {
-    const bool by_closure =
-        relation.origin.kind == OriginKind::sighting || relation.origin.kind == OriginKind::propagation;
+    const bool by_closure = relation.origin.kind == OriginKind::sighting ||
+                            relation.origin.kind == OriginKind::hypothesis ||
+                            relation.origin.kind == OriginKind::propagation;
     EXPECT_EQ(relation.origin.closure.valid(), by_closure) << name(relation.origin.kind);
     of_closures += by_closure ? 1 : 0;
   }

@@ -75,7 +75,7 @@ ClosureDraft draft_of_sightings(const Map& map, ClosureId id, const SightingGrou
                                 std::int64_t now_utime, const EngineOptions& options) {
   Proposal proposal = proposal_between(id, group.older, group.younger);
   proposal.older_from_younger = agreement.older_from_younger;
-  proposal.beyond_covariance = slip_variances(options.trial);
+  proposal.beyond_covariance = systematic_variance(0, options.place_candidates);
   proposal.supporters = static_cast<int>(supporters.size());
   proposal.two_way = agreement.two_way;
   proposal.prior_log_odds = options.trial.agreed_log_odds;

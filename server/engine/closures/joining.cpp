@@ -39,10 +39,10 @@ std::optional<Distance> distance(const Map& map, const Joining& joining, const E
   const std::optional<Eigen::Matrix3d> known = covariance(map, joining);
   if (!known) return std::nullopt;
   Eigen::Matrix3d sum = *known + joining.covariance;
-  const double alike_m = options.closures.alike_m;
-  const double alike_rad = options.closures.alike_rad;
+  const double alike_m = options.common.apart_m;
+  const double alike_rad = options.common.yaw_rad(alike_m);
   sum.diagonal() += Eigen::Vector3d(alike_m * alike_m, alike_m * alike_m, alike_rad * alike_rad) /
-                    options.trial.max_jump.value();
+                    options.trial.max_jump.bound(3);
   const Eigen::Vector3d off = wrapped_difference(mapped(map, joining), joining.first_from_second);
   const Eigen::Index size = joining.point ? 2 : 3;
   const Eigen::MatrixXd block = sum.topLeftCorner(size, size);
@@ -72,7 +72,7 @@ Joining as_mapped(const Map& map, Joining joining) {
 bool brings_about(const Map& map, const Map& tried, const Joining& joining, const EngineOptions& options) {
   if (!on_one_island(tried, joining)) return false;
   const std::optional<Distance> then = distance(tried, joining, options);
-  if (!then || then->chi_squared > options.trial.max_jump.value()) return false;
+  if (!then || then->chi_squared > options.trial.max_jump.bound(3)) return false;
   if (!on_one_island(map, joining)) return true;
   const std::optional<Distance> now = distance(map, joining, options);
   return !now || then->log_density > now->log_density + options.closures.tells_apart;

@@ -87,8 +87,7 @@ std::optional<bool> Rejudging::agrees(const Relation& relation) {
                                                                   options_.surroundings.loop_yaw_rad}))
     return std::nullopt;
   const Pose a_from_b = rest_.relative_pose(relation.a, relation.b);
-  return chi_squared(relation.measurement, a_from_b, covariance->second) <
-         options_.local_loops.max_surprise.value();
+  return chi_squared(relation.measurement, a_from_b, covariance->second) < options_.common.surprise.bound(3);
 }
 
 void Rejudging::fit() {

@@ -45,7 +45,7 @@ bool is_elsewhere(const Map& map, const Joining& joining, const EngineOptions& o
   const Eigen::Vector3d off =
       wrapped_difference(joining.first_from_second, map.relative_pose(joining.first, joining.second));
   const Eigen::Vector3d variance = drift_variance(way_m, options.place_candidates);
-  return off.cwiseAbs2().cwiseQuotient(variance).sum() > options.trial.max_jump.value();
+  return off.cwiseAbs2().cwiseQuotient(variance).sum() > options.trial.max_jump.bound(3);
 }
 
 Overlay on_trial(const TrialAccount& account) {
@@ -70,7 +70,7 @@ Overlay as_it_lies(const Map& map, const RelationGraph& apart, const Joining& jo
     return !(systematic_variance(2 * ways_m[index(id)], options.place_candidates).x() < deep_m * deep_m);
   };
   std::vector<PatchId> known_to_both =
-      overlapping(map, apart.patches_of(first), apart.patches_of(second), options.shared_part);
+      overlapping(map, apart.patches_of(first), apart.patches_of(second), options);
   std::erase_if(known_to_both, may_have_bent);
   return {way_m(map, matched, options.shared_part),
           unmatched_way_m(map, apart, known_to_both, matched, options), width_m(map, matched)};

@@ -7,7 +7,7 @@ void TrialRunner::begin(World world, Proposal proposal) {
 
 bool TrialRunner::work(World world) {
   const PropagationOptions& its = world.options.propagation;
-  credit_.earn(world.now_utime, {its.work_share, world.options.closures.max_credit_us});
+  credit_.earn(world.now_utime, {its.work_share, world.options.common.max_credit_us});
   // A new patch is the dearest thing a scan can bring: the trial's turn is at the next event.
   const bool grown = std::exchange(patches_, world.map.manifold().size()) != world.map.manifold().size();
   if (!trial_ || grown) return false;

@@ -27,7 +27,7 @@ void append_anchors(const Map& map, const std::vector<PatchId>& island, double s
 
 SearchTerms terms_of(const FinderOptions& options) {
   SearchTerms terms;
-  terms.min_score = terms.min_score_anywhere = options.min_score;
+  terms.min_score = terms.min_score_anywhere = options.common.sure_score;
   terms.min_half_window_rad = options.min_half_window_rad;
   return terms;
 }
@@ -61,17 +61,16 @@ void Finder::take_scan(const Robot& robot, Observation observation, const Pose& 
     decided_.reset();
     since_utime_ = utime;
   }
-  if (way_.newest_first.empty() || way_.newest_first.front() != robot_.place->last_patch)
-    note_patch(options.finder);
+  if (way_.newest_first.empty() || way_.newest_first.front() != robot_.place->last_patch) note_patch(options);
 }
 
-void Finder::note_patch(const FinderOptions& options) {
+void Finder::note_patch(const EngineOptions& options) {
   const PatchId patch = robot_.place->last_patch;
   const Manifold& manifold = sketch_.manifold();
   Pose moved;
   if (!way_.newest_first.empty()) moved = manifold.relative_pose(way_.newest_first.front(), patch);
-  way_.add(patch, std::hypot(moved.x, moved.y), options.max_piece_way_m);
-  due_ = way_.length_m() >= options.min_piece_way_m;
+  way_.add(patch, std::hypot(moved.x, moved.y), options.hypotheses.max_piece_way_m);
+  due_ = way_.length_m() >= options.finder.min_piece_way_m;
 }
 
 std::int64_t Finder::step(const Map& map, const std::vector<RigidPiece>& places, const EngineOptions& options,
@@ -93,7 +92,7 @@ std::int64_t Finder::step(const Map& map, const std::vector<RigidPiece>& places,
   if (decision.find && decision.find->probability() >= options.finder.min_find_probability) {
     ++counts.finds;
     decided_ = NotFound::found_once;
-    take(map, *decision.find, options.finder);
+    take(map, *decision.find, options);
   }
   query_.reset();
   return decision.price_us;
@@ -101,7 +100,7 @@ std::int64_t Finder::step(const Map& map, const std::vector<RigidPiece>& places,
 
 void Finder::begin(const std::vector<RigidPiece>& places, const EngineOptions& options) {
   due_ = false;
-  const double half_m = options.place_candidates.half_window_m;
+  const double half_m = options.place_candidates.spacing_m;
   std::vector<PlaceCandidate> anywhere;
   for (const RigidPiece& place : places)
     anywhere.push_back({place.local.reference, {Pose{}, half_m, half_m, std::numbers::pi}});
@@ -111,7 +110,7 @@ void Finder::begin(const std::vector<RigidPiece>& places, const EngineOptions& o
 }
 
 // One find may be of another place that looks alike: it takes two, of two pieces of the way, that agree.
-void Finder::take(const Map& map, const Find& find, const FinderOptions& options) {
+void Finder::take(const Map& map, const Find& find, const EngineOptions& options) {
   Sighted sighted;
   sighted.query = find.query;
   sighted.newest = query_->piece().local.reference;
@@ -124,13 +123,12 @@ void Finder::take(const Map& map, const Find& find, const FinderOptions& options
   const bool agreed = std::ranges::any_of(sighted_, [&](const Sighted& other) {
     const Pose off = ominus(other.map_from_sketch * here, sighted.map_from_sketch * here);
     const Pose& its = sketch_.manifold().pose(other.newest);
-    return other.island == sighted.island && std::hypot(off.x, off.y) < options.agreeing_m &&
-           std::abs(off.yaw) < options.agreeing_rad &&
-           std::hypot(its.x - newest.x, its.y - newest.y) >= options.agreeing_way_m;
+    return other.island == sighted.island && options.common.is_within(off, options.common.agreeing_m) &&
+           std::hypot(its.x - newest.x, its.y - newest.y) >= options.common.baseline_m;
   });
   if (agreed) found_ = sighted;
   sighted_.push_back(sighted);
-  if (sighted_.size() > options.max_finds) sighted_.pop_front();
+  if (sighted_.size() > options.common.max_finds) sighted_.pop_front();
 }
 
 NotFound Finder::why(const FinderOptions& options) const {

@@ -60,9 +60,9 @@ class Finder {
     IslandId island;
   };
 
-  void note_patch(const FinderOptions& options);
+  void note_patch(const EngineOptions& options);
   void begin(const std::vector<RigidPiece>& places, const EngineOptions& options);
-  void take(const Map& map, const Find& find, const FinderOptions& options);
+  void take(const Map& map, const Find& find, const EngineOptions& options);
   Pose sketch_from_robot() const { return sketch_.manifold().project(robot_.place->pose); }
 
   Map sketch_;

@@ -20,7 +20,7 @@ double way_since_match_m(const Localisation& place) {
 bool is_in_doubt(const Localisation& place, const FrozenOptions& options) {
   const double variance = place.since_last_patch.covariance.topLeftCorner<2, 2>().trace();
   return place.suspect || way_since_match_m(place) > options.doubted_m ||
-         variance > options.doubted_sigma_m * options.doubted_sigma_m;
+         variance > options.common.known_sigma_m * options.common.known_sigma_m;
 }
 
 // A place that is a guess, until a scan fits it well.
@@ -29,7 +29,9 @@ Localisation guessed(const ManifoldPose& pose, const Pose& odom_from_robot, std:
   Localisation place;
   place.pose = pose;
   place.covariance = place.tracking_covariance =
-      Eigen::Vector3d(options.guess_variance_m2, options.guess_variance_m2, options.guess_variance_rad2)
+      Eigen::Vector3d(options.common.known_sigma_m, options.common.known_sigma_m,
+                      options.common.yaw_rad(options.common.known_sigma_m))
+          .cwiseAbs2()
           .asDiagonal();
   place.odom_from_robot = odom_from_robot;
   place.utime = utime;
@@ -71,7 +73,8 @@ DropReason Frozen::take_given(const Map& map, const Robot& robot, const InitialP
   if (!reading.pose) return reading.refusal;
   Given& given = given_[robot.declaration.robot];
   given = {};
-  given.trial = GivenPose{*reading.pose, {}, event.sigma_m, event.sigma_rad, std::nullopt, options.max_tries};
+  given.trial = GivenPose{*reading.pose,   {},           event.sigma_m,
+                          event.sigma_rad, std::nullopt, options.common.max_lost_scans};
   return DropReason::none;
 }
 
@@ -95,7 +98,7 @@ bool Frozen::take_sighting(const Map& map, const std::map<std::string, Robot>& r
   // What operators say has its turn first, and a search that was in vain is not begun again at once.
   if (given.trial || event.utime < given.sighted_utime + options.sighting_every_us) return false;
   trial->odom_from_robot = robots.at(lost).odometry.at(event.utime);
-  trial->tries_left = options.max_tries;
+  trial->tries_left = options.common.max_lost_scans;
   given = {};
   given.trial = std::move(trial);
   given.sighted_utime = event.utime;
@@ -140,7 +143,7 @@ void Frozen::put_where_thought(Robot& robot, Lookout& lookout, std::int64_t utim
   lookout.last.reset();
   if (!thought) return;
   robot.place = guessed(*thought, odom_from_robot, utime, options);
-  lookout.tries_left = options.max_tries;
+  lookout.tries_left = options.common.max_lost_scans;
   lookout.moved_away = true;
   lookout.sought = sought;
 }
@@ -173,7 +176,7 @@ std::optional<ScanOutcome> Frozen::follow_on(const Map& map, Robot& robot, const
 // One more scan that does not fit where the robot was thought to be.
 void Frozen::lose(Robot& robot, Lookout& lookout, const Expectation& expectation,
                   const FrozenOptions& options) {
-  if (!expectation.plausible && lookout.tries_left == 0) lookout.tries_left = options.max_tries;
+  if (!expectation.plausible && lookout.tries_left == 0) lookout.tries_left = options.common.max_lost_scans;
   const bool tried_enough = lookout.tries_left > 0 && --lookout.tries_left == 0;
   if (!tried_enough && way_since_match_m(*robot.place) <= options.given_up_m) return;
   robot.place.reset();
@@ -189,7 +192,7 @@ void Frozen::restart(Robot& robot) {
 }
 
 void Frozen::advance(const Map& map, const EngineOptions& options, std::int64_t now_utime) {
-  credit_.earn(now_utime, {options.frozen.work_share, options.frozen.max_credit_us});
+  credit_.earn(now_utime, {options.frozen.work_share, options.common.max_credit_us});
   // In turn, so that no robot waits for another to be found.
   const auto next = [&] {
     const auto works = [](const auto& entry) { return entry.second.finder.has_work(); };

@@ -33,10 +33,9 @@ struct BestFit {
   double second_score = 0;  ///< of what fits best well apart from it
   bool exhausted = false;
 
-  void take(const CorrelativeResult& found, const PlaceSearchOptions& options) {
+  void take(const CorrelativeResult& found, const CommonOptions& options) {
     const Pose off = ominus(found.local_from_robot, pose);
-    const bool is_another =
-        std::hypot(off.x, off.y) > options.apart_m || std::abs(off.yaw) > options.apart_rad;
+    const bool is_another = !options.is_within(off, options.apart_m);
     const double lesser = is_another ? std::min(score, found.score) : 0;
     second_score = std::max({second_score, found.second_score, lesser});
     exhausted = exhausted || found.exhausted;
@@ -86,7 +85,7 @@ std::optional<ManifoldPose> search_about(const GivenPose& given, const Map& map,
   BestFit best;
   const auto look_about = [&](const Pose& at) {
     const auto around = points_around(map, {given.pose.patch, at}, half_m + options.correlative.reach_m);
-    best.take(search_window(around, points, {at, half_m, half_m, half_rad}, search), options.place_search);
+    best.take(search_window(around, points, {at, half_m, half_m, half_rad}, search), options.common);
   };
   look_about(given.pose.patch_from_object);
   for (const Pose& at : given.or_at) look_about(at);

@@ -8,10 +8,10 @@
 namespace isthmus {
 namespace {
 
-SearchTerms terms_of(const HypothesisOptions& options) {
+SearchTerms terms_of(const EngineOptions& options) {
   SearchTerms terms;
-  terms.min_score = options.min_score;
-  terms.min_score_anywhere = options.min_score_anywhere;
+  terms.min_score = options.hypotheses.min_score;
+  terms.min_score_anywhere = options.common.sure_score;
   terms.on_the_map = true;
   return terms;
 }
@@ -142,7 +142,7 @@ void Hypotheses::end_look_up(const Map& map) {
 
 void Hypotheses::work(World world) {
   const HypothesisOptions& its = world.options.hypotheses;
-  credit_.earn(world.now_utime, {its.work_share, its.max_credit_us});
+  credit_.earn(world.now_utime, {its.work_share, world.options.common.max_credit_us});
   // A new patch is the dearest thing a scan can bring: the search's turn is at the next event.
   const bool grown = std::exchange(patches_, world.map.manifold().size()) != world.map.manifold().size();
   if (credit_.left_us() > 0 && !grown && can_step()) credit_.spend(step(world));
@@ -154,7 +154,7 @@ std::int64_t Hypotheses::step(World world) {
     ready_.pop_front();
     return begin(world, *query_);
   }
-  const SearchTerms terms = terms_of(world.options.hypotheses);
+  const SearchTerms terms = terms_of(world.options);
   if (const PlaceCandidate* next = query_->search.next()) {
     ++counts_.places_searched;
     const std::vector<PatchId> own = own_part(world.map, query_->search.piece());
@@ -188,7 +188,7 @@ std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
 }
 
 PlaceDecision Hypotheses::decide(World world, PlaceQuery& query) {
-  const SearchTerms terms = terms_of(world.options.hypotheses);
+  const SearchTerms terms = terms_of(world.options);
   if (query.is_asked_again()) {
     PlaceDecision decision = query.search.decide(world.map, terms, world.options);
     counts_.ambiguous += decision.ambiguous ? 1 : 0;

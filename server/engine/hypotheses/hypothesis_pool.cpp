@@ -29,7 +29,7 @@ bool agrees_with_map(const Map& map, const Find& find, const EngineOptions& opti
   const auto fits = [&](const Eigen::Matrix3d& covariance) {
     return std::ranges::all_of(find.relations, [&](const Relation& relation) {
       return chi_squared(relation.measurement, map.relative_pose(relation.a, relation.b), covariance) <
-             options.local_loops.max_surprise.value();
+             options.common.surprise.bound(3);
     });
   };
   const Eigen::Vector3d widest(known.position_m, known.position_m, known.yaw_rad);
@@ -45,9 +45,11 @@ struct Bound {
   double log_odds = 0;
 };
 
-Bound bound_of(const Map& map, const Find& find, const HypothesisOptions& options) {
-  return on_one_island(map, find) ? Bound{1, options.min_log_odds}
-                                  : Bound{options.min_merge_finds, options.min_merge_log_odds};
+Bound bound_of(const Map& map, const Find& find, const EngineOptions& options) {
+  const HypothesisOptions& its = options.hypotheses;
+  return on_one_island(map, find)
+             ? Bound{1, its.min_log_odds}
+             : Bound{static_cast<std::size_t>(options.common.agreeing), its.min_merge_log_odds};
 }
 
 /// Among how many places that look alike this is one: so few finds as agree could be of those that are found
@@ -80,12 +82,12 @@ ScanProposal proposal_of(const Map& map, const Find& first, const std::vector<co
   proposal.finds = static_cast<int>(finds.size());
   std::set<std::string> robots;
   for (const Find* find : finds) {
-    proposal.cautious = proposal.cautious || find->sigma_m > options.hypotheses.known_sigma_m;
+    proposal.cautious = proposal.cautious || find->sigma_m > options.surroundings.reach_m;
     std::ranges::copy(find->relations, std::back_inserter(proposal.relations));
     robots.insert(map.manifold().patch(find->query).robot);
     robots.insert(map.manifold().patch(find->anchor).robot);
   }
-  proposal.look_alikes = look_alikes_of(finds, bound_of(map, first, options.hypotheses));
+  proposal.look_alikes = look_alikes_of(finds, bound_of(map, first, options));
   proposal.robots.assign(robots.begin(), robots.end());
   return proposal;
 }
@@ -107,9 +109,9 @@ std::optional<PlaceHint> hint_across(const Map& map, PatchId patch, PatchId near
 
 void HypothesisPool::take(World world, const std::string& robot, Find find, HypothesisCounts& counts) {
   ++counts.finds;
-  const HypothesisOptions& options = world.options.hypotheses;
-  const NearbyConfidence of_anchor(world.map, find.anchor, options.agreement_patches);
-  const NearbyConfidence of_query(world.map, find.query, options.agreement_patches);
+  const std::size_t nearest = world.options.surroundings.confidence_patches;
+  const NearbyConfidence of_anchor(world.map, find.anchor, nearest);
+  const NearbyConfidence of_query(world.map, find.query, nearest);
   std::vector<Agreement> with_others;
   std::optional<std::size_t> once_more;
   for (const Waiting& other : pool_) {
@@ -126,7 +128,7 @@ void HypothesisPool::take(World world, const std::string& robot, Find find, Hypo
   }
   pool_.push_back({std::move(find), robot, {}});
   agreements_.add(std::move(with_others));
-  if (pool_.size() > options.max_finds) {
+  if (pool_.size() > world.options.common.max_finds) {
     std::vector<bool> gone(pool_.size(), false);
     gone.front() = true;
     remove(gone);
@@ -159,9 +161,8 @@ bool HypothesisPool::propose(World world, Closures& closures, HypothesisCounts& 
 }
 
 bool HypothesisPool::propose(World world, Closures& closures, const std::vector<std::size_t>& set) {
-  const HypothesisOptions& options = world.options.hypotheses;
   const Find& first = pool_[set.front()].find;
-  const Bound bound = bound_of(world.map, first, options);
+  const Bound bound = bound_of(world.map, first, world.options);
   const double sure = log_odds(set, world.options.answers_along_way);
   if (set.size() < bound.finds || sure < bound.log_odds ||
       rivals_log_odds(world.map, set, world.options) >= sure)
@@ -205,7 +206,7 @@ double HypothesisPool::rivals_log_odds(const Map& map, const std::vector<std::si
   const auto near = [&](PatchId one, PatchId other) {
     if (map.graph().island(one) != map.graph().island(other)) return false;
     const Pose apart = map.relative_pose(one, other);
-    return std::hypot(apart.x, apart.y) < options.hypotheses.rival_m;
+    return std::hypot(apart.x, apart.y) < options.surroundings.reach_m + options.propagation.slack_m;
   };
   const auto are_near = [&](const Find& rival, const Find& member) {
     return near(rival.query, member.query) || near(rival.query, member.anchor) ||
@@ -266,7 +267,7 @@ void HypothesisPool::conclude(const Map& map, const ClosureOutcome& outcome, con
   remove(gone);
   hypotheses_.erase(found);
   for (std::vector<Waiting>* refused : {&refused_merges_, &refused_loops_}) {
-    const std::size_t kept = std::min(refused->size(), options.hypotheses.max_finds);
+    const std::size_t kept = std::min(refused->size(), options.common.max_finds);
     refused->erase(refused->begin(), refused->end() - static_cast<std::ptrdiff_t>(kept));
   }
 }

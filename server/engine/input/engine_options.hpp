@@ -7,6 +7,7 @@
 #include "scanmatch/match_relations.hpp"
 #include "scanmatch/score_profile.hpp"
 #include "server/engine/input/options/closure_options.hpp"
+#include "server/engine/input/options/common_options.hpp"
 #include "server/engine/input/options/frozen_options.hpp"
 #include "server/engine/input/options/hypothesis_options.hpp"
 #include "server/engine/input/options/intake_options.hpp"
@@ -37,11 +38,12 @@ struct EngineOptions {
   double patch_spacing_m = 1.0;
   double patch_spacing_rad = 0.7;
   /// A scan with more than this share of its free space outside the local map becomes a patch.
-  double uncovered_share = 0.3;
+  double uncovered_share = 0.22;
   /// Maximum of one robot; from then on it is only localised.
   std::size_t patches_per_robot = 20'000;
   PatchOptions patch;
 
+  CommonOptions common;
   MatchOptions match;
   MatchRelationOptions relations;
   WeakDirectionOptions weak_direction;
@@ -68,7 +70,6 @@ struct EngineOptions {
   PropagationOptions propagation;
   SharedPartOptions shared_part;
   TrialOptions trial;
-  ProximityMatchingOptions proximity_matching;
   PlaceCandidateOptions place_candidates;
   PlaceSearchOptions place_search;
   FindEvidenceOptions find_evidence;
@@ -90,6 +91,7 @@ struct EngineOptions {
   void visit_tuning(Visitor&& group) {
     group("normals", patch.normals);
     group("outline", patch.free_space.outline);
+    group("common", common);
     group("match", match);
     group("relations", relations);
     group("weak_direction", weak_direction);
@@ -112,6 +114,13 @@ struct EngineOptions {
     visit_team_tuning(group);
   }
 
+  /// Brings the copies of `common` up to date after it was changed.
+  void share_common() {
+    visit_tuning([this](const char*, auto& group) {
+      if constexpr (requires { group.common; }) group.common = common;
+    });
+  }
+
   /// The groups of what is between robots, and of what is done with a map.
   template <class Visitor>
   void visit_team_tuning(Visitor&& group) {
@@ -122,7 +131,6 @@ struct EngineOptions {
     group("propagation", propagation);
     group("shared_part", shared_part);
     group("trial", trial);
-    group("proximity_matching", proximity_matching);
     group("place_candidates", place_candidates);
     group("place_search", place_search);
     group("find_evidence", find_evidence);

@@ -23,10 +23,10 @@ struct GroupReader {
     fields.read_within(name, value, value / max_factor, std::min(unit.max, max));
   }
 
-  void operator()(ChiSquaredBound& bound, const char* name, const OptionUnit&, const char*) const {
-    double probability = bound.probability();
+  void operator()(ChiSquaredTest& test, const char* name, const OptionUnit&, const char*) const {
+    double probability = test.probability();
     fields.read_within(name, probability, min_tail, 1 - min_tail);
-    bound = ChiSquaredBound(probability, bound.degrees_of_freedom());
+    test = ChiSquaredTest(probability);
   }
 
   template <std::integral Integer>
@@ -49,7 +49,7 @@ std::string number_text(Number number) {
   return written;
 }
 
-std::string number_text(const ChiSquaredBound& bound) { return number_text(bound.probability()); }
+std::string number_text(const ChiSquaredTest& test) { return number_text(test.probability()); }
 
 }  // namespace
 
@@ -63,6 +63,7 @@ void read_tuning(const Setting& table, EngineOptions& options) {
     fields.finish();
   });
   groups.finish();
+  options.share_common();
 }
 
 std::string tuning_text(EngineOptions options) {

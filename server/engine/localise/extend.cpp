@@ -30,7 +30,8 @@ Relation odometry_relation(PatchId previous, PatchId next, const OdometryPath& p
 std::optional<Relation> ground_relation(const Map& map, const Robot& robot, const Placement& placement,
                                         const Relation& odometry, const EngineOptions& options) {
   const PatchId ground = robot.surroundings.reference();
-  if (ground == odometry.a || placement.match.direction_trust.determinant() > options.follow.well_seen)
+  if (ground == odometry.a ||
+      placement.match.direction_trust.determinant() > options.odometry_learning.well_known)
     return std::nullopt;
   const Eigen::JacobiSVD<Eigen::Matrix2d> trust(placement.match.direction_trust, Eigen::ComputeFullV);
   const Eigen::Vector2d along = trust.matrixV().col(1);
@@ -128,12 +129,12 @@ double uncovered_share(const Star& star, std::span<const LocalPatch> patches_nea
   double uncovered = 0;
   for (std::size_t beam = stride / 2; beam < ranges.size(); beam += stride) {
     const double range = std::min<double>(ranges[beam], options.max_sample_m);
-    if (range <= options.min_sample_m) continue;
     const double bearing = star.bearing0_rad() + static_cast<double>(beam) * star.bearing_step_rad();
-    for (const double share : {options.first_sample, options.second_sample, options.third_sample}) {
+    for (int i = 0; i < options.samples_of_beam; ++i) {
+      const double share = std::sqrt((i + 0.5) / options.samples_of_beam);  // so that all stand for one area
       const Eigen::Vector2d at = star.robot_from_laser() * Eigen::Vector2d(share * range * std::cos(bearing),
                                                                            share * range * std::sin(bearing));
-      const double weight = share * range * range;  // of the area the sample stands for
+      const double weight = range * range;
       area += weight;
       bool covered = false;
       for (std::size_t k = 0; k < patches_near.size() && !covered; ++k) {
@@ -219,8 +220,8 @@ bool extend(Map& map, Robot& robot, Observation observation, const Placement& pl
   map.add(make_patch(id, robot.declaration.robot, std::move(observation), options.patch), map_from_robot);
   const OdometryPath path = placement.matched ? told_path(*robot.place) : robot.place->since_last_patch;
   const PatchId previous = robot.place->last_patch;
-  const bool well_seen =
-      placement.matched && placement.match.direction_trust.determinant() > options.follow.well_seen;
+  const bool well_seen = placement.matched &&
+                         placement.match.direction_trust.determinant() > options.odometry_learning.well_known;
   const Pose previous_from_robot =
       placement.matched ? ominus(map_from_robot, map.manifold().pose(previous)) : path.start_from_end;
   const Eigen::Matrix3d covariance = path_covariance(robot, path, previous_from_robot, well_seen, options);
@@ -233,7 +234,8 @@ bool extend(Map& map, Robot& robot, Observation observation, const Placement& pl
   for (const Relation& relation : relations) map.relate(relation);
   for (const Relation& relation : loop) map.relate(relation);
   put_robot_on(robot, id);
-  map.refit_around(id, loop.empty() ? options.map_fit.window_patches : options.map_fit.loop_patches);
+  map.refit_around(id,
+                   loop.empty() ? options.map_fit.window_patches : options.surroundings.confidence_patches);
   return !loop.empty();
 }
 

@@ -10,10 +10,10 @@ namespace {
 // The patches that a scan was matched with, by id: those that explain it about as well as any. The map may
 // have another layer of the same place that does not; what the robot sees says nothing of where that lies.
 std::vector<PatchId> matched_patches(const LocalMap& local_map, const Match& match,
-                                     const FollowOptions& options) {
+                                     const EngineOptions& options) {
   std::vector<double> weights(local_map.patches.size(), 0);
   for (const Pair& pair : match.pairs) weights[static_cast<std::size_t>(pair.patch)] += pair.weight;
-  const double min_weight = options.matched_share * *std::ranges::max_element(weights);
+  const double min_weight = options.surroundings.min_overlap * *std::ranges::max_element(weights);
   std::vector<PatchId> matched;
   for (std::size_t i = 0; i < weights.size(); ++i)
     if (weights[i] >= min_weight) matched.push_back(local_map.patches[i].patch->id);
@@ -22,7 +22,7 @@ std::vector<PatchId> matched_patches(const LocalMap& local_map, const Match& mat
 }
 
 // The patches that a robot may be put on: well determined and, where its scan was matched, with them.
-std::vector<PatchId> grounds(const Robot& robot, const Placement& placement, const FollowOptions& options) {
+std::vector<PatchId> grounds(const Robot& robot, const Placement& placement, const EngineOptions& options) {
   std::vector<PatchId> well_determined;
   for (const Determined& determined : robot.surroundings.patches())
     if (determined.well_determined) well_determined.push_back(determined.patch);
@@ -35,7 +35,7 @@ std::vector<PatchId> grounds(const Robot& robot, const Placement& placement, con
 // Eq. 14: puts the robot on the nearest patch of its local map that it lies in. The present patch is kept
 // until another is clearly nearer.
 void project_on_manifold(const Map& map, Robot& robot, const Placement& placement,
-                         const FollowOptions& options) {
+                         const EngineOptions& options) {
   const PatchId present = robot.surroundings.reference();
   const Pose& local_from_robot = placement.local_from_robot;
   const ManifoldPose here{present, local_from_robot};
@@ -43,7 +43,8 @@ void project_on_manifold(const Map& map, Robot& robot, const Placement& placemen
                           .project_back(map.manifold().project(here), grounds(robot, placement, options))
                           .value_or(here);
   const auto distance = [](const Pose& r) { return std::hypot(r.x, r.y); };
-  if (distance(best.patch_from_object) > distance(local_from_robot) - options.clearly_nearer_m) best = here;
+  if (distance(best.patch_from_object) > distance(local_from_robot) - options.follow.clearly_nearer_m)
+    best = here;
 
   Localisation& place = *robot.place;
   place.pose = best;
@@ -61,8 +62,8 @@ void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot
   const Pose moved = ominus(local_from_robot, robot.local_map_centre);
   if (robot.local_map.reference == robot.surroundings.reference() &&
       robot.local_map_stamp == robot.surroundings.stamp() &&
-      std::hypot(moved.x, moved.y) < options.follow.reselect_m &&
-      std::abs(moved.yaw) < options.follow.reselect_rad) {
+      std::hypot(moved.x, moved.y) < options.follow.spacing_share * options.patch_spacing_m &&
+      std::abs(moved.yaw) < options.follow.spacing_share * options.patch_spacing_rad) {
     return;
   }
   robot.local_map = robot.surroundings.local_map(map, local_from_robot, points, options);
@@ -105,7 +106,7 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
   }
   if (placement.matched) {
     robot.health.matched(expectation.claimed_step, matched_step,
-                         placement.match.direction_trust.determinant() > options.follow.well_seen,
+                         placement.match.direction_trust.determinant() > options.odometry_learning.well_known,
                          options.health);
   } else {
     robot.health.unmatched();
@@ -132,7 +133,7 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
 void follow(const Map& map, Robot& robot, const Expectation& expectation, const Placement& placement,
             const Pose& odom_from_robot, std::int64_t utime, const EngineOptions& options) {
   move_on(robot, expectation, placement, odom_from_robot, utime, options);
-  project_on_manifold(map, robot, placement, options.follow);
+  project_on_manifold(map, robot, placement, options);
 }
 
 RobotPose answer(const Map& map, const Robot& robot, bool matched) {

@@ -16,7 +16,7 @@ Eigen::Matrix3d symmetric(const Eigen::Matrix3d& m) { return 0.5 * (m + m.transp
 
 SearchWindow window_of(const Expectation& expectation, const LocaliseOptions& options) {
   const auto half = [&](double variance, double min, double max) {
-    return std::clamp(options.window_sigmas * std::sqrt(variance), min, max);
+    return std::clamp(options.common.window_sigmas * std::sqrt(variance), min, max);
   };
   const Eigen::Matrix3d& covariance = expectation.covariance;
   return {expectation.local_from_robot, half(covariance(0, 0), options.min_window_m, options.max_window_m),
@@ -52,7 +52,7 @@ MatchOptions from_scan_to_scan(const EngineOptions& options) {
 // Where odometry does not tell that the robot is there, other walls may look alike. Where it was sought and
 // found, what is not as it was when it was mapped may fit worse than usual.
 double min_score_in_doubt(const Robot& robot, const Expectation& expectation, const EngineOptions& options) {
-  const double least = options.localise.min_score_implausible;
+  const double least = options.common.sure_score;
   if (expectation.sought && expectation.plausible) return least;
   return std::max(least, robot.usual_misfit.least_score(options.usual_misfit));
 }
@@ -85,8 +85,7 @@ std::optional<Match> matched_with_odometry(const LocalMap& near, std::span<const
                                            const MatchOptions& match_options, const EngineOptions& options) {
   if (std::optional<Match> held = held_by_odometry(near, points, expectation, match, match_options, options))
     return held;
-  if (surprise(match.local_from_robot, expectation, options.localise) >=
-      options.localise.doubted_surprise.value())
+  if (surprise(match.local_from_robot, expectation, options.localise) >= options.common.surprise.bound(3))
     return std::nullopt;
   // From where the scan fits: where odometry has the robot, turned by degrees, other walls may seem to fit.
   return match_scan(
@@ -117,7 +116,7 @@ class BestFit {
   void try_all() {
     best_ = match_scan(local_map_, points_, {expectation_.local_from_robot, information_}, match_options_);
     const Pose& was = place_.pose.patch_from_object;
-    if (!is_good() || surprise(best_.local_from_robot, expectation_, its_) > its_.doubted_surprise.value()) {
+    if (!is_good() || surprise(best_.local_from_robot, expectation_, its_) > its_.common.surprise.bound(3)) {
       try_from(expectation_.local_from_robot, its_.loose_gain);
       try_from(was * place_.last_step, its_.other_start_gain);
       try_from(was, its_.other_start_gain);
@@ -128,7 +127,7 @@ class BestFit {
     }
     // Odometry that stood still and then jumps may well be right about where it jumps to: where the laser
     // cannot tell, as in a corridor, it is believed.
-    if (!expectation_.is_known()) try_from(was * expectation_.claimed_step, -its_.claimed_start_loss);
+    if (!expectation_.is_known()) try_from(was * expectation_.claimed_step, -its_.loose_gain);
     if (!is_good()) {
       const CorrelativeResult found =
           search_window(local_map_, points_, window_of(expectation_, its_), options_.correlative);
@@ -145,7 +144,7 @@ class BestFit {
   bool fits(const Match& match) const { return match.ok && match.quality.score >= min_score_; }
 
   bool is_surprising() const {
-    return surprise(best_.local_from_robot, expectation_, its_) > its_.weighed_surprise.value();
+    return surprise(best_.local_from_robot, expectation_, its_) > its_.weighed_surprise.bound(3);
   }
 
   // Whether a slip of the wheels might let the scan fit so much better that it would be believed.
@@ -184,7 +183,7 @@ class BestFit {
 
   bool may_have_slipped(const Pose& found, const Pose& held) const {
     const double most_m = way_m(expectation_.claimed_step) + way_m(place_.last_step) +
-                          its_.window_sigmas * std::sqrt(its_.match_variance_m2);
+                          its_.common.window_sigmas * std::sqrt(its_.match_variance_m2);
     return way_m(ominus(found, held)) <= most_m;
   }
 
@@ -219,7 +218,7 @@ class BestFit {
   // A match that was held loosely has not been weighed against odometry yet: where wheels need not have
   // slipped for it, what it says little of is left to them.
   void weigh_with_odometry() {
-    if (surprise(best_.local_from_robot, expectation_, its_) >= its_.doubted_surprise.value()) return;
+    if (surprise(best_.local_from_robot, expectation_, its_) >= its_.common.surprise.bound(3)) return;
     const Match both =
         match_scan(local_map_, points_, {expectation_.local_from_robot, information_, best_.local_from_robot},
                    match_options_);
@@ -266,7 +265,7 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
 }
 
 bool is_doubtful(const Placement& placement, const LocaliseOptions& options) {
-  return !placement.matched || placement.match.quality.score < options.doubtful_score;
+  return !placement.matched || placement.match.quality.score < options.common.doubtful_score;
 }
 
 bool rivals(const Match& match, const Match& other, const EngineOptions& options) {
@@ -293,12 +292,12 @@ std::optional<Placement> localise_anew(const Robot& robot, const Expectation& ex
   if (!match.ok) return std::nullopt;
   // What the search, in its coarse cells, takes for as good need not be: a good match tells.
   const bool ambiguous = found.second_score >= options.ambiguity.share * found.score;
-  if (ambiguous && (match.quality.score < its.min_score_implausible ||
+  if (ambiguous && (match.quality.score < its.common.sure_score ||
                     rivals(match, match_from(found.second_local_from_robot), options)))
     return std::nullopt;
   const bool believed = expectation.is_known() && !robot.place->suspect;
   double share = its.loose_share;
-  double min_score = its.doubtful_score;
+  double min_score = its.common.doubtful_score;
   if (!believed) {
     min_score = min_score_in_doubt(robot, expectation, options);
   } else if (std::optional<Match> both =

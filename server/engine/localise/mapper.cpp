@@ -19,9 +19,9 @@ bool worth_a_patch_unmatched(const Robot& robot, const Placement& placement,
   const Pose& path = robot.place->since_last_patch.start_from_end;
   return !robot.place->suspect && placement.reason != Unmatched::few_returns &&
          static_cast<double>(points.size()) >= its.unmatched_points * options.match.min_pairs &&
-         robot.place->lost_scans >= its.unmatched_lost_scans &&
-         (std::hypot(path.x, path.y) > its.unmatched_spacing * options.patch_spacing_m ||
-          std::abs(path.yaw) > its.unmatched_spacing * options.patch_spacing_rad);
+         robot.place->lost_scans >= options.common.agreeing &&
+         (std::hypot(path.x, path.y) > its.spacing_share * options.patch_spacing_m ||
+          std::abs(path.yaw) > its.spacing_share * options.patch_spacing_rad);
 }
 
 // A robot that saw too little for so long that it may be anywhere in a wide window. One scan, of a piece of a
@@ -31,7 +31,7 @@ bool has_lost_its_way(const Robot& robot, const EngineOptions& options) {
   const Localisation& place = *robot.place;
   const LocalLoopOptions& loops = options.local_loops;
   const double sigma_m = std::sqrt(std::max(place.covariance(0, 0), place.covariance(1, 1)));
-  return place.lost_scans >= options.follow.unmatched_lost_scans && !place.suspect &&
+  return place.lost_scans >= options.common.agreeing && !place.suspect &&
          loops.window_sigmas * sigma_m > loops.unambiguous_half_width_m;
 }
 
@@ -57,7 +57,7 @@ PlacedScan unmatched(const Robot& robot, PlacedScan placed, const Pose& odom_fro
 bool is_elsewhere(const Placement& placement, const Expectation& expectation,
                   const LocaliseOptions& options) {
   return placement.matched &&
-         surprise(placement.local_from_robot, expectation, options) >= options.doubted_surprise.value();
+         surprise(placement.local_from_robot, expectation, options) >= options.common.surprise.bound(3);
 }
 
 // Where a scan fits: in the local map or, where that is in doubt, where the scan before it has it, or clearly
@@ -116,7 +116,7 @@ ScanOutcome take_scan(Map& map, Robot& robot, Observation observation, const Pos
   }
   if (!placement.matched) placed = unmatched(robot, std::move(placed), odom_from_robot, utime, options);
   if (!placement.matched && (robot.place->suspect || !expectation.is_known()) &&
-      robot.place->lost_scans + 1 >= options.follow.max_lost_scans && !full) {
+      robot.place->lost_scans + 1 >= options.common.max_lost_scans && !full) {
     robot.health.unmatched();
     begin_island(map, robot, std::move(observation), odom_from_robot, options);
     return {answer(map, robot, true), {}, true};

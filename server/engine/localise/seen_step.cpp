@@ -37,7 +37,7 @@ std::optional<Placement> placed_by(const LocalMap& before, const Robot& robot, c
   Placement placement = localise(robot, step, before, points, options);
   if (!is_doubtful(placement, its)) return placement;
   if (std::optional<Placement> anew = localise_anew(robot, step, before, points, utime, options)) return anew;
-  if (placement.matched && surprise(placement.local_from_robot, step, its) < its.doubted_surprise.value())
+  if (placement.matched && surprise(placement.local_from_robot, step, its) < its.common.surprise.bound(3))
     return placement;
   return std::nullopt;
 }

@@ -215,7 +215,7 @@ std::optional<Match> held_where_expected(const LocalMap& local_map, std::span<co
                                          const MatchOptions& match_options, const EngineOptions& options) {
   const LocaliseOptions& its = options.localise;
   const double surprising = surprise(match.local_from_robot, expectation, its);
-  if (surprising < its.weighed_surprise.value()) return std::nullopt;
+  if (surprising < its.weighed_surprise.bound(3)) return std::nullopt;
   const Pose& expected = expectation.local_from_robot;
   const Eigen::Vector2d away = (position(match.local_from_robot) - position(expected)).stableNormalized();
   Match held = held_at(expected, away, expectation, local_map, points, match_options,
@@ -228,7 +228,7 @@ std::optional<Match> held_where_expected(const LocalMap& local_map, std::span<co
   const double by_all = held_fits_worse.log_odds(things);
   const double by_what_stands = held_fits_worse.log_odds(standing);
   // Small surprises are weighed by the match itself, unless nothing but what may move speaks for it.
-  if (surprising < its.doubted_surprise.value() && by_all - by_what_stands < its.slip_log_odds)
+  if (surprising < its.common.surprise.bound(3) && by_all - by_what_stands < its.slip_log_odds)
     return std::nullopt;
   const double gained = log_odds_against(surprising, its) -
                         log_odds_against(surprise(held.local_from_robot, expectation, its), its);
@@ -251,7 +251,7 @@ std::optional<Expectation> turned_as(const Match& match, const Expectation& expe
                                      const LocaliseOptions& options) {
   const double off_rad = wrapped_difference(match.local_from_robot, expectation.local_from_robot).z();
   const double known = expectation.tracking_covariance(2, 2) + options.match_variance_rad2;
-  if (off_rad * off_rad < options.weighed_surprise.value() * known) return std::nullopt;
+  if (off_rad * off_rad < options.weighed_surprise.bound(3) * known) return std::nullopt;
   Expectation turned = expectation;
   turned.local_from_robot.yaw = match.local_from_robot.yaw;
   Eigen::Matrix3d& covariance = turned.tracking_covariance;

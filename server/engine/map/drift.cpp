@@ -9,18 +9,20 @@ namespace isthmus {
 
 Eigen::Vector3d systematic_variance(double way_m, const PlaceCandidateOptions& options) {
   const double position = options.systematic_m + options.systematic_share * way_m;
-  const double yaw = options.systematic_rad + options.systematic_rad_per_m * way_m;
+  const double yaw = options.common.yaw_rad(options.systematic_m) + options.systematic_rad_per_m * way_m;
   return {position * position, position * position, yaw * yaw};
 }
 
 Eigen::Vector3d drift_variance(double way_m, const PlaceCandidateOptions& options) {
-  const double position = (options.min_drift_m + options.drift_per_way * way_m) / options.window_sigmas;
-  const double yaw = (options.min_drift_rad + options.drift_rad_per_m * way_m) / options.window_sigmas;
+  const double position =
+      (options.min_drift_m + options.drift_per_way * way_m) / options.common.window_sigmas;
+  const double yaw = (options.common.yaw_rad(options.min_drift_m) + options.drift_rad_per_m * way_m) /
+                     options.common.window_sigmas;
   return {position * position, position * position, yaw * yaw};
 }
 
 double log_search_window(double way_m, const PlaceCandidateOptions& options) {
-  const Eigen::Vector3d half = options.window_sigmas * drift_variance(way_m, options).cwiseSqrt();
+  const Eigen::Vector3d half = options.common.window_sigmas * drift_variance(way_m, options).cwiseSqrt();
   return std::log(4 * half.x() * half.y() * 2 * std::min(std::numbers::pi, half.z()));
 }
 

@@ -11,6 +11,7 @@
 #include "scanmatch/correlative.hpp"
 #include "scanmatch/match_relations.hpp"
 #include "scanmatch/score_profile.hpp"
+#include "server/engine/map/drift.hpp"
 
 namespace isthmus {
 namespace {
@@ -74,17 +75,17 @@ LocalMap rigid_map(const Map& map, const Surroundings& surroundings, const LoopQ
     if (wanted)
       local.patches.push_back({map.manifold().shared_patch(determined.patch), determined.local_from_patch});
   }
-  if (local.patches.size() > options.local_loops.max_patches)
-    local.patches.resize(options.local_loops.max_patches);
+  if (local.patches.size() > options.surroundings.max_patches())
+    local.patches.resize(options.surroundings.max_patches());
   return local;
 }
 
 // Whether a match is good enough: over all beams, or over those that found something to pair with.
 bool fits(const Match& match, const LoopQuery& query, const LocalLoopOptions& options) {
   if (!match.ok) return false;
-  if (!query.partly_known) return match.quality.score >= options.min_score;
+  if (!query.partly_known) return match.quality.score >= options.common.sure_score;
   const double paired = static_cast<double>(match.quality.paired_beams) / std::max(1, match.quality.beams);
-  return paired >= options.min_paired && match.quality.score >= options.min_score_partly_known * paired;
+  return paired >= options.min_paired && match.quality.score >= options.common.sure_score * paired;
 }
 
 bool within_window(const Eigen::Matrix3d& covariance, const LocalLoopOptions& options) {
@@ -114,15 +115,16 @@ std::optional<Match> match_in_window(const LocalMap& local, const LoopQuery& que
   const CorrelativeResult search = search_window(local, query.points, window, options.correlative);
   if (search.score <= 0 || search.exhausted) return std::nullopt;
   if (!unambiguous && search.second_score > options.ambiguity.share * search.score) return std::nullopt;
-  Match match = match_scan(local, query.points, {search.local_from_robot, its.prediction_share * information},
-                           options.match);
+  Match match =
+      match_scan(local, query.points, {search.local_from_robot, options.localise.loose_share * information},
+                 options.match);
   if (!fits(match, query, its) || (!unambiguous && match.quality.degenerate)) return std::nullopt;
   const Eigen::Vector3d innovation = wrapped_difference(match.local_from_robot, window.centre);
-  if (innovation.dot(information * innovation) > its.max_surprise.value()) return std::nullopt;
+  if (innovation.dot(information * innovation) > its.common.surprise.bound(3)) return std::nullopt;
 
-  const double weak_sigma_m = sigma_along_weak_direction(local, query.points, match,
-                                                         std::min(widest_half_m(window), its.looked_along_m),
-                                                         options.match, options.weak_direction);
+  const double weak_sigma_m = sigma_along_weak_direction(
+      local, query.points, match, std::min(widest_half_m(window), its.unambiguous_half_width_m),
+      options.match, options.weak_direction);
   widen(match, weak_sigma_m, relation_sigma_m(match.quality, options.relations), options.match);
   return match;
 }
@@ -144,8 +146,7 @@ LocalLoop match_loop(const Map& map, const Surroundings& surroundings, const Loo
   Eigen::Matrix3d covariance = jacobian * anchor->covariance * jacobian.transpose();
   // A slip of the past is in no covariance, and here is the last chance to mend it.
   const LocalLoopOptions& its = options.local_loops;
-  covariance.diagonal() +=
-      Eigen::Vector3d(its.slip_variance_m2, its.slip_variance_m2, its.slip_variance_rad2);
+  covariance.diagonal() += systematic_variance(0, options.place_candidates);
   const Eigen::Matrix3d information = covariance.inverse();
   if (query.whole_window && !within_window(covariance, its)) return found;
   const SearchWindow window = window_about(anchor_from_robot, covariance, its);
@@ -190,12 +191,14 @@ LocalLoop find_local_loop(const Map& map, const Surroundings& near_surroundings,
 std::vector<Relation> WaitingLoops::take(LocalLoop found, const LocalLoopOptions& options) {
   if (found.relations.empty()) return {};
   if (found.unambiguous) return std::move(found.relations);
+  const CommonOptions& its = options.common;
   // Two finds agree where they would move the map alike, seen where they are.
   const auto agree = [&](const LocalLoop& other) {
     const Eigen::Vector2d mine = found.map_from_map * found.position;
     const Eigen::Vector2d theirs = other.map_from_map * found.position;
-    return (mine - theirs).norm() < options.agreeing_m &&
-           std::abs(wrap_angle(found.map_from_map.yaw - other.map_from_map.yaw)) < options.agreeing_rad;
+    return (mine - theirs).norm() < its.agreeing_m &&
+           std::abs(wrap_angle(found.map_from_map.yaw - other.map_from_map.yaw)) <
+               its.yaw_rad(its.agreeing_m);
   };
   std::vector<Relation> relations = found.relations;
   int agreeing = 1;
@@ -206,12 +209,12 @@ std::vector<Relation> WaitingLoops::take(LocalLoop found, const LocalLoopOptions
     way_m = std::max(way_m, (other.position - found.position).norm());
     relations.insert(relations.end(), other.relations.begin(), other.relations.end());
   }
-  if (agreeing >= options.min_agreeing && way_m >= options.min_way_m) {
+  if (agreeing >= its.agreeing && way_m >= options.min_way_m) {
     waiting_.clear();
     return relations;
   }
   waiting_.push_back(std::move(found));
-  if (waiting_.size() > options.max_waiting) waiting_.pop_front();
+  if (waiting_.size() > its.max_finds) waiting_.pop_front();
   return {};
 }
 

@@ -115,7 +115,7 @@ LocalMap Surroundings::nearest_patches(const Map& map, const Pose& local_from_ro
   for (const Determined& determined : patches_)
     if (determined.well_determined && distance_m(&determined) <= options.reach_m) near.push_back(&determined);
   std::ranges::stable_sort(near, {}, distance_m);
-  near.resize(std::min(near.size(), static_cast<std::size_t>(options.oldest + options.newest)));
+  near.resize(std::min(near.size(), options.max_patches()));
   LocalMap local;
   local.reference = reference_;
   for (const Determined* determined : near)

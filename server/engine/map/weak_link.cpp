@@ -44,7 +44,7 @@ double misfit(const Relation& relation, std::span<const Pose> poses) {
 
 // A slip of one kind leaves what was measured otherwise as it is: odometry may be right where a scan was not.
 bool agrees(const Relation& relation, std::span<const Pose> poses, const WeakLinkOptions& options) {
-  return misfit(relation, poses) < options.agreeing.value();
+  return misfit(relation, poses) < options.common.surprise.bound(3);
 }
 
 IslandId island_of(const Contradiction& map) { return map.before.island(map.loop.first.front()); }

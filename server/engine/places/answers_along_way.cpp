@@ -34,9 +34,9 @@ bool same_place(const Whereabouts& found, const Whereabouts& there, double way_m
   const Pose off = ominus(found.island_from_piece, there.island_from_piece);
   const Eigen::Vector3d systematic = systematic_variance(way_m, options.place_candidates);
   const double position = std::pow(options.consistency.find_sigma_m, 2) + systematic.x();
-  const double yaw = std::pow(options.consistency.find_sigma_rad, 2) + systematic.z();
+  const double yaw = std::pow(options.common.yaw_rad(options.consistency.find_sigma_m), 2) + systematic.z();
   return (off.x * off.x + off.y * off.y) / position + off.yaw * off.yaw / yaw <
-         options.answers_along_way.max_off.value();
+         options.common.plausible.bound(3);
 }
 
 double fit_there(const Map& map, const SearchedPiece& piece, const Whereabouts& there, double way_m,
@@ -82,10 +82,10 @@ double log_odds_against_new_ground(const Hypothesis& hypothesis, const AnswersAl
   return most;
 }
 
-bool same_answer(const Hypothesis& a, const Hypothesis& b, const PlaceSearchOptions& options) {
+bool same_answer(const Hypothesis& a, const Hypothesis& b, const CommonOptions& options) {
   if (a.at.island != b.at.island) return false;
   const Pose off = ominus(a.at.island_from_piece, b.at.island_from_piece);
-  return std::hypot(off.x, off.y) <= options.apart_m && std::abs(off.yaw) <= options.apart_rad;
+  return options.is_within(off, options.apart_m);
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ std::optional<PlaceAnswer> AnswersAlongWay::all_but_certain(const Map& map,
   for (std::size_t i = 0; i < answers.size(); ++i) {
     double by_rival = 0;
     for (const Hypothesis& other : hypotheses)
-      if (!same_answer(other, hypotheses[i], options.place_search))
+      if (!same_answer(other, hypotheses[i], options.common))
         by_rival = std::max(by_rival, std::exp(-log_odds_against(other, hypotheses[i], options)));
     const double by_new_ground =
         std::exp(-log_odds_against_new_ground(hypotheses[i], options.answers_along_way));

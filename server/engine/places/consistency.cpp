@@ -86,15 +86,17 @@ Agreement agreement(const Map& map, const Find& first, const NearbyConfidence& o
   // What is turned at one end moves the other.
   const double way_m = std::hypot(first_from_second_query.x, first_from_second_query.y);
   const double lever_m = std::hypot(anchor_from_query.x, anchor_from_query.y);
-  const double yaw_variance = 2 * squared(options.find_sigma_rad) + (*anchors)(2, 2) + (*queries)(2, 2);
+  const CommonOptions& its = options.common;
+  const double find_sigma_rad = its.yaw_rad(options.find_sigma_m);
+  const double yaw_variance = 2 * squared(find_sigma_rad) + (*anchors)(2, 2) + (*queries)(2, 2);
   const double variance = 2 * squared(options.find_sigma_m) + position_variance(*anchors) +
                           position_variance(*queries) + (*anchors)(2, 2) * squared(lever_m) +
-                          squared(options.find_sigma_rad * way_m);
+                          squared(find_sigma_rad * way_m);
   const double off_m = std::hypot(round.x, round.y);
   const double off_rad = std::abs(round.yaw);
-  const bool closes = off_m < options.max_apart_m && off_rad < options.max_apart_rad &&
-                      squared(off_m) < options.max_off.value() * variance &&
-                      squared(off_rad) < options.max_off.value() * yaw_variance;
+  const bool closes = its.is_within(round, its.apart_m) &&
+                      squared(off_m) < its.surprise.bound(1) * variance &&
+                      squared(off_rad) < its.surprise.bound(1) * yaw_variance;
   return closes ? Agreement::consistent : Agreement::inconsistent;
 }
 

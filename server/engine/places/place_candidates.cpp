@@ -95,8 +95,8 @@ std::optional<double> hinted(const Pose& place, IslandId island, std::span<const
 
 // What of the covariance's box is near the anchor; nothing where the two do not meet.
 bool narrow(double& centre, double& half, double most, const PlaceCandidateOptions& options) {
-  const double low = std::max(centre - most, -options.half_window_m - options.window_margin_m);
-  const double high = std::min(centre + most, options.half_window_m + options.window_margin_m);
+  const double low = std::max(centre - most, -options.spacing_m - options.window_margin_m);
+  const double high = std::min(centre + most, options.spacing_m + options.window_margin_m);
   if (high <= low) return false;
   centre = 0.5 * (low + high);
   half = 0.5 * (high - low);
@@ -134,7 +134,7 @@ std::optional<PlaceCandidate> candidate_at(const Map& map, PatchId query, const 
   const Eigen::Matrix3d covariance = jacobian * anchor_covariance * jacobian.transpose();
   const Eigen::Vector3d known = covariance.diagonal();
   const Eigen::Vector3d window =
-      (options.window_sigmas * options.window_sigmas * (known + drift_variance(anchor.way_m, options)))
+      (std::pow(options.common.window_sigmas, 2) * (known + drift_variance(anchor.way_m, options)))
           .cwiseSqrt();
   PlaceCandidate place;
   place.anchor = anchor.anchor;
@@ -182,7 +182,7 @@ std::vector<PlaceCandidate> places_on_other_islands(const Map& map, PatchId quer
     for (const Rough& anchor : anchors_of(map, std::move(rough), query, options)) {
       PlaceCandidate place;
       place.anchor = anchor.anchor;
-      place.window = {Pose{}, options.half_window_m, options.half_window_m, std::numbers::pi};
+      place.window = {Pose{}, options.spacing_m, options.spacing_m, std::numbers::pi};
       places.push_back(place);
     }
   }

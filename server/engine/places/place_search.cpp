@@ -55,16 +55,16 @@ std::vector<Eigen::Vector2d> positions(const std::vector<ScanPoint>& points) {
 CorrelativeOptions in_place(const CorrelativeOptions& correlative, const PlaceSearchOptions& options) {
   CorrelativeOptions search = correlative;
   search.reach_m = options.reach_m;
-  search.apart_m = options.apart_m;
-  search.apart_rad = options.apart_rad;
+  search.apart_m = options.common.apart_m;
+  search.apart_rad = options.common.yaw_rad(options.common.apart_m);
   return search;
 }
 
 CorrelativeOptions coarse_options(const EngineOptions& options) {
   CorrelativeOptions coarse = in_place(options.correlative, options.place_search);
-  coarse.cell_m = options.place_search.coarse_cell_m;
-  coarse.yaw_step_rad = options.place_search.coarse_yaw_step_rad;
-  coarse.blur_m = options.place_search.coarse_blur_m;
+  coarse.cell_m *= options.place_search.coarse;
+  coarse.yaw_step_rad *= options.place_search.coarse;
+  coarse.blur_m *= options.place_search.coarse;
   coarse.max_evaluations = options.place_search.coarse_evaluations;
   return coarse;
 }
@@ -77,9 +77,11 @@ CorrelativeOptions fine_options(const EngineOptions& options) {
 }
 
 Match match_at(const RigidPiece& place, std::span<const ScanPoint> points, const Pose& place_from_points,
-               const MatchOptions& match_options, const PlaceSearchOptions& options) {
-  const Eigen::Vector3d weak(1 / options.prediction_variance_m2, 1 / options.prediction_variance_m2,
-                             1 / options.prediction_variance_rad2);
+               const MatchOptions& match_options, const EngineOptions& options) {
+  // As far off as what the search takes for the same answer.
+  const double off_m = options.correlative.apart_m;
+  const Eigen::Vector3d weak =
+      Eigen::Vector3d(off_m, off_m, options.common.yaw_rad(off_m)).cwiseAbs2().cwiseInverse();
   return match_scan(place.local, points, {place_from_points, weak.asDiagonal()}, match_options);
 }
 
@@ -93,8 +95,8 @@ struct Carrier {
 // profile looks would be another answer of the search.
 bool holds_all_directions(const RigidPiece& place, Carrier& carrier, const EngineOptions& options) {
   const double weak_sigma_m =
-      sigma_along_weak_direction(place.local, carrier.patch->points, carrier.match,
-                                 options.place_search.apart_m, options.match, options.weak_direction);
+      sigma_along_weak_direction(place.local, carrier.patch->points, carrier.match, options.common.apart_m,
+                                 options.match, options.weak_direction);
   believe_profile(carrier.match, weak_sigma_m, relation_sigma_m(carrier.match.quality, options.relations),
                   options.match, options.weak_direction);
   return weak_sigma_m < options.place_search.max_weak_sigma_m;
@@ -109,8 +111,8 @@ std::optional<Carrier> best_carrier(const RigidPiece& place, const RigidPiece& p
   for (std::size_t i = 0; i < std::min(its.max_carriers, piece.local.patches.size()); ++i) {
     const LocalPatch& seen = piece.local.patches[i];
     Match match =
-        match_at(place, seen.patch->points, place_from_piece * seen.local_from_patch, options.match, its);
-    if (match.ok && match.quality.score >= its.min_score)
+        match_at(place, seen.patch->points, place_from_piece * seen.local_from_patch, options.match, options);
+    if (match.ok && match.quality.score >= options.common.doubtful_score)
       carriers.push_back({seen.patch.get(), std::move(match)});
   }
   std::ranges::stable_sort(carriers, std::ranges::greater{},
@@ -173,19 +175,22 @@ RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first,
 
 PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const SearchWindow& window,
                          double min_score, const EngineOptions& options) {
-  const PlaceSearchOptions& its = options.place_search;
   PlaceSearch found;
   const std::vector<Eigen::Vector2d> known = positions(place.points);
   const CorrelativeResult coarse =
       search_window(known, piece.points, window, coarse_options(options), min_score);
   found.exhausted = coarse.exhausted;
   found.evaluations = coarse.evaluations;
+  // What a coarse step is off by and a fine one.
+  const CorrelativeOptions fine_search = fine_options(options);
+  const double steps = 1 + options.place_search.coarse;
+  const double half_m = steps * fine_search.cell_m, half_rad = steps * fine_search.yaw_step_rad;
   std::vector<Pose> starts;
   if (coarse.score > 0) starts.push_back(coarse.local_from_robot);
   if (coarse.second_score > 0) starts.push_back(coarse.second_local_from_robot);
   for (const Pose& start : starts) {
-    const SearchWindow about{start, its.fine_window_m, its.fine_window_m, its.fine_window_rad};
-    const CorrelativeResult fine = search_window(known, piece.points, about, fine_options(options));
+    const SearchWindow about{start, half_m, half_m, half_rad};
+    const CorrelativeResult fine = search_window(known, piece.points, about, fine_search);
     found.evaluations += fine.evaluations;
     if (fine.score >= min_score)
       found.answers.push_back({place.local.reference, fine.local_from_robot, fine.score, 0, 0});
@@ -200,8 +205,7 @@ int look_alikes(const Map& map, const std::vector<PlaceAnswer>& best_first, cons
     if (map.graph().island(one.anchor) != map.graph().island(other.anchor)) return true;
     const Pose off = ominus(manifold.pose(other.anchor) * other.anchor_from_piece,
                             manifold.pose(one.anchor) * one.anchor_from_piece);
-    return std::hypot(off.x, off.y) > options.place_search.apart_m ||
-           std::abs(off.yaw) > options.place_search.apart_rad;
+    return !options.common.is_within(off, options.common.apart_m);
   };
   std::vector<PlaceAnswer> places;
   for (const PlaceAnswer& answer : best_first) {
@@ -216,10 +220,9 @@ double Find::probability() const { return 1 / (1 + std::exp(-log_odds)); }
 
 std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, const PlaceAnswer& answer,
                            const EngineOptions& options) {
-  const PlaceSearchOptions& its = options.place_search;
   MatchOptions match_options = options.match;
-  match_options.kernel_m = its.bent_kernel_m;
-  const Match whole = match_at(place, piece.points, answer.anchor_from_piece, match_options, its);
+  match_options.kernel_m = options.weak_direction.start_kernels * options.match.kernel_m;
+  const Match whole = match_at(place, piece.points, answer.anchor_from_piece, match_options, options);
   if (!whole.ok) return std::nullopt;
   const std::optional<Carrier> best = best_carrier(place, piece, whole.local_from_robot, options);
   if (!best) return std::nullopt;

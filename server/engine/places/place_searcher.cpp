@@ -62,8 +62,7 @@ PlaceDecision PlaceSearcher::decide_on(const PlaceAnswer& answer, const Map& map
   // While the piece waited, all that is there may have been matched with it.
   if (place.local.patches.empty()) return decision;
   decision.find = refine(place, piece_, answer, options);
-  const PlaceSearchOptions& its = options.place_search;
-  decision.price_us = static_cast<std::int64_t>(its.decision_steps * static_cast<double>(its.step_price_us));
+  decision.price_us = options.propagation.step_price_us;  // as that, it matches two patches or more
   return decision;
 }
 

@@ -44,7 +44,7 @@ void Propagation::forget_visits() {
 std::vector<PatchId> Propagation::same_side(const Map& map, PatchId patch,
                                             const PropagationOptions& options) const {
   const RelationGraph& graph = before_ ? *before_ : map.graph();
-  return graph.within_hops(patch, options.same_side_hops, says_where_walls_are);
+  return graph.within_hops(patch, options.common.near_hops, says_where_walls_are);
 }
 
 std::vector<PatchId> Propagation::candidates(const Map& map, PatchId patch,
@@ -120,7 +120,7 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
     take_from_unmatched(relation.a);
     take_from_unmatched(relation.b);
   }
-  map.refit_around(id, options.propagation.refit_patches);
+  map.refit_around(id, options.map_fit.window_patches);
   for (const PatchId next : map.graph().neighbours(id)) enqueue(next, options.propagation);
   return true;
 }

@@ -16,7 +16,7 @@ void ProximityMatching::match_all(const Map& map, const PropagationOptions& opti
 
 void ProximityMatching::advance(Map& map, const EngineOptions& options, std::int64_t now_utime) {
   const PropagationOptions& its = options.propagation;
-  credit_.earn(now_utime, {its.work_share, options.proximity_matching.max_credit_us});
+  credit_.earn(now_utime, {its.work_share, options.common.max_credit_us});
   if (propagation_.done() || credit_.left_us() < its.step_price_us) return;
   credit_.spend(its.step_price_us);
   propagation_.step(map, options);

@@ -53,12 +53,12 @@ class NearbyPlaces {
 };
 
 double own_way_m(const Map& map, std::span<const PatchId> its, std::span<const PatchId> others,
-                 const SharedPartOptions& options) {
-  const NearbyPlaces nearby(map, others, options.near_m);
+                 const EngineOptions& options) {
+  const NearbyPlaces nearby(map, others, options.surroundings.reach_m);
   std::vector<PatchId> alone;
   for (const PatchId id : its)
     if (!nearby.any_near(position(map, id))) alone.push_back(id);
-  return way_m(map, alone, options);
+  return way_m(map, alone, options.shared_part);
 }
 
 // Pairs across the border, taken evenly over those whose views may meet: as far from what matched as the map
@@ -74,10 +74,12 @@ double border_contradiction(const Map& map, std::span<const PatchId> first, std:
   std::vector<std::pair<PatchId, PatchId>> pairs;
   for (const PatchId a : first)
     for (const PatchId b : second)
-      if ((position(map, a) - position(map, b)).norm() < options.shared_part.in_view_m &&
+      if ((position(map, a) - position(map, b)).norm() <
+              options.surroundings.reach_m + options.propagation.slack_m &&
           !may_have_bent(a, b))
         pairs.emplace_back(a, b);
-  const std::size_t stride = std::max<std::size_t>(1, pairs.size() / options.shared_part.max_pairs);
+  const std::size_t stride =
+      std::max<std::size_t>(1, pairs.size() / static_cast<std::size_t>(options.trial.max_pairs));
   MeanContradiction found(options.contradiction);
   for (std::size_t i = 0; i < pairs.size(); i += stride)
     found.add(map.manifold(), pairs[i].first, pairs[i].second);
@@ -103,7 +105,7 @@ double unmatched_way_m(const Map& map, const RelationGraph& apart, std::span<con
   const std::set<PatchId> matching(matched.begin(), matched.end());
   const auto matches_beside = [&](PatchId id) {
     const std::vector<PatchId> own_way =
-        apart.within_hops(id, options.propagation.same_side_hops, says_where_walls_are);
+        apart.within_hops(id, options.common.near_hops, says_where_walls_are);
     return std::ranges::any_of(own_way, [&](PatchId other) {
       return matching.contains(other) && (position(map, other) - position(map, id)).norm() < beside_m;
     });
@@ -115,10 +117,10 @@ double unmatched_way_m(const Map& map, const RelationGraph& apart, std::span<con
 }
 
 std::vector<PatchId> overlapping(const Map& map, std::span<const PatchId> first,
-                                 std::span<const PatchId> second, const SharedPartOptions& options) {
+                                 std::span<const PatchId> second, const EngineOptions& options) {
   std::vector<PatchId> near;
   const auto add_near = [&](std::span<const PatchId> its, std::span<const PatchId> others) {
-    const NearbyPlaces nearby(map, others, options.near_m);
+    const NearbyPlaces nearby(map, others, options.surroundings.reach_m);
     for (const PatchId id : its)
       if (nearby.any_near(position(map, id))) near.push_back(id);
   };
@@ -148,8 +150,8 @@ SharedPart shared_part(const Map& map, std::span<const PatchId> island,
   for (const PatchId id : island)
     if (!map.manifold().patch(id).points.empty()) (second(id) ? of_second : of_first).push_back(id);
   SharedPart shared;
-  shared.own_first_m = own_way_m(map, of_first, of_second, options.shared_part);
-  shared.own_second_m = own_way_m(map, of_second, of_first, options.shared_part);
+  shared.own_first_m = own_way_m(map, of_first, of_second, options);
+  shared.own_second_m = own_way_m(map, of_second, of_first, options);
   shared.border_contradiction = border_contradiction(map, of_first, of_second, matched, options);
   return shared;
 }

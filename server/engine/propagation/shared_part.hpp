@@ -27,9 +27,9 @@ double unmatched_way_m(const Map& map, const RelationGraph& apart, std::span<con
 /// How wide patches lie across their length: next to nothing along one corridor.
 double width_m(const Map& map, std::span<const PatchId> patches);
 
-/// Patches of either of two maps, laid over one another, that lie near one of the other.
+/// Patches of either of two maps, laid over one another, that lie within a local map of one of the other.
 std::vector<PatchId> overlapping(const Map& map, std::span<const PatchId> first,
-                                 std::span<const PatchId> second, const SharedPartOptions& options);
+                                 std::span<const PatchId> second, const EngineOptions& options);
 
 /// `second` says of a patch of the island to which of the two maps it belongs; `matched` are those of
 /// either that were found in the other.

@@ -73,7 +73,7 @@ bool Trial::jumps_too_far(const Eigen::Matrix3d& before) const {
   const Eigen::Vector3d jump = wrapped_difference(after, *gate_before_);
   Eigen::Matrix3d covariance = before;
   covariance.diagonal() += proposal_.beyond_covariance;
-  return jump.dot(covariance.inverse() * jump) > options_.trial.max_jump.value();
+  return jump.dot(covariance.inverse() * jump) > options_.trial.max_jump.bound(3);
 }
 
 // By what the map knows now, and not when it was found: then the two may have been on two islands still. Of
@@ -107,7 +107,7 @@ void Trial::end_fit() {
   if (!result.blamed.empty()) take_out(result);
   map_.adopt(result.patches, result.poses);
   if (stage_ != Stage::start) return;
-  const bool strong = proposal_.supporters >= options_.trial.strong_support && !proposal_.from_scans;
+  const bool strong = proposal_.supporters >= options_.common.overruling && !proposal_.from_scans;
   if (gate_before_ && result.covariance && !strong && !proposal_.measured && blamed_.empty() &&
       jumps_too_far(*result.covariance)) {
     refusal_ = Reason::implausible_jump;
@@ -170,7 +170,8 @@ void Trial::propagate(std::int64_t now_utime) {
   const bool enough = tells_enough();
   if (!propagation_.done() && !enough) {
     propagation_.step(map_, options_);
-    const std::size_t next_fit = std::max(options_.trial.min_growth, options_.trial.growth * matched_at_fit_);
+    const auto first_fit = static_cast<std::size_t>(options_.trial.few_matched_scans);
+    const std::size_t next_fit = std::max(first_fit, options_.trial.growth * matched_at_fit_);
     if (refits() && propagation_.matched().size() >= next_fit) begin_fit(now_utime, false);
     return;
   }
@@ -196,7 +197,8 @@ void Trial::finish(std::int64_t now_utime) {
 
 double Trial::mean_contradiction() const {
   const TrialOptions& its = options_.trial;
-  const ConfidenceThreshold bound{its.contradiction_bound_m, its.contradiction_bound_rad};
+  const ConfidenceThreshold bound{its.contradiction_bound_m,
+                                  options_.common.yaw_rad(its.contradiction_bound_m)};
   ContradictionByPatch found(map_.manifold(), options_.contradiction);
   for (const PatchId a : propagation_.matched()) {
     if (found.pairs() >= its.max_pairs) break;
@@ -287,9 +289,9 @@ void Trial::judge_sightings() {
       its.log_odds_per_sighting_cost * std::max(0.0, account_.cost - its.even_sighting_cost);
   account_.fit_log_odds = -by_sightings - log_odds_by_walls();
   refusal_ = refusal_of_sightings(by_sightings > 0);
-  const int enough = proposal_.two_way ? its.min_support_two_way : its.min_support_one_way;
+  const int enough = proposal_.two_way ? its.min_support_two_way : options_.common.overruling;
   if (refusal_ == Reason::none)
-    undecided_ = account_.matched < its.few_compared && proposal_.supporters < enough;
+    undecided_ = account_.matched < options_.common.agreeing && proposal_.supporters < enough;
 }
 
 Reason Trial::refusal_of_sightings(bool disagree) const {
@@ -312,7 +314,7 @@ bool Trial::puts_walls_in_free_space(double contradiction) const {
 
 bool Trial::scans_disagree() const {
   const TrialOptions& its = options_.trial;
-  return account_.compared >= its.few_compared &&
+  return account_.compared >= options_.common.agreeing &&
          account_.matched < its.min_matched_share * account_.compared;
 }
 

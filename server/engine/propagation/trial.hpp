@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "server/engine/map/drift.hpp"
 #include "server/engine/map/fit_job.hpp"
 #include "server/engine/map/reason.hpp"
 #include "server/engine/propagation/layers_job.hpp"
@@ -15,11 +16,6 @@
 namespace isthmus {
 
 struct SharedPart;
-
-/// What the map may err by beyond its covariance where sightings close a loop: variances of x, y, yaw.
-inline Eigen::Vector3d slip_variances(const TrialOptions& options) {
-  return {options.slip_variance_m2, options.slip_variance_m2, options.slip_variance_rad2};
-}
 
 /// By how many sightings agree that a closure is true: any two may, by chance.
 inline double log_odds_of_agreeing(std::size_t sightings, const TrialOptions& options) {
@@ -50,7 +46,7 @@ struct Proposal {
   bool two_way = false;
   bool from_scans = false;  ///< relations are of scans that agree, nobody has seen anybody
   /// What the map may err by beyond its covariance, where the loop closes: variances of x, y, yaw.
-  Eigen::Vector3d beyond_covariance = slip_variances({});
+  Eigen::Vector3d beyond_covariance = systematic_variance(0, {});
   bool cautious = false;           ///< the map hardly knows how its ends lie: fitted as more matches
   int look_alikes = 1;             ///< places that look alike, of which this is one
   double prior_log_odds = 0;       ///< that it is true, before it is tried

@@ -60,7 +60,8 @@ LocalMap Refinement::local_map(const TrajectoryRow& row, std::span<const ScanPoi
     near.push_back({local, distance_m});
   }
   std::ranges::stable_sort(near, {}, &Near::distance_m);
-  if (near.size() > options_.refinement.max_patches) near.resize(options_.refinement.max_patches);
+  // The nearest, as none is newer than another here.
+  if (near.size() > options_.surroundings.max_patches()) near.resize(options_.surroundings.max_patches());
   LocalMap local;
   local.reference = row.patch;
   for (const Near& n : near) local.patches.push_back(n.patch);
@@ -78,13 +79,15 @@ void Refinement::take(const ScanEvent& scan) {
   if (local.patches.empty()) return;
   MatchOptions match_options = options_.match;
   const RefinementOptions& its = options_.refinement;
-  match_options.start_kernel_m = its.start_kernel_m;
+  // The scan lies nearly right.
+  match_options.start_kernel_m = options_.weak_direction.start_kernels * match_options.kernel_m;
   match_options.max_points = std::numeric_limits<int>::max();
   Prediction carried{row.patch_from_robot, Eigen::Matrix3d::Zero()};
-  carried.information.diagonal() << 1 / (its.carried_sigma_m * its.carried_sigma_m),
-      1 / (its.carried_sigma_m * its.carried_sigma_m), 1 / (its.carried_sigma_rad * its.carried_sigma_rad);
+  const double off_m = its.carried_sigma_m;
+  carried.information.diagonal() =
+      Eigen::Vector3d(off_m, off_m, options_.common.yaw_rad(off_m)).cwiseAbs2().cwiseInverse();
   const Match match = match_scan(local, points, carried, match_options);
-  if (!match.ok || match.quality.score < its.min_score) return;
+  if (!match.ok || match.quality.score < options_.localise.min_score) return;
   row.patch_from_robot = match.local_from_robot;
   ++refined_;
 }

@@ -61,10 +61,10 @@ const Placed* patch_that_knows_free(const std::vector<Placed>& island, const Eig
 
 // Whether an island knows a disc for free: its middle and its rim.
 bool is_roomy(const std::vector<Placed>& island, const Eigen::Vector2d& centre, double radius_m,
-              int rim_points) {
+              int bearings) {
   if (patch_that_knows_free(island, centre, 0) == nullptr) return false;
-  for (int k = 0; k < rim_points; ++k) {
-    const double bearing = k * 2 * std::numbers::pi / rim_points;
+  for (int k = 0; k < bearings; ++k) {
+    const double bearing = k * 2 * std::numbers::pi / bearings;
     const Eigen::Vector2d rim = centre + radius_m * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
     if (patch_that_knows_free(island, rim, 0) == nullptr) return false;
   }
@@ -73,7 +73,7 @@ bool is_roomy(const std::vector<Placed>& island, const Eigen::Vector2d& centre, 
 
 bool is_clear_line(const std::vector<Placed>& island, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                    const MeetingOptions& options) {
-  const int steps = std::max(1, static_cast<int>((to - from).norm() / options.sight_step_m));
+  const int steps = std::max(1, static_cast<int>((to - from).norm() / options.sight_margin_m));
   for (int k = 0; k <= steps; ++k) {
     const Eigen::Vector2d at = from + static_cast<double>(k) / steps * (to - from);
     if (patch_that_knows_free(island, at, options.sight_margin_m) == nullptr) return false;
@@ -115,14 +115,14 @@ std::optional<MeetingPlan> plan_meeting(const Map& map, const std::map<std::stri
   // The first robot stands where one stood when it took a scan, the second somewhere around.
   for (const Placed& at : first) {
     const Eigen::Vector2d place_a = position(at.plane_from_patch);
-    for (const double distance_m :
-         {options.distance_m, options.shorter_distance_m, options.longer_distance_m}) {
+    for (const double distance_m : {options.distance_m, options.distance_m - options.distance_step_m,
+                                    options.distance_m + options.distance_step_m}) {
       for (int k = 0; k < options.bearings; ++k) {
         const double bearing = at.plane_from_patch.yaw + k * 2 * std::numbers::pi / options.bearings;
         const Eigen::Vector2d place_b =
             place_a + distance_m * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
         const Placed* on = patch_that_knows_free(second, place_b, 0);
-        if (on == nullptr || !is_roomy(second, place_b, room_m, options.rim_points) ||
+        if (on == nullptr || !is_roomy(second, place_b, room_m, options.bearings) ||
             !is_clear_line(first, place_a, place_b, options) ||
             !is_clear_line(second, place_b, place_a, options))
           continue;

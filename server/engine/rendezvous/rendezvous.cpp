@@ -63,10 +63,11 @@ bool watches_for_the_other(const Map& map, const std::map<std::string, Robot>& r
     return false;
   const double radius_m = other.declaration.footprint_radius_m;
   const Laser& laser = watcher.declaration.laser;
-  const auto hit_m = nearest_hit_m(scan, laser, expected, options.seen_share * radius_m);
+  const double seen_m = options.seen_share * radius_m;
+  const auto hit_m = nearest_hit_m(scan, laser, expected, seen_m);
   const double from_laser_m = (inverse(laser.robot_from_laser) * expected).norm();
   // What ends there may be the other robot, its barcode unread.
-  return hit_m && *hit_m > from_laser_m + options.beyond_m;
+  return hit_m && *hit_m > from_laser_m + seen_m;
 }
 
 void Rendezvous::choose(const Map& map, const std::map<std::string, Robot>& robots,

@@ -125,7 +125,7 @@ class Judge {
     const bool moved = std::max(f_.way.laser, f_.way.odometry) >= o_.min_way_m;
     const bool turned = std::max(f_.turn.laser, f_.turn.odometry) >= o_.min_turn_rad;
     if (f_.odometry_messages >= o_.min_messages && f_.odometry_way_m < o_.never_moved_m &&
-        f_.odometry_turn_rad < o_.never_turned_rad) {
+        f_.odometry_turn_rad < o_.common.yaw_rad(o_.never_moved_m)) {
       if (f_.way.laser >= o_.min_way_m || f_.turn.laser >= o_.min_turn_rad ||
           f_.scans_changed >= o_.min_changes)
         warn("odometry_still", text("%s's odometry never moved, while its scans did: %lld of them show other "
@@ -147,16 +147,16 @@ class Judge {
     const bool way_off = moved && judge_way(turn_off);
     if (moved && !way_off && !turn_off) judge_direction();
     if (turned && f_.best_lag_scans != 0 && std::abs(f_.best_lag_scans) >= o_.late_scans &&
-        f_.off_at_best_lag < o_.better_late) {
+        f_.off_at_best_lag < o_.mostly) {
       warn("time_offset",
            text("%s's odometry fits its scans best %d scans %s: are their clocks apart?", name(),
                 std::abs(f_.best_lag_scans), f_.best_lag_scans > 0 ? "late" : "early"));
     }
     if (warnings_.size() != before) return;
-    if (moved && f_.way.explained() < o_.poorly_explained)
+    if (moved && f_.way.explained() < o_.mostly)
       warn("odometry_unrelated", text("%s's odometry explains %.0f %% of the motion seen by the laser",
                                       name(), 100 * f_.way.explained()));
-    if (turned && f_.turn.explained() < o_.poorly_explained)
+    if (turned && f_.turn.explained() < o_.mostly)
       warn("turns_unrelated", text("%s's odometry explains %.0f %% of the turns seen by the laser", name(),
                                    100 * f_.turn.explained()));
   }
@@ -164,14 +164,14 @@ class Judge {
   // A wrong heading spoils ways too: their scale then says nothing.
   bool judge_way(bool turn_off) {
     const double ratio = f_.way.ratio();
-    if (f_.way.laser < o_.still_share * f_.way.odometry && unit_of(ratio, o_.near_unit).empty() &&
+    if (f_.way.laser < o_.still_share * f_.way.odometry && unit_of(ratio, o_.other_scale).empty() &&
         ratio > o_.still_units * o_.other_unit) {
       warn("laser_still",
            text("%s's odometry drove %.0f m while the laser saw %.1f m: the same scan again and "
                 "again, or a wrong unit?",
                 name(), f_.way.odometry, f_.way.laser));
     } else if (is_off(ratio, o_.other_unit)) {
-      const std::string unit = unit_of(ratio, o_.near_unit);
+      const std::string unit = unit_of(ratio, o_.other_scale);
       warn("odometry_unit",
            text("%s's odometry's way is %s times the laser's: %s%s?", name(), rounded(ratio).c_str(),
                 unit.empty() ? "a wrong unit" : "is it in ", unit.c_str()));
@@ -189,7 +189,7 @@ class Judge {
       warn("turn_unit", text("%s's odometry turns %.3g times what the laser sees: degrees for radians, or a "
                              "heading that is not one?",
                              name(), ratio));
-    } else if (f_.turn_correlation < -o_.turned_over) {
+    } else if (f_.turn_correlation < -o_.mostly) {
       warn("mount_mirrored",
            text("%s's laser turns against its odometry: mounted upside down, or its beams in "
                 "the other order?",

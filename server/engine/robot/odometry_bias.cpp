@@ -24,7 +24,7 @@ void OdometryBias::Estimate::learn(const Eigen::Vector2d& regressor, double erro
 
 double OdometryBias::path_yaw_variance(const Pose& path, const OdometryBiasOptions& options) const {
   const Eigen::Vector2d together(remembered_m_ * position(path).norm(), remembered_rad_ * std::abs(path.yaw));
-  return yaw_.covariance({options.turn_per_m_sigma, options.turn_share_sigma}).diagonal().dot(together);
+  return yaw_.covariance({options.turn_per_m_sigma, options.share_sigma}).diagonal().dot(together);
 }
 
 Pose OdometryBias::corrected(const Pose& step) const {
@@ -47,13 +47,13 @@ void OdometryBias::learn(const Pose& odometry_step, const Pose& matched_step, co
   const double match_variance = options.match_sigma_m * options.match_sigma_m;
   yaw_.learn(regressor, wrap_angle(matched_step.yaw - odometry_step.yaw),
              noise(2, 2) + options.match_sigma_rad * options.match_sigma_rad, kept,
-             {options.turn_per_m_sigma, options.turn_share_sigma}, options.outlier_sigmas);
+             {options.turn_per_m_sigma, options.share_sigma}, options.outlier_sigmas);
   if (direction_trust(1, 1) > learning.well_known)
     aside_.learn(regressor, matched_step.y - odometry_step.y, noise(1, 1) + match_variance, kept,
-                 {options.aside_share_sigma, options.aside_per_rad_sigma}, options.outlier_sigmas);
+                 {options.share_sigma, options.share_sigma}, options.outlier_sigmas);
   if (direction_trust(0, 0) > learning.well_known)
     way_.learn({odometry_step.x, 0}, matched_step.x - odometry_step.x, noise(0, 0) + match_variance, kept,
-               {options.way_share_sigma, options.way_share_sigma}, options.outlier_sigmas);
+               {options.share_sigma, options.share_sigma}, options.outlier_sigmas);
 }
 
 }  // namespace isthmus

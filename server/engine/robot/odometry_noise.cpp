@@ -72,7 +72,7 @@ Eigen::Matrix3d OdometryNoise::path_covariance(const Pose& odometry_path,
                  (1 - options.path_forgetting) * path_variance_scale_ + options.path_forgetting * seen);
   }
   const auto factor = [&](double squared) {
-    return std::sqrt(std::max(path_variance_scale_, squared / options.plausible_path.value()));
+    return std::sqrt(std::max(path_variance_scale_, squared / options.common.plausible.bound(3)));
   };
   const Eigen::Vector3d factors(factor(of_way), factor(of_way), factor(of_turn));
   return factors.asDiagonal() * summed_covariance * factors.asDiagonal();

@@ -15,7 +15,8 @@ constexpr std::size_t thinnings = 4;
 bool near_by(const PastPlace& a, const PastPlace& b, const PoseHistoryOptions& options) {
   const Pose step = ominus(b.odom_from_robot, a.odom_from_robot);
   return a.session == b.session && a.pose.patch == b.pose.patch && b.utime - a.utime < options.near_us &&
-         std::hypot(step.x, step.y) < options.near_m && std::abs(step.yaw) < options.near_rad;
+         std::hypot(step.x, step.y) < options.near_m &&
+         std::abs(step.yaw) < options.common.yaw_rad(options.near_m);
 }
 
 PastPlace moved_on(const PastPlace& from, const Pose& step, const OdometryNoise& noise,
@@ -54,7 +55,7 @@ void PoseHistory::thin(const PoseHistoryOptions& options) {
     const PastPlace& place = places_[i];
     const bool between = !kept.empty() && i + 1 < places_.size() && place.session == kept.back().session &&
                          place.session == places_[i + 1].session &&
-                         places_[i + 1].utime - kept.back().utime <= options.spacing_us;
+                         places_[i + 1].utime - kept.back().utime <= options.near_us;
     if (!between || place.utime > places_.back().utime - options.newest_us) kept.push_back(place);
   }
   places_ = std::move(kept);

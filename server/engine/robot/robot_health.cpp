@@ -62,7 +62,8 @@ void RobotHealth::compare_with_reference(const Scan& scan, const Laser& laser, c
   reference_odometry_ = last_odometry_;
   if (both < match.min_pairs || changed <= options.changed_share * both) return;
   ++sums_.scans_changed;
-  if (length(moved) < options.still_m && std::abs(moved.yaw) < options.still_rad) ++sums_.scans_changed_still;
+  if (length(moved) < options.still_m && std::abs(moved.yaw) < options.common.yaw_rad(options.still_m))
+    ++sums_.scans_changed_still;
 }
 
 void RobotHealth::matched(const Pose& odometry_step, const Pose& laser_step, bool well_seen,
@@ -114,7 +115,7 @@ void RobotHealth::add_turn(double odometry_rad, double laser_rad, const HealthOp
   const double more = std::max(std::abs(odometry), std::abs(laser));
   if (more < options.closing_turn_rad && turn_.scans < options.max_scans) return;
   turn_ = {};
-  if (more < options.min_turn_rad) return;
+  if (more < options.common.yaw_rad(options.min_way_m)) return;
   sums_.turn.odometry += std::abs(odometry);
   sums_.turn.laser += std::abs(laser);
   sums_.turn.apart += std::abs(laser - odometry);

@@ -86,14 +86,12 @@ std::vector<Tie> ties_of(std::span<const ProjectedSighting> sightings) {
   return ties;
 }
 
-// Two points of the second plane laid on two of the first; nothing where their distances disagree.
+// Two points of the second plane laid on two of the first; nothing where they are too near for that.
 std::optional<Pose> lay(const Tie& a, const Tie& b, const AlignmentOptions& options) {
   const Eigen::Vector2d first = b.first - a.first;
   const Eigen::Vector2d second = b.second - a.second;
   const double length = first.norm();
   if (length < options.min_baseline_m || second.norm() < options.min_baseline_m) return std::nullopt;
-  if (std::abs(length - second.norm()) > options.length_slack_m + options.length_slack_share * length)
-    return std::nullopt;
   const double yaw = wrap_angle(std::atan2(first.y(), first.x()) - std::atan2(second.y(), second.x()));
   const Eigen::Vector2d middle = 0.5 * (a.first + b.first) - rotate(yaw, 0.5 * (a.second + b.second));
   return Pose{middle.x(), middle.y(), yaw};
@@ -137,9 +135,9 @@ double chi_squared(const ProjectedSighting& sighting, const Pose& first_from_sec
 
 bool agrees(const ProjectedSighting& sighting, const Pose& first_from_second,
             const AlignmentOptions& options) {
-  const bool both = sighting.has_range() && sighting.has_bearing();
-  return chi_squared(sighting, first_from_second, options) <=
-         (both ? options.max_disagreement_two : options.max_disagreement_one).value();
+  const int measured = (sighting.has_range() ? 1 : 0) + (sighting.has_bearing() ? 1 : 0);
+  return measured == 0 ||
+         chi_squared(sighting, first_from_second, options) <= options.common.surprise.bound(measured);
 }
 
 Alignment fit_alignment(std::span<const ProjectedSighting> sightings, std::vector<std::size_t> supporters,
@@ -223,8 +221,8 @@ bool ready(const Alignment& alignment, std::span<const ProjectedSighting> sighti
   const auto supporters = static_cast<int>(alignment.supporters.size());
   if (supporters <= rivals) return false;
   if (!alignment.two_way)
-    return supporters >= options.min_supporters && alignment.baseline_m >= options.one_way_baseline_m;
-  return supporters >= options.min_supporters || no_more_waiting || now_utime > to + options.lone_pair_us;
+    return supporters >= options.common.agreeing && alignment.baseline_m >= options.common.baseline_m;
+  return supporters >= options.common.agreeing || no_more_waiting || now_utime > to + options.lone_pair_us;
 }
 
 }  // namespace isthmus

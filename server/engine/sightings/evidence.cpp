@@ -80,7 +80,8 @@ std::optional<Eigen::Vector2d> measured_point(const Map& map, const Evidence& ev
 }
 
 bool places_a_point(std::size_t sightings, double apart_m, const EvidenceOptions& options) {
-  return sightings >= options.min_supporters || (sightings >= 2 && apart_m >= options.min_apart_m);
+  return sightings >= static_cast<std::size_t>(options.common.agreeing) ||
+         (sightings >= 2 && apart_m >= options.min_apart_m);
 }
 
 bool PointConsensus::enough(const EvidenceOptions& options) const {

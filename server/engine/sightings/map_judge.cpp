@@ -45,7 +45,7 @@ Judgement MapJudge::judge(const Map& map, const Evidence& evidence, const Engine
   const ClosureOptions& its = options.closures;
   const bool fits = agrees(sighting, Pose{}, options.alignment);
   const bool scans = sees_walls(map, evidence.observer) && sees_walls(map, *evidence.target_place);
-  if (scans && fits && map.graph().hops(a, b, its.near_hops)) return Judgement::agrees;
+  if (scans && fits && map.graph().hops(a, b, options.common.near_hops)) return Judgement::agrees;
   // Sightings close in time err alike: one of them tells what they all tell.
   std::int64_t& weighed_utime = weighed_utime_[{evidence.sighting.robot, evidence.target}];
   if (fits && std::abs(evidence.sighting.utime - weighed_utime) < its.weighing_us) return Judgement::agrees;
@@ -54,10 +54,10 @@ Judgement MapJudge::judge(const Map& map, const Evidence& evidence, const Engine
   if (!variance) return Judgement::unknown;
   sighting.target_variance += *variance;
   if (!agrees(sighting, Pose{}, options.alignment)) return Judgement::contradicts;
-  if (std::sqrt(*variance) > (scans ? its.known_sigma_m : its.known_sigma_without_scans_m))
+  if (std::sqrt(*variance) > (scans ? options.common.known_sigma_m : its.known_sigma_without_scans_m))
     return Judgement::unknown;
   weighed_utime = evidence.sighting.utime;
-  const bool says_more = !scans && std::sqrt(*variance) > its.informative * own_sigma_m(sighting);
+  const bool says_more = !scans && std::sqrt(*variance) > own_sigma_m(sighting);
   return says_more ? Judgement::teaches : Judgement::agrees;
 }
 

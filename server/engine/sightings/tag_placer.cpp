@@ -41,7 +41,7 @@ void TagPlacer::place(World world, MutualObservations& observations) {
   for (const auto& [key, members] : sightings) {
     if (members.size() < 2 || patches_.contains(key.first)) continue;
     const auto newest =
-        static_cast<std::ptrdiff_t>(std::min(members.size(), world.options.closures.max_for_tag));
+        static_cast<std::ptrdiff_t>(std::min(members.size(), world.options.closures.max_compared));
     any = place(world, key.first, {members.end() - newest, members.end()}, observations, used) || any;
   }
   if (!any) return;
@@ -78,14 +78,15 @@ bool TagPlacer::place(World world, std::int32_t barcode, const std::vector<std::
 // A misread barcode repeats itself where another tag hangs: so near one, a tag needs more to be believed.
 bool TagPlacer::is_beside_another(World world, IslandId island, const PointConsensus& consensus) const {
   const Map& map = world.map;
-  const ClosureOptions& options = world.options.closures;
-  if (consensus.supporters.size() >= options.min_beside_another &&
-      consensus.apart_m >= options.min_apart_beside_another_m)
+  const CommonOptions& its = world.options.common;
+  if (consensus.supporters.size() >= static_cast<std::size_t>(its.overruling) &&
+      consensus.apart_m >= its.baseline_m)
     return false;
   return std::ranges::any_of(patches_, [&](const auto& tag) {
     const Pose& pose = map.manifold().pose(tag.second);
     return map.graph().island(tag.second) == island &&
-           std::hypot(pose.x - consensus.point.x(), pose.y - consensus.point.y()) < options.another_tag_m;
+           std::hypot(pose.x - consensus.point.x(), pose.y - consensus.point.y()) <
+               world.options.closures.another_tag_m;
   });
 }
 

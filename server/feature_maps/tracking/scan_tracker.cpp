@@ -106,7 +106,7 @@ std::optional<TrackedStep> ScanTracker::take(const Scan& scan, const Laser& lase
   place_->pose.patch_from_object = placement.local_from_robot;
   place_->tracking_covariance = placement.tracking_covariance;
   place_->covariance.setZero();  // a step is told, and errs by itself
-  const bool lost = !placement.matched && place_->lost_scans >= options.follow.unmatched_lost_scans;
+  const bool lost = !placement.matched && place_->lost_scans >= options.common.agreeing;
   if (placement.matched || lost) keep(seen, tracking);
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-before.yaw).toRotationMatrix();

@@ -28,11 +28,11 @@ TEST(ChiSquared, WhatIsNoProbabilityIsAnError) {
   EXPECT_THROW(chi2_quantile(0.95, 0), std::domain_error);
 }
 
-TEST(ChiSquared, ABoundKnowsItsProbability) {
-  const ChiSquaredBound bound(0.95, 3);
-  EXPECT_EQ(bound.value(), chi2_quantile(0.95, 3));
-  EXPECT_EQ(bound.probability(), 0.95);
-  EXPECT_EQ(bound.degrees_of_freedom(), 3);
+TEST(ChiSquared, ATestHasTheBoundsOfItsProbability) {
+  const ChiSquaredTest test(0.95);
+  EXPECT_EQ(test.probability(), 0.95);
+  for (const int degrees : {1, 2, 3}) EXPECT_EQ(test.bound(degrees), chi2_quantile(0.95, degrees));
+  for (const int degrees : {-1, 0, 4}) EXPECT_THROW(test.bound(degrees), std::out_of_range);
 }
 
 }  // namespace

@@ -5,14 +5,14 @@
 
 #include "patches/option_unit.hpp"
 #include "relations/chi_squared.hpp"
+#include "server/engine/input/options/common_options.hpp"
 
 namespace isthmus {
 
 /// Where a robot is at a scan (Howard et al. 2006, IV-A, steps 1 to 4), see localise/localise.hpp.
 struct LocaliseOptions {
+  CommonOptions common;
   double min_score = 0.25;
-  double doubtful_score = 0.45;
-  double min_score_implausible = 0.6;
   double match_trust = 5;
   double max_speed_m_per_s = 5;
   double max_turn_rad_per_s = 3.5;
@@ -28,8 +28,7 @@ struct LocaliseOptions {
   double freeze_probability = 0.25;
   double match_variance_m2 = 4e-4;
   double match_variance_rad2 = 1e-4;
-  ChiSquaredBound doubted_surprise{0.999, 3};
-  ChiSquaredBound weighed_surprise{0.5, 3};
+  ChiSquaredTest weighed_surprise{0.5};
   double slip_log_odds = 10;
   double thing_gap_m = 0.1;
   double flattest_rad = 0.17;
@@ -39,8 +38,6 @@ struct LocaliseOptions {
   double loose_share = 0.04;
   double loose_gain = 0.02;
   double other_start_gain = 0.05;
-  double claimed_start_loss = 0.02;
-  double window_sigmas = 3;
   double min_window_m = 0.4;
   double max_window_m = 1.5;
   double min_window_rad = 0.3;
@@ -49,11 +46,6 @@ struct LocaliseOptions {
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(min_score, "min_score", share_unit, "score below which a match is not believed");
-    option(
-        doubtful_score, "doubtful_score", share_unit,
-        "below which a scan is looked for anew in all that lies near, and not believed where that finds it");
-    option(min_score_implausible, "min_score_implausible", share_unit,
-           "the same of one after odometry did what no robot does, or where a coarse search has two answers");
     option(match_trust, "match_trust", "factor",
            "on a match's information against odometry's, from scan to scan: a match with many patches errs "
            "less than the nominal noise of its beams, odometry more than its steps say");
@@ -82,8 +74,6 @@ struct LocaliseOptions {
     option(match_variance_m2, "match_variance_m2", "m²",
            "what matching itself errs by, for the surprise at a match that ends away from the prediction");
     option(match_variance_rad2, "match_variance_rad2", "rad²", "the same of the yaw");
-    option(doubted_surprise, "doubted_surprise", "probability",
-           "χ² of 3 beyond which other beginnings are tried");
     option(weighed_surprise, "weighed_surprise", "probability",
            "χ² of 3 beyond which a match is weighed against odometry's account of the step");
     option(slip_log_odds, "slip_log_odds", "log-odds",
@@ -101,15 +91,13 @@ struct LocaliseOptions {
            "that what stands, in pieces of that width, is as it was when the map was made: so much only is "
            "said by each against where odometry puts the robot");
     option(loose_share, "loose_share", "factor", "on the information of the prediction from there");
-    option(loose_gain, "loose_gain", share_unit,
-           "that the score must be better by from the same beginning, held loosely");
+    option(
+        loose_gain, "loose_gain", share_unit,
+        "that the score must be better by from the same beginning, held loosely, and may be worse by where "
+        "implausible odometry says that the robot is: what stood still and then jumps may well be right");
     option(other_start_gain, "other_start_gain", share_unit, "the same from another beginning");
-    option(claimed_start_loss, "claimed_start_loss", share_unit,
-           "that the score may be worse by where implausible odometry says that the robot is: odometry that "
-           "stood still and then jumps may well be right");
-    option(window_sigmas, "window_sigmas", "sigmas", "half width of the window that is searched at last,");
-    option(min_window_m, "min_window_m", "m", "which is at least this");
-    option(max_window_m, "max_window_m", "m", "and at most this");
+    option(min_window_m, "min_window_m", "m", "half width of the window that is searched at last: at least");
+    option(max_window_m, "max_window_m", "m", "and at most");
     option(min_window_rad, "min_window_rad", "rad", "the same in yaw: at least");
     option(max_window_rad, "max_window_rad", "rad", "and at most");
   }
@@ -117,33 +105,18 @@ struct LocaliseOptions {
 
 /// Following a robot over the manifold (eq. 14), and when it is lost, see localise/follow.hpp and mapper.hpp.
 struct FollowOptions {
-  double reselect_m = 0.4;
-  double reselect_rad = 0.3;
   double clearly_nearer_m = 0.2;
-  double matched_share = 0.3;
-  double well_seen = 0.8;
-  int max_lost_scans = 8;
-  int unmatched_lost_scans = 3;
   double unmatched_points = 2;
-  double unmatched_spacing = 0.4;
+  double spacing_share = 0.4;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(reselect_m, "reselect_m", "m", "of motion after which the local map is chosen anew");
-    option(reselect_rad, "reselect_rad", "rad", "or of rotation");
     option(clearly_nearer_m, "clearly_nearer_m", "m",
            "by which another patch must be nearer for the robot to change to it");
-    option(matched_share, "matched_share", share_unit,
-           "of the pairs' weights of the patch that explains a scan best: a patch with less does not");
-    option(well_seen, "well_seen", share_unit,
-           "determinant of the trust in both directions of the plane, above which a match tells of both");
-    option(max_lost_scans, "max_lost_scans", "count",
-           "of scans in a row, unmatched after implausible odometry: the robot is somewhere else");
-    option(unmatched_lost_scans, "unmatched_lost_scans", "count",
-           "of unmatched scans in a row, after which one may become a patch that odometry alone joins");
     option(unmatched_points, "unmatched_points", "factor", "on match.min_pairs: points that it must have");
-    option(unmatched_spacing, "unmatched_spacing", "factor",
-           "on the spacing of patches: way or rotation since the last patch");
+    option(spacing_share, "spacing_share", "factor",
+           "on the spacing of patches: way or rotation after which the local map is chosen anew, and a scan "
+           "that is not matched may become a patch");
   }
 };
 
@@ -157,10 +130,7 @@ struct ExtendOptions {
   int same_place_hops = 2;
   std::size_t sampled_beams = 36;
   double max_sample_m = 8;
-  double min_sample_m = 0.3;
-  double first_sample = 0.4;
-  double second_sample = 0.7;
-  double third_sample = 0.92;
+  int samples_of_beam = 3;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -177,10 +147,7 @@ struct ExtendOptions {
            "of relations: so near in the graph, what lies together in the map does so in truth");
     option(sampled_beams, "sampled_beams", "count", "of the free space, for the share that is covered");
     option(max_sample_m, "max_sample_m", "m", "free space farther away is not looked at");
-    option(min_sample_m, "min_sample_m", "m", "beams no longer than this are left out");
-    option(first_sample, "first_sample", share_unit, "of a beam's length at which it is looked at,");
-    option(second_sample, "second_sample", share_unit, "and again,");
-    option(third_sample, "third_sample", share_unit, "and again");
+    option(samples_of_beam, "samples_of_beam", "count", "each for as much of the area that it sweeps");
   }
 };
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "patches/option_unit.hpp"
-#include "relations/chi_squared.hpp"
+#include "server/engine/input/options/common_options.hpp"
 
 namespace isthmus {
 
@@ -19,6 +19,11 @@ struct SurroundingsOptions {
   int overlap_points = 30;
   int oldest = 8;
   int newest = 4;
+
+  /// Of a local map.
+  std::size_t max_patches() const {
+    return static_cast<std::size_t>(oldest) + static_cast<std::size_t>(newest);
+  }
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -40,52 +45,23 @@ struct SurroundingsOptions {
 
 /// Local loops, see map/local_loop.hpp.
 struct LocalLoopOptions {
-  double min_score = 0.55;
-  double min_score_partly_known = 0.6;
+  CommonOptions common;
   double min_paired = 0.35;
-  ChiSquaredBound max_surprise{0.999, 3};
   double unambiguous_half_width_m = 0.6;
+  double window_sigmas = 2.5;
   double max_window_m = 6;
   double max_window_rad = 0.7;
-  double window_sigmas = 2.5;
-  double slip_variance_m2 = 0.04;
-  double slip_variance_rad2 = 1e-3;
-  double prediction_share = 0.01;
-  double looked_along_m = 0.6;
-  std::size_t max_patches = 20;
-  double agreeing_m = 0.4;
-  double agreeing_rad = 0.07;
-  int min_agreeing = 3;
   double min_way_m = 2;
-  std::size_t max_waiting = 20;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(min_score, "min_score", share_unit, "score of a match, over all beams, that closes a local loop");
-    option(min_score_partly_known, "min_score_partly_known", share_unit,
-           "the same over the beams that found something to pair with, where the rest may look elsewhere");
     option(min_paired, "min_paired", share_unit, "of the beams that must then have found something");
-    option(max_surprise, "max_surprise", "probability",
-           "χ² of 3 of a match that ends away from where the map expected the robot");
     option(unambiguous_half_width_m, "unambiguous_half_width_m", "m",
            "a search window as narrow as this leaves nothing else that could be meant");
+    option(window_sigmas, "window_sigmas", "sigmas", "half width of the window that is searched");
     option(max_window_m, "max_window_m", "m", "half width of the widest window that is searched at once");
     option(max_window_rad, "max_window_rad", "rad", "the same in yaw");
-    option(window_sigmas, "window_sigmas", "sigmas", "half width of a window");
-    option(slip_variance_m2, "slip_variance_m2", "m²",
-           "added to the relative covariance: a slip of the past is in none, and here is the last chance to "
-           "mend it");
-    option(slip_variance_rad2, "slip_variance_rad2", "rad²", "the same in yaw");
-    option(prediction_share, "prediction_share", "factor",
-           "on the information of the expected pose while the match is refined: it must not hold it back");
-    option(looked_along_m, "looked_along_m", "m",
-           "how far along its weakest direction the uncertainty of a match is looked for");
-    option(max_patches, "max_patches", "count", "of the map that the scan is matched with");
-    option(agreeing_m, "agreeing_m", "m", "two finds agree that would move the map by the same within this");
-    option(agreeing_rad, "agreeing_rad", "rad", "and turn it by the same within this");
-    option(min_agreeing, "min_agreeing", "count", "of agreeing finds that close a loop of a wide window");
     option(min_way_m, "min_way_m", "m", "of way between two of them");
-    option(max_waiting, "max_waiting", "count", "of finds of one robot that wait; the oldest goes");
   }
 };
 
@@ -109,15 +85,12 @@ struct ContradictionOptions {
 /// Fits of windows and of whole islands, see map/map.hpp and map/fit_job.hpp.
 struct MapFitOptions {
   std::size_t window_patches = 40;
-  std::size_t loop_patches = 150;
   std::int64_t us_per_patch = 20'000;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(window_patches, "window_patches", "count",
            "of patches, nearest in the graph, that are fitted when one is added");
-    option(loop_patches, "loop_patches", "count",
-           "of patches that are fitted at once when a local loop closes; the island follows");
     option(
         us_per_patch, "us_per_patch", "µs",
         "of event time after which a whole island's fit is applied, per patch of the map: hardly ever late");
@@ -126,11 +99,10 @@ struct MapFitOptions {
 
 /// What is wrong where a closure is at odds with the map, see map/weak_link.hpp.
 struct WeakLinkOptions {
+  CommonOptions common;
   double match_log_odds = 8;
   double odometry_log_odds = 4;
   double slip_m = 1;
-  double slip_rad = 0.3;
-  ChiSquaredBound agreeing{0.999, 3};
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
@@ -143,9 +115,6 @@ struct WeakLinkOptions {
            "scale of the Cauchy distribution of how far a wrong link is off: half of them by 1.7 times that, "
            "one "
            "in a hundred by a hundred times");
-    option(slip_rad, "slip_rad", "rad", "the same of its yaw, half of them by more than this");
-    option(agreeing, "agreeing", "probability",
-           "χ² of 3 of a relation of the link that is right for all that, and stays");
   }
 };
 

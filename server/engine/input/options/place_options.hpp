@@ -4,26 +4,23 @@
 #include <cstdint>
 
 #include "patches/option_unit.hpp"
-#include "relations/chi_squared.hpp"
+#include "server/engine/input/options/common_options.hpp"
 
 namespace isthmus {
 
 /// Which places are searched for what a robot saw last, see places/place_candidates.hpp.
 struct PlaceCandidateOptions {
+  CommonOptions common;
   double spacing_m = 4;
-  double half_window_m = 4;
   double window_margin_m = 1;
   double reach_m = 5;
   double min_way_m = 10;
   double drift_per_way = 0.3;
   double min_drift_m = 1;
   double drift_rad_per_m = 0.006;
-  double min_drift_rad = 0.2;
-  double window_sigmas = 3;
   double systematic_share = 0.012;
   double systematic_m = 0.2;
   double systematic_rad_per_m = 0.0004;
-  double systematic_rad = 0.03;
   double slip_probability = 0.05;
   std::size_t max_places = 40;
   std::size_t min_island = 6;
@@ -31,24 +28,19 @@ struct PlaceCandidateOptions {
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(spacing_m, "spacing_m", "m", "between anchors of places");
-    option(half_window_m, "half_window_m", "m", "about an anchor: the next one has the rest");
-    option(window_margin_m, "window_margin_m", "m", "beyond that, on the robot's own island");
+    option(spacing_m, "spacing_m", "m", "between anchors of places, and half the window about each");
+    option(window_margin_m, "window_margin_m", "m", "beyond that window, on the robot's own island");
     option(reach_m, "reach_m", "m", "so near, two views overlap");
     option(min_way_m, "min_way_m", "m", "over the map: nearer, it is the same stretch of way");
     option(drift_per_way, "drift_per_way", share_unit,
            "of the way: more than any map errs before loops close, whatever it believes of itself");
     option(min_drift_m, "min_drift_m", "m", "of that, however short the way");
     option(drift_rad_per_m, "drift_rad_per_m", "rad/m", "the same of the yaw");
-    option(min_drift_rad, "min_drift_rad", "rad", "of that, however short the way");
-    option(window_sigmas, "window_sigmas", "sigmas",
-           "of the covariance by which a window is wider than that drift, and that the drift stands for");
     option(systematic_share, "systematic_share", share_unit,
            "of the way that maps err by beyond their covariance: no sensor errs at random only (standard "
            "deviation)");
     option(systematic_m, "systematic_m", "m", "and however short the way");
     option(systematic_rad_per_m, "systematic_rad_per_m", "rad/m", "the same of the yaw");
-    option(systematic_rad, "systematic_rad", "rad", "and however short the way");
     option(slip_probability, "slip_probability", "probability",
            "of a way that wheels slipped on it and the map may be off by anything");
     option(max_places, "max_places", "count", "of one island that are searched");
@@ -60,58 +52,36 @@ struct PlaceCandidateOptions {
 
 /// The search for a piece of a robot's way at a place, see places/place_search.hpp.
 struct PlaceSearchOptions {
+  CommonOptions common;
   double place_radius_m = 8;
   std::size_t max_place_patches = 30;
   double thin_m = 0.15;
-  double apart_m = 1;
-  double apart_rad = 0.26;
   double reach_m = 14;
-  double coarse_cell_m = 0.2;
-  double coarse_yaw_step_rad = 0.035;
-  double coarse_blur_m = 0.2;
+  double coarse = 2;
   long coarse_evaluations = 60'000;
-  double fine_window_m = 0.3;
-  double fine_window_rad = 0.06;
   double fine_second_share = 0.95;
-  double min_score = 0.45;
   double max_weak_sigma_m = 0.25;
-  double bent_kernel_m = 0.08;
   std::size_t max_carriers = 4;
-  double prediction_variance_m2 = 0.25;
-  double prediction_variance_rad2 = 0.01;
   std::int64_t step_price_us = 1'000;
   double evaluation_price_us = 0.1;
-  double decision_steps = 5;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(place_radius_m, "place_radius_m", "m", "around its anchor");
     option(max_place_patches, "max_place_patches", "count", "of a place");
     option(thin_m, "thin_m", "m", "side of the cells that keep one point each");
-    option(apart_m, "apart_m", "m", "farther from the best, what fits about as well is another answer,");
-    option(apart_rad, "apart_rad", "rad", "or turned by more");
     option(reach_m, "reach_m", "m", "points of the piece farther from its newest patch are not searched for");
-    option(coarse_cell_m, "coarse_cell_m", "m",
-           "correlative.cell_m of the first search, in the whole window");
-    option(coarse_yaw_step_rad, "coarse_yaw_step_rad", "rad", "correlative.yaw_step_rad of that");
-    option(coarse_blur_m, "coarse_blur_m", "m", "correlative.blur_m of that");
+    option(coarse, "coarse", "factor",
+           "on the cells, the blur and the steps of yaw of the first search, in the whole window");
     option(coarse_evaluations, "coarse_evaluations", "count", "correlative.max_evaluations of that");
-    option(fine_window_m, "fine_window_m", "m", "half width of the second search, about what was found");
-    option(fine_window_rad, "fine_window_rad", "rad", "the same in yaw");
     option(fine_second_share, "fine_second_share", share_unit, "correlative.second_share of that");
-    option(min_score, "min_score", share_unit, "of a match of one scan");
     option(max_weak_sigma_m, "max_weak_sigma_m", "m",
            "standard deviation of that scan along the direction that its beams determine least");
-    option(bent_kernel_m, "bent_kernel_m", "m",
-           "scale of the robust loss for the whole piece: some metres of way are not quite rigid");
     option(max_carriers, "max_carriers", "count",
            "of newest patches, the best of which carries the relations");
-    option(prediction_variance_m2, "prediction_variance_m2", "m²", "of what the search found, for the match");
-    option(prediction_variance_rad2, "prediction_variance_rad2", "rad²", "the same of the yaw");
     option(step_price_us, "step_price_us", "µs", "nominal, of one step at least");
     option(evaluation_price_us, "evaluation_price_us", "µs",
            "nominal, of an evaluation of the search: measured, 0.08 to 0.12");
-    option(decision_steps, "decision_steps", "factor", "on step_price_us: of matching what was found");
   }
 };
 
@@ -142,7 +112,6 @@ struct FindEvidenceOptions {
 struct AnswersAlongWayOptions {
   double max_way_m = 60;
   std::size_t max_answers = 16;
-  ChiSquaredBound max_off{0.95, 3};
   double log_odds_per_fit = 7;
   double prior_log_odds = 2.5;
   double found_where_true = 0.9;
@@ -153,8 +122,6 @@ struct AnswersAlongWayOptions {
   void visit_options(Visitor&& option) {
     option(max_way_m, "max_way_m", "m", "of a robot's way that is looked back on");
     option(max_answers, "max_answers", "count", "of a piece of way that are kept");
-    option(max_off, "max_off", "probability",
-           "χ² of 3 between where a piece lies by an answer and where it would by a later one's");
     option(log_odds_per_fit, "log_odds_per_fit", "log-odds",
            "for a place by whose side the pieces fit better: of their fits as shares of the best, summed");
     option(prior_log_odds, "prior_log_odds", "log-odds", "against any one place, before");
@@ -168,21 +135,13 @@ struct AnswersAlongWayOptions {
 
 /// Whether two finds agree around the loop that they form, see places/consistency.hpp.
 struct ConsistencyOptions {
+  CommonOptions common;
   double find_sigma_m = 0.12;
-  double find_sigma_rad = 0.02;
-  ChiSquaredBound max_off{0.9973, 1};
-  double max_apart_m = 1.2;
-  double max_apart_rad = 0.25;
   int max_steps = 20'000;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(find_sigma_m, "find_sigma_m", "m", "standard deviation of a find's position");
-    option(find_sigma_rad, "find_sigma_rad", "rad", "and of its yaw");
-    option(max_off, "max_off", "probability",
-           "χ² of 1 that the loop may be open by, in position and in yaw: 3 sigma");
-    option(max_apart_m, "max_apart_m", "m", "however little the map knows");
-    option(max_apart_rad, "max_apart_rad", "rad", "however little the map knows");
     option(max_steps, "max_steps", "count", "of the search for the largest consistent set");
   }
 };

@@ -5,27 +5,24 @@
 
 #include "patches/option_unit.hpp"
 #include "relations/chi_squared.hpp"
+#include "server/engine/input/options/common_options.hpp"
 
 namespace isthmus {
 
 /// A change passed on through the map (Howard et al. 2006, IV-B, steps 2 to 5), see
 /// propagation/propagation.hpp.
 struct PropagationOptions {
-  int same_side_hops = 4;
+  CommonOptions common;
   int max_visits = 4;
   double slack_m = 2;
-  std::size_t refit_patches = 40;
   std::int64_t step_price_us = 5'000;
   double work_share = 0.5;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(same_side_hops, "same_side_hops", "count",
-           "of relations: so near in the graph, two patches were known to be near before");
     option(max_visits, "max_visits", "count", "of one patch to the queue");
     option(slack_m, "slack_m", "m",
            "that a candidate may lie farther away than a local map reaches (surroundings.reach_m)");
-    option(refit_patches, "refit_patches", "count", "of patches, fitted where new relations were found");
     option(step_price_us, "step_price_us", "µs", "nominal, of one step, in a trial or of proximity matching");
     option(work_share, "work_share", share_unit,
            "of event time for trials, and as much for proximity matching");
@@ -35,34 +32,24 @@ struct PropagationOptions {
 /// How much two maps share, laid over one another, see propagation/shared_part.hpp.
 struct SharedPartOptions {
   double stride_m = 1;
-  double near_m = 4;
-  double in_view_m = 6;
-  std::size_t max_pairs = 400;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(stride_m, "stride_m", "m", "of way that is a place of its own");
-    option(near_m, "near_m", "m", "to the other's patches: what is farther away is one's own");
-    option(in_view_m, "in_view_m", "m", "between patches whose views may meet");
-    option(max_pairs, "max_pairs", "count", "of such patches that are compared");
   }
 };
 
 /// The trial of a proposed closure, see propagation/trial.hpp.
 struct TrialOptions {
-  ChiSquaredBound max_jump{0.999985, 3};
-  double slip_variance_m2 = 0.01;
-  double slip_variance_rad2 = 0.001;
-  int strong_support = 6;
+  CommonOptions common;
+  ChiSquaredTest max_jump{0.999985};
   double max_contradiction = 0.08;
   double even_sighting_cost = 0.75;
   double log_odds_per_sighting_cost = 3;
   double max_find_cost = 3;
   double max_relation_cost = 50;
   double min_matched_share = 0.4;
-  int few_compared = 3;
   int min_support_two_way = 4;
-  int min_support_one_way = 6;
   int few_matched_scans = 4;
   double min_way_m = 15;
   double log_odds_per_way_m = 0.4;
@@ -85,21 +72,14 @@ struct TrialOptions {
   std::size_t max_matched_scans = 150;
   std::size_t first_queue = 80;
   std::size_t growth = 3;
-  std::size_t min_growth = 4;
   int max_pairs = 300;
   int max_unmatched = 8;
   double contradiction_bound_m = 0.3;
-  double contradiction_bound_rad = 0.05;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(max_jump, "max_jump", "probability",
            "χ² of 3: how far a loop may move the map, in the map's own sigmas");
-    option(slip_variance_m2, "slip_variance_m2", "m²",
-           "of each axis that the map may err by beyond its covariance where sightings close a loop");
-    option(slip_variance_rad2, "slip_variance_rad2", "rad²", "the same of the yaw");
-    option(strong_support, "strong_support", "count",
-           "of sightings that may say that those sigmas were too small");
     option(max_contradiction, "max_contradiction", share_unit,
            "of hits that may lie deep in the other side's free space");
     option(even_sighting_cost, "even_sighting_cost", "χ² of 1",
@@ -118,11 +98,8 @@ struct TrialOptions {
   void visit_scan_options(Visitor&& option) {
     option(min_matched_share, "min_matched_share", share_unit,
            "of the patches that were compared that must match");
-    option(few_compared, "few_compared", "count", "of patches: fewer prove nothing");
     option(min_support_two_way, "min_support_two_way", "count",
            "of sightings of either direction, where scans cannot tell");
-    option(min_support_one_way, "min_support_one_way", "count",
-           "of sightings of one direction, where scans cannot tell");
     option(few_matched_scans, "few_matched_scans", "count",
            "of patches that must match where scans are all there is");
     option(min_way_m, "min_way_m", "m", "of way that a merge must share");
@@ -171,23 +148,11 @@ struct TrialOptions {
            "of patches: a few dozen that match tell as much as a thousand");
     option(first_queue, "first_queue", "count", "of patches around the closure that are tried first");
     option(growth, "growth", "factor", "in matched patches after which the island is fitted as a whole");
-    option(min_growth, "min_growth", "count", "of matched patches before the first such fit");
     option(max_pairs, "max_pairs", "count", "of patches that are looked at for walls in free space");
     option(max_unmatched, "max_unmatched", "count", "of unmatched patches that are looked at");
     option(contradiction_bound_m, "contradiction_bound_m", "m",
            "95 % bound: where nothing matched, only patches so well known relative to one another can "
            "contradict one another");
-    option(contradiction_bound_rad, "contradiction_bound_rad", "rad", "the same bound of the yaw");
-  }
-};
-
-/// Matching where robots stand, see propagation/proximity_matching.hpp.
-struct ProximityMatchingOptions {
-  std::int64_t max_credit_us = 5'000;
-
-  template <class Visitor>
-  void visit_options(Visitor&& option) {
-    option(max_credit_us, "max_credit_us", "µs", "of its share of event time that can be saved up");
   }
 };
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "patches/option_unit.hpp"
@@ -11,25 +10,21 @@ namespace isthmus {
 struct MeetingOptions {
   double search_m = 5;
   double distance_m = 1.75;
-  double shorter_distance_m = 1.5;
-  double longer_distance_m = 2;
+  double distance_step_m = 0.25;
   int bearings = 24;
-  int rim_points = 8;
   double wall_margin_m = 0.15;
-  double sight_step_m = 0.1;
   double sight_margin_m = 0.1;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(search_m, "search_m", "m", "around the hypothesis' patches in which places are looked for");
-    option(distance_m, "distance_m", "m", "between the two robots, first");
-    option(shorter_distance_m, "shorter_distance_m", "m", "the same, second");
-    option(longer_distance_m, "longer_distance_m", "m", "the same, third");
-    option(bearings, "bearings", "count", "of one from the other that are looked at");
-    option(rim_points, "rim_points", "count", "of a robot's outline that must be free");
+    option(distance_m, "distance_m", "m", "between the two robots");
+    option(distance_step_m, "distance_step_m", "m", "that they may as well be nearer or farther");
+    option(bearings, "bearings", "count",
+           "of one from the other that are looked at, and of the points of an outline that must be free");
     option(wall_margin_m, "wall_margin_m", "m", "beyond a robot's footprint, to the nearest wall");
-    option(sight_step_m, "sight_step_m", "m", "between the points of the line of sight that are looked at");
-    option(sight_margin_m, "sight_margin_m", "m", "by which these must lie in front of what was seen");
+    option(sight_margin_m, "sight_margin_m", "m",
+           "between the points of the line of sight, and by which they must lie in front of what was seen");
   }
 };
 
@@ -43,7 +38,6 @@ struct RendezvousOptions {
   double facing_rad = 0.3490658503988659;
   std::int64_t watch_us = 5'000'000;
   std::int64_t max_gap_us = 1'000'000;
-  double beyond_m = 0.1;
   double min_distance_m = 0.3;
   double seen_share = 0.5;
 
@@ -59,9 +53,9 @@ struct RendezvousOptions {
     option(facing_rad, "facing_rad", "rad", "by which it may look past the other: 20°");
     option(watch_us, "watch_us", "µs", "that both must have stood face to face and seen nobody");
     option(max_gap_us, "max_gap_us", "µs", "between scans: after a longer one a watch begins anew");
-    option(beyond_m, "beyond_m", "m", "behind the middle of where the other would be");
     option(min_distance_m, "min_distance_m", "m", "nearer than that the two would touch");
-    option(seen_share, "seen_share", share_unit, "of the other's radius that the beams must meet");
+    option(seen_share, "seen_share", share_unit,
+           "of the other's radius that the beams must meet, and go beyond its middle");
   }
 };
 

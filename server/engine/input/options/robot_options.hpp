@@ -3,13 +3,14 @@
 #include <cstdint>
 
 #include "patches/option_unit.hpp"
-#include "relations/chi_squared.hpp"
+#include "server/engine/input/options/common_options.hpp"
 
 namespace isthmus {
 
 /// How far odometry is trusted, see robot/odometry_noise.hpp. Variances are those at scale 1: they grow with
 /// the way, as those of a random walk do, from a floor of what encoders resolve.
 struct OdometryNoiseOptions {
+  CommonOptions common;
   double translation_per_m = 3.2e-4;
   double translation_per_rad = 1e-4;
   double translation_floor_m2 = 4e-6;
@@ -23,7 +24,6 @@ struct OdometryNoiseOptions {
   double max_scale = 20;
   double outlier_sigmas = 4;
   double path_forgetting = 0.05;
-  ChiSquaredBound plausible_path{0.95, 3};
   double min_path_scale = 0.25;
 
   template <class Visitor>
@@ -44,8 +44,6 @@ struct OdometryNoiseOptions {
     option(max_scale, "max_scale", "factor", "that is learned at most");
     option(outlier_sigmas, "outlier_sigmas", "sigmas", "larger disagreements count as this");
     option(path_forgetting, "path_forgetting", share_unit, "of the path's scale that one path replaces");
-    option(plausible_path, "plausible_path", "probability",
-           "χ² of 3 that a path may be off by; where it is off by more, its covariance is widened");
     option(min_path_scale, "min_path_scale", "factor", "on variances of a path that is learned at least");
   }
 };
@@ -82,10 +80,7 @@ struct UsualMisfitOptions {
 /// large.
 struct OdometryBiasOptions {
   double turn_per_m_sigma = 0.03;
-  double turn_share_sigma = 0.05;
-  double aside_share_sigma = 0.03;
-  double aside_per_rad_sigma = 0.05;
-  double way_share_sigma = 0.03;
+  double share_sigma = 0.04;
   double memory_m = 100;
   double memory_rad = 100;
   double match_sigma_m = 0.01;
@@ -95,10 +90,10 @@ struct OdometryBiasOptions {
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(turn_per_m_sigma, "turn_per_m_sigma", "rad/m", "that a robot turns by as it drives, unnoticed");
-    option(turn_share_sigma, "turn_share_sigma", share_unit, "of turns that are not counted");
-    option(aside_share_sigma, "aside_share_sigma", share_unit, "of the way that it drives aside");
-    option(aside_per_rad_sigma, "aside_per_rad_sigma", "m/rad", "that it moves aside as it turns");
-    option(way_share_sigma, "way_share_sigma", share_unit, "of the way that is not counted");
+    option(
+        share_sigma, "share_sigma", share_unit,
+        "of turns and of ways that are not counted, of ways that it drives aside, and of the radius 1 m that "
+        "it moves aside by as it turns");
     option(memory_m, "memory_m", "m",
            "of way after which a step counts for a third: floors and loads change");
     option(memory_rad, "memory_rad", "rad", "of turns likewise");
@@ -124,18 +119,18 @@ struct ScanDelayOptions {
 
 /// What is kept of where a robot was, see robot/pose_history.hpp.
 struct PoseHistoryOptions {
+  CommonOptions common;
   std::int64_t near_us = 500'000;
   double near_m = 0.05;
-  double near_rad = 0.05;
-  std::int64_t spacing_us = 400'000;
   std::int64_t newest_us = 60'000'000;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
-    option(near_us, "near_us", "µs", "a place within this time of the one before it,");
-    option(near_m, "near_m", "m", "this way");
-    option(near_rad, "near_rad", "rad", "and this rotation tells nothing new");
-    option(spacing_us, "spacing_us", "µs", "of places that are kept where there are too many");
+    option(
+        near_us, "near_us", "µs",
+        "a place within this time of the one before it, this way and a rotation as small tells nothing new; "
+        "so far apart are those that are kept where there are too many");
+    option(near_m, "near_m", "m", "the way, see near_us");
     option(newest_us, "newest_us", "µs", "that are left as they are: most sightings are of them");
   }
 };
@@ -164,16 +159,15 @@ struct TeammateOptions {
 
 /// What tells of a robot's sensors, see robot/robot_health.hpp. It decides nothing about the map.
 struct HealthOptions {
+  CommonOptions common;
   double closing_way_m = 0.3;
   double closing_turn_rad = 0.1;
   double max_turn_in_way_rad = 0.5;
   int max_scans = 20;
   double min_way_m = 0.05;
-  double min_turn_rad = 0.01;
   double min_offset_turn_rad = 10;
   std::int64_t reference_age_us = 500'000;
   double still_m = 1e-3;
-  double still_rad = 1e-3;
   double changed_m = 0.06;
   double changed_range_share = 0.02;
   double changed_share = 0.4;
@@ -185,12 +179,10 @@ struct HealthOptions {
     option(max_turn_in_way_rad, "max_turn_in_way_rad", "rad", "of a way that is summed up");
     option(max_scans, "max_scans", "count", "that are summed up");
     option(min_way_m, "min_way_m", "m", "of such a way: less is the trembling of a robot at rest");
-    option(min_turn_rad, "min_turn_rad", "rad", "of such a rotation, for the same");
     option(min_offset_turn_rad, "min_offset_turn_rad", "rad",
            "of rotation to tell odometry's offset in time by");
     option(reference_age_us, "reference_age_us", "µs", "of the scan that one is compared with beam by beam");
     option(still_m, "still_m", "m", "of way by which odometry says that nothing moved");
-    option(still_rad, "still_rad", "rad", "of rotation by which it says so");
     option(changed_m, "changed_m", "m", "of a beam's range that has changed,");
     option(changed_range_share, "changed_range_share", share_unit, "and of the range");
     option(changed_share, "changed_share", share_unit,
@@ -200,27 +192,23 @@ struct HealthOptions {
 
 /// What is warned of, see robot/health_warnings.hpp.
 struct HealthWarningOptions {
+  CommonOptions common;
   std::int64_t min_messages = 20;
   std::int64_t min_beams = 12;
   double other_clock_s = 30;
   double min_way_m = 1;
   double min_turn_rad = 2;
   double never_moved_m = 0.01;
-  double never_turned_rad = 0.01;
   std::int64_t min_changes = 10;
   double freezing_share = 0.1;
-  double poorly_explained = 0.5;
   double other_unit = 2.5;
-  double near_unit = 1.25;
   double still_share = 0.02;
   double still_units = 10;
   double other_scale = 1.3;
   double other_direction_rad = 0.4363323129985824;
   double backwards_rad = 2.356194490192345;
   double steady = 0.6;
-  double turned_over = 0.5;
   int late_scans = 2;
-  double better_late = 0.5;
   double mostly = 0.5;
 
   template <class Visitor>
@@ -231,24 +219,22 @@ struct HealthWarningOptions {
     option(min_way_m, "min_way_m", "m", "by the larger account, before ways are compared");
     option(min_turn_rad, "min_turn_rad", "rad", "the same of rotations");
     option(never_moved_m, "never_moved_m", "m", "of odometry that never moved");
-    option(never_turned_rad, "never_turned_rad", "rad", "of odometry that never turned");
     option(min_changes, "min_changes", "count", "of scans that show other surroundings");
     option(freezing_share, "freezing_share", share_unit, "of these while odometry stood still");
-    option(poorly_explained, "poorly_explained", share_unit,
-           "of the motion seen by the laser; odometry of recorded logs explains 0.87 of ways, 0.74 of turns");
     option(other_unit, "other_unit", "factor", "too much or too little: no wheel wears off so far");
-    option(near_unit, "near_unit", "factor", "within which a ratio is that of a known unit");
     option(still_share, "still_share", share_unit, "of odometry's way that the laser saw: it stood still");
     option(still_units, "still_units", "factor", "on other_unit, for the same");
-    option(other_scale, "other_scale", "factor", "too much or too little of one unit");
+    option(other_scale, "other_scale", "factor",
+           "too much or too little of one unit; within it a ratio is that of a known unit");
     option(other_direction_rad, "other_direction_rad", "rad", "between odometry's way and the laser's: 25°");
     option(backwards_rad, "backwards_rad", "rad", "the same of a laser mounted backwards: 135°");
     option(steady, "steady", share_unit, "of a direction that is always the same; 0.96 in recorded logs");
-    option(turned_over, "turned_over", share_unit,
-           "by which turns go against one another (negative correlation)");
     option(late_scans, "late_scans", "count", "of scans that odometry is late");
-    option(better_late, "better_late", share_unit, "of what is off without a shift");
-    option(mostly, "mostly", share_unit, "of the scans");
+    option(mostly, "mostly", share_unit,
+           "of the scans; of the motion that the laser saw, which odometry explains (of recorded logs 0.87 "
+           "of ways, 0.74 of turns); "
+           "of what is off without a shift, that a shift leaves; and by which turns go against one another "
+           "(negative correlation)");
   }
 };
 

@@ -1,55 +1,39 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
-#include "patches/option_unit.hpp"
-#include "relations/chi_squared.hpp"
+#include "server/engine/input/options/common_options.hpp"
 
 namespace isthmus {
 
 /// What sightings say of relative poses, see sightings/alignment.hpp.
 struct AlignmentOptions {
+  CommonOptions common;
   double floor_m = 0.05;
   double floor_rad = 0.03;
-  ChiSquaredBound max_disagreement_two{0.999, 2};
-  ChiSquaredBound max_disagreement_one{0.999, 1};
   double min_baseline_m = 0.4;
-  double length_slack_m = 0.4;
-  double length_slack_share = 0.1;
   std::int64_t rival_us = 10'000'000;
   std::int64_t lone_pair_us = 3'000'000;
-  int min_supporters = 3;
-  double one_way_baseline_m = 1;
 
   template <class Visitor>
   void visit_options(Visitor&& option) {
     option(floor_m, "floor_m", "m",
            "standard deviation that stamps, mounts and odometry leave open in a sighting, whatever it says");
     option(floor_rad, "floor_rad", "rad", "the same of its bearing");
-    option(max_disagreement_two, "max_disagreement_two", "probability",
-           "χ² of 2 of a sighting with range and bearing that agrees");
-    option(max_disagreement_one, "max_disagreement_one", "probability",
-           "χ² of 1, the same of range or bearing alone");
     option(min_baseline_m, "min_baseline_m", "m", "between two points that give a relative pose");
-    option(length_slack_m, "length_slack_m", "m", "that two measures of this distance may differ by,");
-    option(length_slack_share, "length_slack_share", share_unit, "and of the distance");
     option(rival_us, "rival_us", "µs", "around the supporters: who disagrees within it is a rival");
     option(lone_pair_us, "lone_pair_us", "µs", "that a pair of sightings waits for a third");
-    option(min_supporters, "min_supporters", "count", "of sightings that need not wait");
-    option(one_way_baseline_m, "one_way_baseline_m", "m",
-           "between the points that sightings of one direction alone must tie together");
   }
 };
 
 /// Sightings as relations, and the places of fixed tags, see sightings/evidence.hpp.
 struct EvidenceOptions {
+  CommonOptions common;
   double correlation = 2;
   double robust_scale = 3;
   double no_yaw_sigma_rad = 100;
   double min_range_m = 0.1;
   double no_range_m = 1;
-  std::size_t min_supporters = 3;
   double min_apart_m = 0.5;
 
   template <class Visitor>
@@ -62,7 +46,6 @@ struct EvidenceOptions {
            "of a tag's yaw, which means nothing: a fit needs one");
     option(min_range_m, "min_range_m", "m", "that counts where a range turns position into bearing");
     option(no_range_m, "no_range_m", "m", "the range of a bearing alone, for the same");
-    option(min_supporters, "min_supporters", "count", "of sightings that place a tag,");
     option(min_apart_m, "min_apart_m", "m", "or two from places so far apart");
   }
 };

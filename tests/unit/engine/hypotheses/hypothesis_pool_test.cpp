@@ -266,7 +266,7 @@ TEST(HypothesisPool, KeepsOfAFindThatIsMadeAgainWhatItSaysTheSecondTime) {
 
 TEST(HypothesisPool, LetsTheOldestFindGoWhenItIsFull) {
   Pooling its;
-  its.scene.options.hypotheses.max_finds = 3;
+  its.scene.options.common.max_finds = 3;
   its.find(0, {0, 1.5, 0}, 9);
   for (const std::size_t i : {2U, 4U, 5U}) its.find(i, {0, 1.5, 0}, 4);
   EXPECT_EQ(its.pool.waiting(), 3U);

@@ -6,6 +6,7 @@
 
 #include "server/engine/input/engine_options.hpp"
 #include "server/engine/input/options/closure_options.hpp"
+#include "server/engine/input/options/common_options.hpp"
 #include "server/engine/input/options/frozen_options.hpp"
 #include "server/engine/input/options/hypothesis_options.hpp"
 #include "server/engine/input/options/intake_options.hpp"
@@ -30,9 +31,9 @@ TEST(EngineOptions, LeaveALocalMapPatchesToMatchWith) {
 
 TEST(LocaliseOptions, AskMoreOfAMatchTheLessItWasExpected) {
   const LocaliseOptions its;
-  EXPECT_LT(its.min_score, its.doubtful_score);
-  EXPECT_LT(its.doubtful_score, its.min_score_implausible);
-  EXPECT_LT(its.weighed_surprise.value(), its.doubted_surprise.value());
+  EXPECT_LT(its.min_score, its.common.doubtful_score);
+  EXPECT_LT(its.common.doubtful_score, its.common.sure_score);
+  EXPECT_LT(its.weighed_surprise.probability(), its.common.surprise.probability());
 }
 
 TEST(LocaliseOptions, SearchWindowsThatAreNotEmpty) {
@@ -41,11 +42,8 @@ TEST(LocaliseOptions, SearchWindowsThatAreNotEmpty) {
   EXPECT_LT(its.min_window_rad, its.max_window_rad);
 }
 
-TEST(ExtendOptions, LookAtABeamFromNearToFar) {
+TEST(ExtendOptions, AskLessOfAMatchOnNewGroundThanOfOneThatIsTurnedAway) {
   const ExtendOptions its;
-  EXPECT_LT(its.first_sample, its.second_sample);
-  EXPECT_LT(its.second_sample, its.third_sample);
-  EXPECT_LT(its.third_sample, 1) << "a hit is no free space";
   EXPECT_LT(its.thin_score, its.turned_score);
 }
 
@@ -58,21 +56,16 @@ TEST(SurroundingsOptions, LookFartherForLoopsThanForAMatch) {
 TEST(LocalLoopOptions, TakeAWindowForUnambiguousThatIsNarrowerThanTheWidest) {
   const LocalLoopOptions its;
   EXPECT_LT(its.unambiguous_half_width_m, its.max_window_m);
-  EXPECT_LT(its.min_paired, its.min_score_partly_known)
+  EXPECT_LT(its.min_paired, its.common.sure_score)
       << "what finds something to pair with must fit, more than it must be paired";
 }
 
-TEST(PlaceCandidateOptions, LeaveNoGapBetweenTheWindowsOfPlaces) {
+TEST(PlaceCandidateOptions, TakeForSystematicAPartOfWhatAWayMayErrBy) {
   const PlaceCandidateOptions its;
-  EXPECT_LE(its.spacing_m, 2 * its.half_window_m);
   EXPECT_LT(its.systematic_share, its.drift_per_way) << "of what a way may err by, a part is systematic";
 }
 
-TEST(PlaceSearchOptions, FindCoarselyWhatIsThenSearchedFinely) {
-  const PlaceSearchOptions its;
-  EXPECT_GE(its.fine_window_m, its.coarse_cell_m);
-  EXPECT_GE(its.fine_window_rad, its.coarse_yaw_step_rad);
-}
+TEST(PlaceSearchOptions, FindCoarselyWhatIsThenSearchedFinely) { EXPECT_GT(PlaceSearchOptions{}.coarse, 1); }
 
 TEST(FindEvidenceOptions, LetWaitWhatFitsWellAndNotWhatFitsJustWellEnoughToBeLookedAt) {
   const EngineOptions its;
@@ -83,7 +76,7 @@ TEST(FindEvidenceOptions, LetWaitWhatFitsWellAndNotWhatFitsJustWellEnoughToBeLoo
   };
   const double waits =
       std::log(its.hypotheses.min_find_probability / (1 - its.hypotheses.min_find_probability));
-  EXPECT_LT(log_odds(its.hypotheses.min_score, its.place_search.min_score), waits);
+  EXPECT_LT(log_odds(its.hypotheses.min_score, its.common.doubtful_score), waits);
   EXPECT_GT(log_odds(0.7, 0.8), its.hypotheses.min_log_odds) << "as most true ones do";
   EXPECT_GT(its.finder.min_find_probability, its.hypotheses.min_find_probability)
       << "a robot is put there at once";
@@ -91,17 +84,14 @@ TEST(FindEvidenceOptions, LetWaitWhatFitsWellAndNotWhatFitsJustWellEnoughToBeLoo
 
 TEST(TrialOptions, AskMoreSightingsOfOneDirectionThanOfBoth) {
   const TrialOptions its;
-  EXPECT_LT(its.min_support_two_way, its.min_support_one_way);
-  EXPECT_GE(its.strong_support, its.min_support_one_way);
-  EXPECT_GT(its.few_matched_scans, its.few_compared) << "scans alone must prove more";
+  EXPECT_LT(its.min_support_two_way, its.common.overruling);
+  EXPECT_GT(its.few_matched_scans, its.common.agreeing) << "scans alone must prove more";
   EXPECT_LT(its.min_loop_log_odds, its.min_whole_log_odds) << "a merge of wholes is bolder than a loop";
 }
 
 TEST(PropagationOptions, CostNoMoreAStepThanCanBeSavedUp) {
   const EngineOptions its;
-  const char* else_what = "else no step would ever be taken";
-  EXPECT_GE(its.proximity_matching.max_credit_us, its.propagation.step_price_us) << else_what;
-  EXPECT_GE(its.closures.max_credit_us, its.propagation.step_price_us) << else_what;
+  EXPECT_GE(its.common.max_credit_us, its.propagation.step_price_us) << "else no step would ever be taken";
 }
 
 TEST(ClosureOptions, TryAGroupAgainOnlyOnceItHasGrown) {
@@ -112,15 +102,16 @@ TEST(ClosureOptions, TryAGroupAgainOnlyOnceItHasGrown) {
 
 TEST(HypothesisOptions, AskMoreOfAPlaceThatIsSearchedForAnywhere) {
   const HypothesisOptions its;
-  EXPECT_LT(its.min_score, its.min_score_anywhere);
+  EXPECT_LT(its.min_score, CommonOptions{}.sure_score);
   EXPECT_LT(its.query_every_m, its.max_piece_way_m) << "pieces overlap, so that no place is passed over";
   EXPECT_LT(its.min_piece_way_m, its.max_piece_way_m);
-  EXPECT_LE(its.min_merge_finds, its.max_finds);
 }
 
-TEST(FinderOptions, SearchForPiecesOfMoreThanTheLeastWay) {
-  const FinderOptions its;
-  EXPECT_LT(its.min_piece_way_m, its.max_piece_way_m);
+TEST(CommonOptions, LetAsManyFindsWaitAsMustAgree) {
+  const CommonOptions its;
+  EXPECT_LT(static_cast<std::size_t>(its.agreeing), its.max_finds);
+  EXPECT_GT(its.overruling, its.agreeing);
+  EXPECT_LT(its.agreeing_m, its.apart_m) << "what agrees is no other place";
 }
 
 TEST(FrozenOptions, GiveARobotUpOnlyAfterDoubt) {
@@ -142,7 +133,7 @@ TEST(OdometryNoiseOptions, BeginWithinWhatIsLearned) {
 
 TEST(PoseHistoryOptions, KeepPosesOftenerThanTheyAreThinnedTo) {
   const PoseHistoryOptions its;
-  EXPECT_LT(its.spacing_us, its.newest_us);
+  EXPECT_LT(its.near_us, its.newest_us);
 }
 
 TEST(TeammateOptions, ForgetWhatWasSeenBeforeWhatWasPlaced) {
@@ -153,38 +144,34 @@ TEST(TeammateOptions, ForgetWhatWasSeenBeforeWhatWasPlaced) {
 TEST(HealthWarningOptions, TakeAnotherUnitForFartherOffThanAnotherScale) {
   const HealthWarningOptions its;
   EXPECT_LT(its.other_scale, its.other_unit);
-  EXPECT_LT(its.near_unit, its.other_scale);
   EXPECT_GT(its.backwards_rad, its.other_direction_rad);
 }
 
 TEST(AlignmentOptions, AskMoreOfSightingsOfOneDirection) {
   const AlignmentOptions its;
-  EXPECT_LT(its.min_baseline_m, its.one_way_baseline_m);
+  EXPECT_LT(its.min_baseline_m, its.common.baseline_m);
   EXPECT_LT(its.lone_pair_us, its.rival_us);
 }
 
 TEST(EvidenceOptions, PlaceATagByMoreThanAPairOfSightings) {
   const EvidenceOptions its;
-  EXPECT_GT(its.min_supporters, 2U) << "two are asked to be from places apart";
+  EXPECT_GT(its.common.agreeing, 2) << "two are asked to be from places apart";
   EXPECT_GT(its.min_apart_m, 0);
 }
 
 TEST(MeetingOptions, TryDistancesOnBothSidesOfTheBest) {
   const MeetingOptions its;
-  EXPECT_LT(its.shorter_distance_m, its.distance_m);
-  EXPECT_LT(its.distance_m, its.longer_distance_m);
-  EXPECT_GT(its.search_m, its.longer_distance_m);
+  EXPECT_GT(its.search_m, its.distance_m + its.distance_step_m);
 }
 
 TEST(RendezvousOptions, HoldRobotsForNearOnlyWhereTheyAreToMeet) {
   const RendezvousOptions its;
-  EXPECT_LT(its.in_place_m, MeetingOptions{}.shorter_distance_m);
+  EXPECT_LT(its.in_place_m, MeetingOptions{}.distance_m - MeetingOptions{}.distance_step_m);
   EXPECT_LT(its.max_gap_us, its.watch_us) << "a gap that ends watching is no part of it";
 }
 
-TEST(RefinementOptions, MatchFromNearerThanTheFirstTime) {
-  const RefinementOptions its;
-  EXPECT_LE(its.start_kernel_m, MatchOptions{}.start_kernel_m) << "what is refined has been matched";
+TEST(RefinementOptions, HoldAScanWhereItWasCarriedMoreLooselyThanAPointHoldsIt) {
+  EXPECT_GT(RefinementOptions{}.carried_sigma_m, MatchOptions{}.sigma_m) << "else no match could move it";
 }
 
 }  // namespace

@@ -63,7 +63,9 @@ TEST(Tuning, EachMemberOfEachGroupIsListedOnceWithUnitAndMeaning) {
           const auto* begin = reinterpret_cast<const char*>(&group);
           EXPECT_TRUE(at >= begin && at < begin + sizeof group) << name << "." << key;
         });
-    EXPECT_EQ(members.size(), members_of<std::remove_reference_t<decltype(group)>>()) << name;
+    std::size_t copies = 0;
+    if constexpr (requires { group.common; }) copies = 1;  // listed once, as "common"
+    EXPECT_EQ(members.size() + copies, members_of<std::remove_reference_t<decltype(group)>>()) << name;
   });
 }
 
@@ -98,8 +100,21 @@ TEST(Tuning, AValueReachesItsMemberAndNoOther) {
 }
 
 TEST(Tuning, AProbabilityBecomesABoundOfItsDegreesOfFreedom) {
-  const EngineOptions options = options_of("[tuning]\nlocal_loops.max_surprise = 0.95\n");
-  EXPECT_EQ(options.local_loops.max_surprise.value(), chi2_quantile(0.95, 3));
+  const EngineOptions options = options_of("[tuning]\ntrial.max_jump = 0.95\n");
+  EXPECT_EQ(options.trial.max_jump.bound(3), chi2_quantile(0.95, 3));
+}
+
+TEST(Tuning, OfWhatIsCommonReachesAllThatHoldACopy) {
+  EngineOptions options = options_of("[tuning]\ncommon.surprise = 0.95\ncommon.lever_m = 4\n");
+  int copies = 0;
+  options.visit_tuning([&](const std::string& name, auto& group) {
+    if constexpr (requires { group.common; }) {
+      ++copies;
+      EXPECT_EQ(group.common.surprise.probability(), 0.95) << name;
+      EXPECT_EQ(group.common.lever_m, 4) << name;
+    }
+  });
+  EXPECT_GT(copies, 0);
 }
 
 TEST(Tuning, UnknownKeysAreErrorsThatNameFileAndLine) {
@@ -125,8 +140,7 @@ TEST(Tuning, NumbersThatAreNotFiniteOrFarFromTheDefaultAreErrors) {
         << value;
   EXPECT_TRUE(contains(error_of("[tuning]\nlocalise.min_score = 1.01"), "is not within"));
   for (const char* value : {"0", "1", "-0.5", "nan"})
-    EXPECT_TRUE(
-        contains(error_of(std::string("[tuning]\nlocal_loops.max_surprise = ") + value), "is not within"))
+    EXPECT_TRUE(contains(error_of(std::string("[tuning]\ntrial.max_jump = ") + value), "is not within"))
         << value;
 }
 

@@ -276,7 +276,7 @@ TEST(WorthAPatch, IsAScanTurnedAwayFromThoseTakenThere) {
   // Once it is a patch, that side has been seen.
   in.extended_by({0, 0, 1.2}, in.matched({0, 0, 1.2}));
   EXPECT_FALSE(in.is_worth_it({0, 0, 1.2}));
-  EXPECT_FALSE(in.is_worth_it({0, 0, 0.6}));
+  EXPECT_FALSE(in.is_worth_it({0, 0, 0.9}));
 }
 
 TEST(WorthAPatch, IsAScanThatFitsBadlyUnlessOneWasMadeThere) {
@@ -327,9 +327,9 @@ TEST(UncoveredShare, IsOfTheArea) {
   const PatchPtr half = make_patch(PatchId{0}, "R1", half_turn(181, 4), {}, {});
   EXPECT_NEAR(uncovered_by(disc(4), {{half, {}}}), 0.5, 0.03);
   EXPECT_NEAR(uncovered_by(disc(4), {{half, {}}, {half, {0, 0, half_turn_rad}}}), 0, 0.03);
-  // A disc of half the radius has a quarter of the area; what is sampled at 0.4 of the radius stands for
-  // (0.4 / (0.4 + 0.7 + 0.92)) of it.
-  EXPECT_NEAR(uncovered_by(disc(4), {{disc_patch(2), {}}}), 1 - 0.25, 0.06);
+  // A disc whose area is a third or two of it covers one or two of three samples.
+  EXPECT_NEAR(uncovered_by(disc(4), {{disc_patch(4 * std::sqrt(1.0F / 3)), {}}}), 2.0 / 3, 1e-9);
+  EXPECT_NEAR(uncovered_by(disc(4), {{disc_patch(4 * std::sqrt(2.0F / 3)), {}}}), 1.0 / 3, 1e-9);
 }
 
 }  // namespace

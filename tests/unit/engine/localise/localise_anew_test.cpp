@@ -173,7 +173,7 @@ TEST(LocaliseAnew, AsksForABetterScoreAfterOdometryThatCannotBeBelieved) {
   Expectation expectation = expecting(robot.place->pose.patch_from_object);
   const auto is_found = [&](double min_score) {
     EngineOptions options;
-    options.localise.min_score_implausible = min_score;
+    options.common.sure_score = min_score;
     return placed_anew(robot, expectation, near, furnished_room(), truth, options).has_value();
   };
   EXPECT_TRUE(is_found(0.99)) << "nothing speaks against odometry";
@@ -193,7 +193,7 @@ TEST(LocaliseAnew, AsksForNoMoreThanUsualOfWhatOutweighsOdometry) {
   const auto is_found = [&](double min_score, double doubtful_score, const Expectation& expectation) {
     EngineOptions options;
     options.localise.min_score = min_score;
-    options.localise.doubtful_score = doubtful_score;
+    options.localise.common.doubtful_score = doubtful_score;
     return placed_anew(robot_at({0.4, -0.3, 0.2}), expectation, local_map_of(furnished_room()),
                        furnished_room(), truth, options)
         .has_value();

@@ -192,7 +192,7 @@ TEST(Place, SearchesAsFarAsItsCovarianceAllows) {
 // How far it is from where odometry has the robot is weighed by odds, and asks for no better score.
 TEST(Place, BelievesAPoorMatchFarFromItsExpectationWhereNothingElseFits) {
   EngineOptions options;
-  options.localise.doubtful_score = 1.01;  // more than any match has
+  options.localise.common.doubtful_score = 1.01;  // more than any match has
   const Pose truth{0.4, -0.3, 0.2};
   const auto from = [&](const Pose& expectation) {
     return placed(robot_at({}), expecting(expectation, 0.01, 0.01), local_map_of(furnished_room()),
@@ -204,7 +204,8 @@ TEST(Place, BelievesAPoorMatchFarFromItsExpectationWhereNothingElseFits) {
 
 TEST(Place, AsksForABetterScoreAfterOdometryThatCannotBeBelieved) {
   EngineOptions options;
-  options.localise.min_score_implausible = 1.01;
+  options.common.sure_score = 1.01;
+  options.share_common();
   const Pose truth{0.4, -0.3, 0.2};
   const auto with = [&](bool plausible, bool suspect) {
     Robot robot = robot_at(truth);

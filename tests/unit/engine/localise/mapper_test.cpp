@@ -204,7 +204,7 @@ TEST(TakeScan, GoesRoundACornerByWhatEachScanShowsOfTheOneBefore) {
 // what it saw a moment before, say that it is where it was.
 TEST(TakeScan, BelievesWhatItSawAMomentBeforeRatherThanADoubtfulFitElsewhere) {
   Driven driven;
-  driven.options.localise.doubtful_score = 0.95;
+  driven.options.localise.common.doubtful_score = 0.95;
   driven.scan({});
   Walls moved{{{-3, 1}, {3, 1}}, {{1, 1}, {1, 0.7}}, {{-1, 1}, {-1, 0.6}}, {{-0.3, 1}, {-0.3, 0.8}}};
   EXPECT_FALSE(driven.scan({}, {}, moved).pose.matched);

@@ -111,7 +111,7 @@ TEST(ExpectAsSeen, IsNothingWhereTheScanBeforeIsNotTheOneThatTheRobotWasPlacedBy
 // Where scans fit badly, as amid legs of tables, they do not outweigh odometry.
 TEST(ExpectAsSeen, IsADoubtfulFitOnlyWhereOdometryAgrees) {
   EngineOptions all_are_doubtful;
-  all_are_doubtful.localise.doubtful_score = 1.1;
+  all_are_doubtful.localise.common.doubtful_score = 1.1;
   all_are_doubtful.correlative.max_evaluations = 1;  // and none is found anew
   const Pose truth{0.08, 0.01, 0.1};
   const Robot robot = robot_that_saw(furnished_room(), {});

@@ -99,7 +99,7 @@ TEST(HeldByOdometry, WhereOnlyWhatMayMoveSpeaksForTheMatch) {
   const Step step =
       step_of(corridor_with_somebody_at(1.5), corridor_with_somebody_at(1.7), {0.2, 0, 0}, {0.2, 0, 0}, 0.05);
   ASSERT_LT(surprise(step.matched().local_from_robot, step.expectation, {}),
-            LocaliseOptions{}.doubted_surprise.value());
+            CommonOptions{}.surprise.bound(3));
   EXPECT_TRUE(step.held());
 }
 

@@ -16,11 +16,12 @@ TEST(SystematicVariance, GrowsWithTheSquareOfTheWay) {
   EXPECT_EQ(sigma(100).x(), sigma(100).y());
 }
 
-// The bounds of drift are three standard deviations: 1 m and three tenths of the way.
+// The bounds of drift are as many standard deviations as a window's: 1 m and three tenths of the way.
 TEST(DriftVariance, IsOfTheBoundsOfDrift) {
-  EXPECT_NEAR(3 * std::sqrt(drift_variance(20, {}).x()), 7, 1e-9);
-  EXPECT_NEAR(3 * std::sqrt(drift_variance(20, {}).y()), 7, 1e-9);
-  EXPECT_NEAR(3 * std::sqrt(drift_variance(20, {}).z()), 0.2 + 0.12, 1e-9);
+  const double sigmas = CommonOptions{}.window_sigmas;
+  EXPECT_NEAR(sigmas * std::sqrt(drift_variance(20, {}).x()), 7, 1e-9);
+  EXPECT_NEAR(sigmas * std::sqrt(drift_variance(20, {}).y()), 7, 1e-9);
+  EXPECT_NEAR(sigmas * std::sqrt(drift_variance(20, {}).z()), 1.0 / 6 + 0.12, 1e-9);
 }
 
 // Of a way of 200 m.
@@ -31,10 +32,11 @@ double odds(const Pose& off, const Eigen::Matrix3d& covariance = Eigen::Matrix3d
 }
 
 TEST(RevisitLogOdds, AreHighWhereTheMapHadThePlace) {
-  // Gaussian at its peak times the window: sigmas 2.6 m and 0.11 rad, half widths 61 m and 1.4 rad.
+  // Gaussian at its peak times the window: sigmas 2.6 m and 0.113 rad, half widths 61 m and 1.37 rad.
+  const double sigma_rad = 0.2 / 6 + 0.08, half_rad = 1.0 / 6 + 1.2;
   EXPECT_NEAR(odds({}),
-              std::log(0.95 * 4 * 61 * 61 * 2 * 1.4 /
-                           (2 * std::numbers::pi * 2.6 * 2.6 * std::sqrt(2 * std::numbers::pi) * 0.11) +
+              std::log(0.95 * 4 * 61 * 61 * 2 * half_rad /
+                           (2 * std::numbers::pi * 2.6 * 2.6 * std::sqrt(2 * std::numbers::pi) * sigma_rad) +
                        0.05),
               1e-6);
   EXPECT_GT(odds({}), odds({3, 0, 0}));

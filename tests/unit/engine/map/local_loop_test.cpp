@@ -150,11 +150,12 @@ TEST(WaitingLoops, AskForTwoMetresOfWay) {
   EXPECT_EQ(waiting.take(find_at(2.1, moved), {}).size(), 6U);
 }
 
-TEST(WaitingLoops, ForgetTheOldestOfMoreThanTwenty) {
+TEST(WaitingLoops, ForgetTheOldestOfMoreThanMayWait) {
   WaitingLoops waiting;
   EXPECT_TRUE(waiting.take(find_at(0, moved), {}).empty());
   EXPECT_TRUE(waiting.take(find_at(1, moved), {}).empty());
-  for (int i = 0; i < 19; ++i) EXPECT_TRUE(waiting.take(find_at(0, {10.0 + i, 0, 0}), {}).empty());
+  for (std::size_t i = 1; i < CommonOptions{}.max_finds; ++i)
+    EXPECT_TRUE(waiting.take(find_at(0, {10 + static_cast<double>(i), 0, 0}), {}).empty());
   EXPECT_TRUE(waiting.take(find_at(2.1, moved), {}).empty());
 }
 

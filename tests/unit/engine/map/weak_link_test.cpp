@@ -134,11 +134,13 @@ TEST(WeakLink, IsNoneWhereTheWholeWayDriftedALittle) {
 // The surer a placing, the more has to speak against it.
 TEST(WeakLink, IsNoneThatIsSurerThanWhatTheLoopCosts) {
   const Square square(6, {0.3, 0.2, 0.6});
-  EXPECT_FALSE(square.closed(1e9, {1e6, 1e6}));
+  WeakLinkOptions sure;
+  sure.match_log_odds = sure.odometry_log_odds = 1e6;
+  EXPECT_FALSE(square.closed(1e9, sure));
   EXPECT_FALSE(square.closed(5)) << "than the drift of all the way would be";
 }
 
-// By Cauchy's distribution in the plane (1 m) and around the circle (0.3 rad), of which the window is 1,000
+// By Cauchy's distribution in the plane (1 m) and around the circle (0.2 rad), of which the window is 1,000
 // m² rad.
 TEST(WeakLink, IsTheSurerTheFartherOffItWouldHaveToBe) {
   const WeakLinkOptions options;
@@ -151,7 +153,8 @@ TEST(WeakLink, IsTheSurerTheFartherOffItWouldHaveToBe) {
   const auto far = square.closed(1e9);
   ASSERT_TRUE(far);
   const double in_plane = 1 / (2 * std::numbers::pi * std::pow(500, 3));
-  const double of_yaw = std::sinh(0.3) / (2 * std::numbers::pi * (std::cosh(0.3) - 1));
+  const double slip_rad = 1.0 / 6;
+  const double of_yaw = std::sinh(slip_rad) / (2 * std::numbers::pi * (std::cosh(slip_rad) - 1));
   EXPECT_NEAR(far->log_odds, options.match_log_odds - std::log(1000 * in_plane * of_yaw), 0.01)
       << "odometry, which would be right then, says nothing against it";
   EXPECT_FALSE(square.closed(options.match_log_odds + 1)) << "though the link by itself is no surer";

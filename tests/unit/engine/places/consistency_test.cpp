@@ -54,20 +54,20 @@ TEST(Agreement, AFindAMetreOffIsInconsistent) {
   EXPECT_EQ(between(map, found(3, 0, {0.5, 0, 0}), found(5, 2, {0.5, 0, 0.3})), no);
 }
 
-// Of two finds at one place, of which each is known to 0.02 rad and 0.12 m, the map between them exactly.
+// Of two finds at one place, of which each is known to 0.024 rad and 0.12 m, the map between them exactly.
 TEST(Agreement, AsksForTheYawAndThePlaceByThemselves) {
   const Map map = two_ways();
   const auto turned_by = [&](double yaw) { return between(map, found(3, 0, {}), found(3, 0, {0, 0, yaw})); };
-  EXPECT_EQ(turned_by(0.08), yes) << "three sigma are 0.085 rad";
-  EXPECT_EQ(turned_by(-0.08), yes);
-  EXPECT_EQ(turned_by(0.09), no);
-  EXPECT_EQ(turned_by(-0.09), no);
+  EXPECT_EQ(turned_by(0.092), yes) << "one of a thousand is off by 0.0935 rad";
+  EXPECT_EQ(turned_by(-0.092), yes);
+  EXPECT_EQ(turned_by(0.095), no);
+  EXPECT_EQ(turned_by(-0.095), no);
   const auto moved_by = [&](double y) { return between(map, found(3, 0, {}), found(3, 0, {0, y, 0})); };
-  EXPECT_EQ(moved_by(0.49), yes) << "three sigma are 0.51 m";
-  EXPECT_EQ(moved_by(0.53), no);
+  EXPECT_EQ(moved_by(0.55), yes) << "and by 0.558 m";
+  EXPECT_EQ(moved_by(0.57), no);
 }
 
-// However little the map knows: 1.2 m and 0.25 rad are another place.
+// However little the map knows: 1 m and 0.167 rad are another place.
 TEST(Agreement, HasBoundsThatNoUncertaintyWidens) {
   Map map;
   for (int i = 0; i < 4; ++i)
@@ -79,10 +79,10 @@ TEST(Agreement, HasBoundsThatNoUncertaintyWidens) {
   }
   const auto off_by = [&](const Pose& off) { return between(map, found(2, 0, {}), found(3, 1, off)); };
   EXPECT_EQ(off_by({}), yes);
-  EXPECT_EQ(off_by({0, 1.1, 0}), yes);
-  EXPECT_EQ(off_by({0, 1.3, 0}), no);
-  EXPECT_EQ(off_by({0, 0, 0.24}), yes);
-  EXPECT_EQ(off_by({0, 0, 0.26}), no);
+  EXPECT_EQ(off_by({0, 0.95, 0}), yes);
+  EXPECT_EQ(off_by({0, 1.05, 0}), no);
+  EXPECT_EQ(off_by({0, 0, 0.16}), yes);
+  EXPECT_EQ(off_by({0, 0, 0.17}), no);
 }
 
 TEST(Agreement, AFindFromTheOtherSideIsReadBackwards) {

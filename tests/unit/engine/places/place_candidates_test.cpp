@@ -46,7 +46,7 @@ TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
   EXPECT_EQ(places.front().anchor, PatchId{0}) << "the likeliest first";
 }
 
-// About where the map has the patch, as wide as three standard deviations of what map and sensors err by.
+// About where the map has the patch, as wide as 2.5 standard deviations of what map and sensors err by.
 TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
   const Map map = round_a_block();
   const PlaceCandidate place = places_on_own_island(map, last_of_block, {}, {}).front();
@@ -54,7 +54,7 @@ TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
   EXPECT_LE(std::abs(place.window.centre.x - truth.x), place.window.half_x_m);
   EXPECT_LE(std::abs(place.window.centre.y - truth.y), place.window.half_y_m);
   const double yaw_sigma = std::sqrt(39 * 0.016 * 0.016 + drift_variance(39, {}).z());
-  EXPECT_NEAR(place.window.half_yaw_rad, 3 * yaw_sigma, 0.01);
+  EXPECT_NEAR(place.window.half_yaw_rad, CommonOptions{}.window_sigmas * yaw_sigma, 0.01);
   EXPECT_NEAR(place.window.half_x_m, 5, 1e-9) << "4 m and a margin: the next anchor has the rest";
   EXPECT_LT(place.sigma_m, places_on_own_island(round_a_block(0.2), last_of_block, {}, {}).front().sigma_m)
       << "worse odometry says less";

@@ -224,7 +224,8 @@ TEST(Propagation, DoesNotHoldAgainstAPatchThatAnotherFoundThatItFindsNoMore) {
   TwoWays ways;
   ways.tell_sharply();
   EngineOptions strict = ways.options;
-  strict.local_loops.max_surprise = {1e-15, 3};  // so that nothing is near enough to where it should be
+  strict.common.surprise = ChiSquaredTest(1e-15);
+  strict.share_common();  // so that nothing is near enough to where it should be
   Propagation propagation = ways.begun();
   propagation.enqueue(PatchId{1}, {});
   EXPECT_FALSE(propagation.step(ways.map, strict));

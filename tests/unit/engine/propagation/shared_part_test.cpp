@@ -82,7 +82,7 @@ TEST(SharedPartOverlap, IsOfPatchesOfEitherNearTheOthers) {
   const std::vector<PatchId> first = placed.add(row(0, 20));
   const std::vector<PatchId> second = placed.add(row(18, 40));
   const std::vector<PatchId> near = overlapping(placed.map, first, second, {});
-  const double near_m = SharedPartOptions{}.near_m;
+  const double near_m = SurroundingsOptions{}.reach_m;
   for (const PatchId id : first)
     EXPECT_EQ(std::ranges::count(near, id), placed.map.manifold().pose(id).x > 18 - near_m ? 1 : 0);
   for (const PatchId id : second)

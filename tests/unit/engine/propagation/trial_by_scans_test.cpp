@@ -276,7 +276,10 @@ TEST(TrialByScans, OfALoopIsTheLessLikelyTheMoreOfTheGroundDoesNotMatch) {
 // Somebody in the way, a scan as the robot turns: what lies there matches as others saw it.
 TEST(TrialByScans, OfALoopScansThatDoNotMatchAmidOthersThatDoSayNothing) {
   std::vector<Walls> seen = where_robots_were(11);
-  seen[3] = seen[6] = crooked_room();
+  for (const std::size_t i : {3U, 6U}) {
+    const double x = static_cast<double>(i);
+    seen[i] = {{{x - 0.6, -1}, {x - 0.2, 1}}, {{x + 0.8, -1}, {x + 1.2, 1}}};
+  }
   Case its = by_scans(loop_of(where_robots_were(12), along(0, 11, 0.3), seen, along(0.3, 11, 0.3)));
   found(its, 0);
   its.say(PatchId{3}, PatchId{15});

@@ -83,7 +83,7 @@ TEST(Refinement, TakesNoScanThatHasNoRow) {
 
 TEST(Refinement, LeavesAScanThatFitsBadly) {
   Mapped its;
-  its.configuration.engine.refinement.min_score = 1.01;  // more than any match has
+  its.configuration.engine.localise.min_score = 1.01;  // more than any match has
   EXPECT_EQ(its.refined({Mapped::robot(laser_of()), its.scan()}, 0), its.kept);
 }
 
@@ -100,7 +100,7 @@ TEST(Refinement, BelievesTheConfigurationOfALaserAndNotTheRobot) {
 
 TEST(Refinement, MatchesWithNothingWhereNoPatchIsToBeMatchedWith) {
   Mapped its;
-  its.configuration.engine.refinement.max_patches = 0;
+  its.configuration.engine.surroundings.reach_m = 0;
   EXPECT_EQ(its.refined({Mapped::robot(laser_of()), its.scan()}, 0), its.kept);
 }
 

@@ -195,7 +195,7 @@ TEST(OdometryBias, TurnsPathsTogetherAsFarAsItIsNotKnown) {
   const Pose path{0, -2, -0.5};
   const auto variance = [&](double way_m, double turn_rad) {
     return 2 * way_m * std::pow(options.turn_per_m_sigma, 2) +
-           0.5 * turn_rad * std::pow(options.turn_share_sigma, 2);
+           0.5 * turn_rad * std::pow(options.share_sigma, 2);
   };
   BiasedWheels robot, unsure;
   unsure.noise *= 1e9;
