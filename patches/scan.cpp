@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 namespace isthmus {
 namespace {
@@ -34,7 +36,12 @@ struct Moments {
 struct Line {
   Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< unit, up to its sign
   double spread_m2 = 0;
-  double off_m = 0;  ///< along the normal, from where the sums begin
+  double off_m = 0;         ///< along the normal, from where the sums begin
+  double roughness_m2 = 0;  ///< variance across it
+
+  bool is_there() const { return normal.squaredNorm() > 0.5; }
+  // Of a beam's angle to it; `beam` is of length 1.
+  double sine(const Eigen::Vector2d& beam) const { return std::abs(normal.dot(beam)); }
 };
 
 // Of the variance across a line, the share that is noise: from points that stand aside of both their
@@ -66,7 +73,7 @@ Line line_through(const Moments& m, const NormalOptions& options) {
   const double line_yaw = 0.5 * std::atan2(2 * xy, xx - yy);
   const Eigen::Vector2d normal(-std::sin(line_yaw), std::cos(line_yaw));
   // Between the first point and the mean of all, as the variance is noise or form (Wiener's filter).
-  return {normal, m.n * along, share_of_noise(m, normal, across) * normal.dot(mean)};
+  return {normal, m.n * along, share_of_noise(m, normal, across) * normal.dot(mean), across};
 }
 
 // The ends of a scan's beams in order, and where surfaces end among them.
@@ -84,6 +91,23 @@ class Ends {
     const int before = add_neighbours(k, -1, moments), after = add_neighbours(k, 1, moments);
     if (before > 0 && after > 0) moments.add_bend(bend(k, 1));
     return line_through(moments, options_);
+  }
+
+  /// The same of the neighbours before (-1) or after (1) it only.
+  Line line_of_one_side(std::size_t point, std::ptrdiff_t step) const {
+    Moments moments;
+    moments.add(Eigen::Vector2d::Zero());
+    add_neighbours(static_cast<std::ptrdiff_t>(point), step, moments);
+    return line_through(moments, options_);
+  }
+
+  /// The noise across a line by which a point stands aside of its two neighbours, whose bend has six times
+  /// the variance of a point; nothing at an end or beside a jump.
+  std::optional<double> stands_aside_m(std::size_t point, const Line& line) const {
+    const auto k = static_cast<std::ptrdiff_t>(point);
+    if (!is_there(k - 1) || !is_there(k + 1)) return std::nullopt;
+    if (jumps(k, k - 1, reach_m_[point]) || jumps(k, k + 1, reach_m_[point])) return std::nullopt;
+    return std::abs(line.normal.dot(bend(k, 1))) / std::sqrt(6.0);
   }
 
  private:
@@ -123,6 +147,55 @@ class Ends {
   const NormalOptions& options_;
 };
 
+// What a laser's ranges err by at random, of one scan. The end of a beam errs along the beam, as bearings are
+// the laser's own: across a line by the sine of the angle between the two. Most points lie between two
+// neighbours on one surface, so the median tells noise from form.
+class RangeNoise {
+ public:
+  RangeNoise(const Ends& ends, const std::vector<Line>& lines, const std::vector<Eigen::Vector2d>& beams,
+             const NormalOptions& options) {
+    std::vector<double> errors_m;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      if (!lines[i].is_there() || lines[i].sine(beams[i]) * options.reach_beams < 1) continue;
+      if (const auto aside_m = ends.stands_aside_m(i, lines[i])) {
+        errors_m.push_back(*aside_m / lines[i].sine(beams[i]));
+      }
+    }
+    if (errors_m.empty()) return;
+    const auto middle = errors_m.begin() + static_cast<std::ptrdiff_t>(errors_m.size() / 2);
+    std::nth_element(errors_m.begin(), middle, errors_m.end());
+    constexpr double sigma_of_median = 1.4826;  // of absolute values, normally distributed
+    sigma_m_ = sigma_of_median * *middle;
+  }
+
+  /// Whether noise makes a line at a beam as rough as it is, within so many standard deviations.
+  bool explains(const Line& line, const Eigen::Vector2d& beam, double sigmas) const {
+    if (!sigma_m_) return true;
+    const double most_m = sigmas * *sigma_m_ * line.sine(beam);
+    return line.roughness_m2 <= most_m * most_m;
+  }
+
+ private:
+  std::optional<double> sigma_m_;
+};
+
+// The smoother of the lines of either side, of those that noise explains; else the line as it is.
+Line line_along(const Ends& ends, std::size_t point, Line line, const Eigen::Vector2d& beam,
+                const RangeNoise& noise, const NormalOptions& options) {
+  if (!line.is_there() || line.sine(beam) >= options.grazing_sine ||
+      noise.explains(line, beam, options.noise_sigmas)) {
+    return line;
+  }
+  for (const std::ptrdiff_t step : {-1, 1}) {
+    const Line side = ends.line_of_one_side(point, step);
+    if (side.is_there() && side.roughness_m2 < line.roughness_m2 &&
+        noise.explains(side, beam, options.noise_sigmas)) {
+      line = side;
+    }
+  }
+  return line;
+}
+
 }  // namespace
 
 BeamKind classify(float range_m, const Laser& laser) {
@@ -147,8 +220,17 @@ std::vector<ScanPoint> to_points(const Scan& scan, const Laser& laser, const Nor
   }
   const Eigen::Vector2d eye(laser.robot_from_laser.x, laser.robot_from_laser.y);
   const Ends ends(points, reach, options);
+  std::vector<Line> lines;
+  std::vector<Eigen::Vector2d> beams;
+  lines.reserve(points.size());
+  beams.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    Line line = ends.line_at(i);
+    lines.push_back(ends.line_at(i));
+    beams.push_back((points[i].position - eye).normalized());
+  }
+  const RangeNoise noise(ends, lines, beams, options);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Line line = line_along(ends, i, lines[i], beams[i], noise, options);
     if (line.normal.dot(eye - points[i].position) < 0) {
       line.normal = -line.normal;
       line.off_m = -line.off_m;

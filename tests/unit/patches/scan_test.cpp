@@ -164,6 +164,96 @@ TEST(Scan, NoiseTurnsNormalsOfAWallThatRunsAwayNoMoreOneWayThanTheOther) {
   EXPECT_NEAR(sum_rad / count, 0, 0.0015);
 }
 
+// Of a wall 1.35 m to the left with doors that stand out of it by 10 cm, for a metre in three: where a beam
+// ends.
+//
+//    =====     =====     =====     =====
+//         |====      |===     |====
+//      o->
+double range_along_doors_m(double bearing_rad, double first_door_m) {
+  constexpr double wall_m = 1.35, door_m = 1.25;
+  if (std::sin(bearing_rad) < 0.1) return infinite_range;
+  double range_m = wall_m / std::sin(bearing_rad);
+  for (double begin_m = first_door_m; begin_m < 12; begin_m += 3) {
+    const double at_door_m = door_m / std::tan(bearing_rad);
+    if (at_door_m >= begin_m && at_door_m <= begin_m + 1) range_m = door_m / std::sin(bearing_rad);
+    const double at_side_m = begin_m * std::tan(bearing_rad);
+    if (begin_m > 0 && at_side_m >= door_m && at_side_m <= wall_m) range_m = begin_m / std::cos(bearing_rad);
+  }
+  return range_m;
+}
+
+struct MeanAndRms {
+  double mean_m = 0;
+  double rms_m = 0;
+};
+
+// Of the true ends of beams from the lines that a scan shows there, 3 to 5 m ahead; inward is positive.
+MeanAndRms ends_from_lines_along_doors(const NormalOptions& options) {
+  std::mt19937 engine(1);
+  std::normal_distribution<double> noise_m(0, 0.0125);
+  std::uniform_real_distribution<double> first_m(-6, -3);
+  double sum_m = 0, squares_m2 = 0;
+  int count = 0;
+  for (int drawn = 0; drawn < 1000; ++drawn) {
+    const double first_door_m = first_m(engine);
+    Scan scan = half_turn(121, infinite_range);
+    Scan truth = scan;
+    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+      const double range_m = range_along_doors_m(testing::bearing_rad(scan, i), first_door_m);
+      truth.ranges_m[i] = static_cast<float>(range_m);
+      scan.ranges_m[i] = static_cast<float>(range_m + noise_m(engine));
+    }
+    const auto true_points = to_points(truth, {}, options);
+    const auto points = to_points(scan, {}, options);
+    EXPECT_EQ(points.size(), true_points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector2d& end = true_points[i].position;
+      if (end.x() < 3 || end.x() > 5 || !points[i].has_normal()) continue;
+      const double off_m = points[i].distance_from_line_m(end);
+      sum_m += off_m;
+      squares_m2 += off_m * off_m;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 5'000);
+  return {sum_m / count, std::sqrt(squares_m2 / count)};
+}
+
+TEST(Scan, LinesAlongAWallWithDoorsAheadLieOnItNotBehindIt) {
+  NormalOptions through_all;
+  through_all.noise_sigmas = 1000;
+  const MeanAndRms before = ends_from_lines_along_doors(through_all);
+  const MeanAndRms now = ends_from_lines_along_doors({});
+  EXPECT_LT(before.mean_m, -0.004);
+  EXPECT_NEAR(now.mean_m, 0, 0.002);
+  EXPECT_LT(now.rms_m, 0.6 * before.rms_m);
+}
+
+// How rough a line may be is told by the laser's own noise, of a millimetre as of three centimetres.
+TEST(Scan, NoiseAloneLeavesNormalsOfAWallAsAllItsNeighboursMakeThem) {
+  NormalOptions through_all;
+  through_all.noise_sigmas = 1000;
+  for (const double sigma_m : {0.001, 0.01, 0.03}) {
+    std::mt19937 engine(1);
+    std::normal_distribution<double> noise_m(0, sigma_m);
+    int count = 0, changed = 0;
+    for (int drawn = 0; drawn < 200; ++drawn) {
+      Scan scan = half_turn(181, infinite_range);
+      for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+        const double sine = std::sin(testing::bearing_rad(scan, i));
+        if (sine > 0.2) scan.ranges_m[i] = static_cast<float>(1.3 / sine + noise_m(engine));
+      }
+      const auto points = to_points(scan, {}, {}), usual = to_points(scan, {}, through_all);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        ++count;
+        changed += (points[i].normal - usual[i].normal).norm() > 1e-9;
+      }
+    }
+    EXPECT_LT(changed, count / 100) << sigma_m;
+  }
+}
+
 // Ahead of the robot a pillar stands out by 15 cm from the wall beside it, and hides some of it.
 //
 //    ===================.      ===========
