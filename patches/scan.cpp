@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 #include <vector>
 
@@ -83,21 +84,17 @@ class Ends {
   Ends(const std::vector<ScanPoint>& points, const std::vector<double>& reach_m, const NormalOptions& options)
       : points_(points), reach_m_(reach_m), options_(options) {}
 
-  /// The line through a point and its neighbours on the same surface.
-  Line line_at(std::size_t point) const {
+  /// The line through a point and its neighbours on the same surface: those before (-1) and after (1) it, or
+  /// those on one side only.
+  Line line_at(std::size_t point, std::initializer_list<std::ptrdiff_t> sides = {-1, 1}) const {
     Moments moments;
     moments.add(Eigen::Vector2d::Zero());
     const auto k = static_cast<std::ptrdiff_t>(point);
-    const int before = add_neighbours(k, -1, moments), after = add_neighbours(k, 1, moments);
-    if (before > 0 && after > 0) moments.add_bend(bend(k, 1));
-    return line_through(moments, options_);
-  }
-
-  /// The same of the neighbours before (-1) or after (1) it only.
-  Line line_of_one_side(std::size_t point, std::ptrdiff_t step) const {
-    Moments moments;
-    moments.add(Eigen::Vector2d::Zero());
-    add_neighbours(static_cast<std::ptrdiff_t>(point), step, moments);
+    int with_neighbours = 0;
+    for (const std::ptrdiff_t side : sides) {
+      if (add_neighbours(k, side, moments) > 0) ++with_neighbours;
+    }
+    if (with_neighbours == 2) moments.add_bend(bend(k, 1));
     return line_through(moments, options_);
   }
 
@@ -187,7 +184,7 @@ Line line_along(const Ends& ends, std::size_t point, Line line, const Eigen::Vec
     return line;
   }
   for (const std::ptrdiff_t step : {-1, 1}) {
-    const Line side = ends.line_of_one_side(point, step);
+    const Line side = ends.line_at(point, {step});
     if (side.is_there() && side.roughness_m2 < line.roughness_m2 &&
         noise.explains(side, beam, options.noise_sigmas)) {
       line = side;
