@@ -335,27 +335,9 @@ double Trial::shared_log_odds(double way_m, double width_m) const {
 }
 
 // Without sightings, guard against perceptual aliasing: many buildings repeat themselves.
-void Trial::judge_scans() {
-  const TrialOptions& its = options_.trial;
-  if (account_.cost > its.max_find_cost) {
-    refusal_ = Reason::finds_disagree;
-  } else if (proposal_.merge && puts_walls_in_free_space(account_.contradiction)) {
-    refusal_ = Reason::walls_in_free_space;
-  } else if (scans_disagree()) {
-    refusal_ = Reason::scans_disagree;
-  } else if (account_.matched < its.few_matched_scans && (proposal_.merge || account_.compared > 0)) {
-    leave_undecided(Reason::too_little_support);
-  } else {
-    const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
-    const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
-    const SharedPart shared =
-        isthmus::shared_part(map_, island, is_younger, propagation_.matched(), options_);
-    account_.own_m = std::min(shared.own_first_m, shared.own_second_m);
-    account_.border_contradiction = shared.border_contradiction;
-    proposal_.merge ? judge_merge(shared) : judge_loop();
-  }
-}
+void Trial::judge_scans() { proposal_.merge ? judge_merge() : judge_loop(); }
 
+// Nothing but the account decides: that few patches match, or some do not, is in it.
 void Trial::judge_loop() {
   const TrialOptions& its = options_.trial;
   const double by_finds = its.log_odds_per_find_cost * std::max(0.0, account_.cost - its.even_find_cost);
@@ -364,17 +346,23 @@ void Trial::judge_loop() {
   account_.shared_log_odds -= its.log_odds_per_unmatched_m * account_.unmatched_m;
   if (account_.log_odds() < -its.min_loop_log_odds) {
     refusal_ = by_finds > by_scans ? Reason::finds_disagree : Reason::walls_in_free_space;
-  } else if (account_.log_odds() < its.min_loop_log_odds) {
-    leave_undecided(account_.width_m < its.min_width_m ? Reason::one_corridor : Reason::too_little_support);
+  } else {
+    accept_or_wait();
   }
 }
 
-// Whether it is undecided for want of no more than what drawing once what was drawn twice says.
+void Trial::accept_or_wait() {
+  const TrialOptions& its = options_.trial;
+  undecided_ = account_.log_odds() < its.min_loop_log_odds;
+  refusal_ = Reason::none;
+  if (undecided_)
+    refusal_ = account_.width_m < its.min_width_m ? Reason::one_corridor : Reason::too_little_support;
+}
+
 bool Trial::layers_would_tell() const {
   const TrialOptions& its = options_.trial;
-  return undecided_ && !proposal_.merge && account_.matched + account_.compared > 0 &&
-         account_.log_odds() < its.min_loop_log_odds &&
-         account_.log_odds() + its.max_layers_log_odds >= its.min_loop_log_odds;
+  return !proposal_.merge && account_.matched + account_.compared > 0 &&
+         std::abs(account_.log_odds() - its.min_loop_log_odds) <= its.max_layers_log_odds;
 }
 
 void Trial::look_for_layers(std::int64_t now_utime) {
@@ -391,21 +379,40 @@ void Trial::judge_layers() {
   account_.layers_before = layers_->pairs().before;
   account_.layers_after = layers_->pairs().after;
   layers_.reset();
-  const int fewer = account_.layers_before - account_.layers_after - its.even_layered_pairs;
-  account_.layers_log_odds = std::clamp(its.log_odds_per_layered_pair * fewer, 0.0, its.max_layers_log_odds);
-  if (account_.log_odds() < its.min_loop_log_odds) return;
-  undecided_ = false;
-  refusal_ = Reason::none;
+  const int fewer = account_.layers_before - account_.layers_after;
+  const int beyond_even = std::max(0, std::abs(fewer) - its.even_layered_pairs);
+  account_.layers_log_odds =
+      std::copysign(std::min(its.log_odds_per_layered_pair * beyond_even, its.max_layers_log_odds), fewer);
+  accept_or_wait();
 }
 
-void Trial::judge_merge(const SharedPart& shared) {
+void Trial::judge_merge() {
   const TrialOptions& its = options_.trial;
-  if (puts_walls_in_free_space(shared.border_contradiction)) {
+  if (account_.cost > its.max_find_cost) {
+    refusal_ = Reason::finds_disagree;
+  } else if (puts_walls_in_free_space(account_.contradiction)) {
+    refusal_ = Reason::walls_in_free_space;
+  } else if (scans_disagree()) {
+    refusal_ = Reason::scans_disagree;
+  } else if (account_.matched < its.few_matched_scans) {
+    leave_undecided(Reason::too_little_support);
+  } else {
+    judge_shared_part();
+  }
+}
+
+void Trial::judge_shared_part() {
+  const TrialOptions& its = options_.trial;
+  const std::vector<PatchId> island = map_.graph().patches_of(map_.graph().island(proposal_.older));
+  const auto is_younger = [&](PatchId id) { return propagation_.before().island(id) == proposal_.younger; };
+  const SharedPart shared = shared_part(map_, island, is_younger, propagation_.matched(), options_);
+  account_.own_m = std::min(shared.own_first_m, shared.own_second_m);
+  account_.border_contradiction = shared.border_contradiction;
+  if (puts_walls_in_free_space(account_.border_contradiction)) {
     refusal_ = Reason::walls_in_free_space;
   } else if (account_.way_m < its.min_way_m) {
     leave_undecided(Reason::too_little_support);
-  } else if (std::min(shared.own_first_m, shared.own_second_m) < its.min_own_m &&
-             account_.shared_log_odds < its.min_whole_log_odds) {
+  } else if (account_.own_m < its.min_own_m && account_.shared_log_odds < its.min_whole_log_odds) {
     leave_undecided(Reason::nothing_beyond_the_seam);
   }
 }

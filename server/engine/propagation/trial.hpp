@@ -15,8 +15,6 @@
 
 namespace isthmus {
 
-struct SharedPart;
-
 /// By how many sightings agree that a closure is true: any two may, by chance.
 inline double log_odds_of_agreeing(std::size_t sightings, const TrialOptions& options) {
   return sightings > 2 ? options.log_odds_per_sighting * static_cast<double>(sightings - 2) : 0;
@@ -122,10 +120,15 @@ class Trial {
   Reason refusal_of_sightings(bool disagree) const;
   void judge_scans();
   void judge_loop();
+  /// Of a loop that nothing refutes.
+  void accept_or_wait();
+  /// Whether drawing once what was drawn twice, or twice what was drawn once, may decide.
   bool layers_would_tell() const;
   void look_for_layers(std::int64_t now_utime);
   void judge_layers();
-  void judge_merge(const SharedPart& shared);
+  void judge_merge();
+  /// What two maps share and what each has beyond it.
+  void judge_shared_part();
   void leave_undecided(Reason why);
   bool scans_disagree() const;
   double blamed_log_odds() const;

@@ -87,7 +87,8 @@ struct TrialOptions {
     option(log_odds_per_sighting_cost, "log_odds_per_sighting_cost", "log-odds",
            "against a closure whose sightings cost one more: those of true ones whose clock or mounting is "
            "off come to 4, those of false ones nearly always to 25");
-    option(max_find_cost, "max_find_cost", "χ² of 3", "median over the finds' relations after the fit");
+    option(max_find_cost, "max_find_cost", "χ² of 3",
+           "median over the relations of a merge's finds after the fit");
     option(max_relation_cost, "max_relation_cost", "χ²",
            "of one relation that counts for the mean over sightings");
     visit_scan_options(option);
@@ -97,11 +98,11 @@ struct TrialOptions {
   template <class Visitor>
   void visit_scan_options(Visitor&& option) {
     option(min_matched_share, "min_matched_share", share_unit,
-           "of the patches that were compared that must match");
+           "of the patches that were compared that must match, but for a loop by scans");
     option(min_support_two_way, "min_support_two_way", "count",
            "of sightings of either direction, where scans cannot tell");
     option(few_matched_scans, "few_matched_scans", "count",
-           "of patches that must match where scans are all there is");
+           "of patches that must match for a merge by scans alone");
     option(min_way_m, "min_way_m", "m", "of way that a merge must share");
     option(log_odds_per_way_m, "log_odds_per_way_m", "log-odds/m",
            "that a loop or merge is true, of way that matches: ground looks alike for a few metres,");
@@ -126,11 +127,13 @@ struct TrialOptions {
            "against a loop that puts all hits deep in free space, beyond what either side does itself: true "
            "ones put three in a hundred there, or fewer");
     option(even_layered_pairs, "even_layered_pairs", "count",
-           "of patches that contradict one another: so many fewer say nothing");
+           "of patches that contradict one another: so many fewer or more say nothing");
     option(log_odds_per_layered_pair, "log_odds_per_layered_pair", "log-odds",
-           "for a loop, of each more that contradict one another without it and not with it");
+           "for a loop, of each more that contradict one another without it and not with it, and against it "
+           "the other way round");
     option(max_layers_log_odds, "max_layers_log_odds", "log-odds",
-           "of that at most: a false loop near the true one may end them as well");
+           "of that at most, and from how near to enough it is asked for: a false loop near the true one may "
+           "end them as well");
     option(agreed_log_odds, "agreed_log_odds", "log-odds",
            "that what several finds, or sightings, say alike is true, before it is tried: 95 in 100 (281 of "
            "296 loops in simulated and recorded buildings)");

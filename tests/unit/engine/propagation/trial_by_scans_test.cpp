@@ -53,13 +53,19 @@ TEST(TrialByScans, WhoseFindsPullAtOneAnotherIsRefused) {
   EXPECT_EQ(its.tried().refusal(), Reason::finds_disagree);
 }
 
-TEST(TrialByScans, WithFewMatchedPatchesWaits) {
-  Case its = by_scans(loop_of(crooked_room(), {outward[0], outward[1]}, crooked_room(), {homeward[1]}));
-  its.say(PatchId{1}, PatchId{2});
-  const Trial trial = its.tried();
-  EXPECT_GT(trial.account().compared, 0);
-  EXPECT_TRUE(trial.undecided());
-  EXPECT_EQ(trial.refusal(), Reason::too_little_support);
+// A screen where the first way looked through says as much against it as next to many that match.
+TEST(TrialByScans, OfALoopByFewPatchesThatMatchIsJudgedByAllOfItsOdds) {
+  const Walls room = crooked_room();
+  for (const bool screened : {false, true}) {
+    Case its = by_scans(loop_of(room, {{-1.5, -0.4, 0.2}, {-1.6, -0.3, 0.1}},
+                                screened ? with_a_screen(room) : room, {{-1.4, -0.3, 0.2}}));
+    its.say(PatchId{1}, PatchId{2});
+    const Trial trial = its.tried();
+    EXPECT_GT(trial.account().compared, 0);
+    EXPECT_LT(trial.account().matched, TrialOptions{}.few_matched_scans);
+    EXPECT_EQ(trial.account().fit_log_odds < -1, screened) << trial.account().fit_log_odds;
+    EXPECT_EQ(trial.accepted(), !screened) << word(trial.refusal());
+  }
 }
 
 // One patch of either side: nothing of the map is new to the other but what the finds say.
@@ -75,12 +81,21 @@ TEST(TrialByScans, WithNothingToCompareIsJudgedByTheRestOfItsOdds) {
   }
 }
 
-TEST(TrialByScans, WhoseScansDoNotMatchIsRefused) {
+// Of a loop it is in the account, as ground on which nothing matches.
+TEST(TrialByScans, WhoseScansDoNotMatchIsRefusedOfAMergeAndWaitsOfALoop) {
   Walls plain;
   add_box(plain, -4, -3, 4, 3);
-  Case its = by_scans(loop_of(plain, outward, toothed_room(), homeward));
-  its.say(PatchId{1}, PatchId{4});
-  EXPECT_EQ(its.tried().refusal(), Reason::scans_disagree);
+  for (const bool merge : {false, true}) {
+    Case its = by_scans(merge ? merge_of(plain, outward, toothed_room(), homeward)
+                              : loop_of(plain, outward, toothed_room(), homeward));
+    its.say(PatchId{1}, PatchId{4});
+    const Trial trial = its.tried();
+    EXPECT_FALSE(trial.accepted());
+    EXPECT_EQ(trial.undecided(), !merge);
+    EXPECT_EQ(trial.refusal() == Reason::scans_disagree, merge) << word(trial.refusal());
+    EXPECT_EQ(trial.account().matched, 0);
+    EXPECT_EQ(trial.account().shared_log_odds < -1, !merge) << trial.account().shared_log_odds;
+  }
 }
 
 const std::vector<Pose> early_way = {{-1.5, -0.4, 0.2}, {-1.6, -0.3, 0.1}, {-1.7, -0.5, 0}};
@@ -212,6 +227,30 @@ TEST(TrialByScans, OfALoopThatIsNearlySureEnoughIsAcceptedWhereTheMapHadOnePlace
     EXPECT_EQ(trial.undecided(), !twice);
     EXPECT_EQ(trial.account().layers_before >= 10, twice) << trial.account().layers_before;
     EXPECT_LE(trial.account().layers_after, 2);
+  }
+}
+
+// What lies beyond the place that looks alike comes to lie over other rooms than its own.
+TEST(TrialByScans, OfALoopThatIsBarelySureEnoughWaitsWhereItDrawsTwoPlacesOverOneAnother) {
+  for (const bool over : {false, true}) {
+    std::vector<Pose> way = along(0.3, 11, 0.3);
+    std::vector<Walls> seen(way.size(), niched_hall());
+    for (const Pose& back : along(0.3, 11, 0.6)) {
+      way.push_back(back);
+      seen.push_back(over ? Walls{{{-100, -0.2}, {100, -0.1}}, {{-100, 1.3}, {100, 1.2}}} : niched_hall());
+    }
+    Case its = by_scans(loop_of(std::vector<Walls>(12, niched_hall()), along(0, 11, 0), seen, way));
+    its.say(PatchId{5}, PatchId{17});
+    std::vector<Pose> poses(its.map.manifold().poses().begin(), its.map.manifold().poses().end());
+    for (const PatchId id : its.second) poses[index(id)] = Pose{500, 0, 0} * poses[index(id)];
+    its.map.adopt(its.second, poses);
+    its.proposal.beyond_covariance = {1e6, 1e6, 10};
+    const double sum = its.tried().account().log_odds() - its.tried().account().layers_log_odds;
+    its.proposal.prior_log_odds += TrialOptions{}.min_loop_log_odds + 0.5 - sum;
+    const Trial trial = its.tried();
+    EXPECT_EQ(trial.undecided(), over) << word(trial.refusal());
+    EXPECT_EQ(trial.accepted(), !over);
+    EXPECT_EQ(trial.account().layers_after > trial.account().layers_before + 20, over);
   }
 }
 
