@@ -30,7 +30,7 @@ double log_odds(const Overlay& overlay, const TrialAccount& account, const Trial
 
 bool may_rival(const Entry& entry, const TrialOptions& its) {
   return entry.record.kind == ClosureKind::loop && entry.record.from_scans &&
-         entry.record.state != ClosureState::accepted && entry.record.reason != Reason::scans_disagree &&
+         entry.record.state != ClosureState::accepted &&
          entry.record.account.matched >= its.few_matched_scans;
 }
 

@@ -140,7 +140,7 @@ TEST(RivalMerge, IsNothingThatSightingsProposeOrThatHardlyMatches) {
   EXPECT_FALSE(its.found());
   its.refuse(40).account.matched = 3;
   EXPECT_FALSE(its.found());
-  its.refuse(40).reason = Reason::scans_disagree;
+  its.refuse(40).account.unmatched_m = 30;
   EXPECT_FALSE(its.found());
 }
 

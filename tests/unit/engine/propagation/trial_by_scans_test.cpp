@@ -344,12 +344,19 @@ TEST(TrialByScans, OfALoopIsTheLessLikelyTheMorePlacesLookAlike) {
 }
 
 // Ten patches over twenty metres: few, however far apart.
+// Before it is measured what the two share, which takes the longer the larger they are.
 TEST(TrialByScans, OfAMergeByFewPatchesWaits) {
-  Case its = by_scans(merge_of(long_corridor(), along(0, 30, 0, 5), long_corridor(), along(9, 40, 0.1, 5)));
-  its.say(PatchId{3}, PatchId{9});
-  const Trial trial = its.tried();
-  EXPECT_LT(trial.patches_touched(), 12);
-  EXPECT_EQ(trial.refusal(), Reason::too_little_support);
+  for (const double stride_m : {5.0, 14.0}) {
+    Case its = by_scans(
+        merge_of(long_corridor(), along(0, 30, 0, stride_m), long_corridor(), along(9, 40, 0.1, stride_m)));
+    its.say(its.first.back(), its.second.front());
+    const Trial trial = its.tried();
+    EXPECT_LT(trial.patches_touched(), 12);
+    EXPECT_EQ(trial.refusal(), Reason::too_little_support);
+    const bool few = trial.account().matched < TrialOptions{}.few_matched_scans;
+    EXPECT_EQ(few, stride_m > 5) << trial.account().matched;
+    EXPECT_EQ(trial.account().own_m > 0, !few);
+  }
 }
 
 Case merge_along(double first_from, double first_to, double second_from, double second_to,
