@@ -71,7 +71,7 @@ Json closures(const MapCopy& map) {
 /// The search for places that a robot's scans may show again.
 Json hypotheses(const HypothesisCounts& counts) {
   return {{"queries", counts.queries},
-          {"queries_dropped", counts.queries_dropped},
+          {"queries_put_off", counts.queries_put_off},
           {"places_searched", counts.places_searched},
           {"ambiguous", counts.ambiguous},
           {"finds", counts.finds},

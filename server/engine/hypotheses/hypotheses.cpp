@@ -82,8 +82,10 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
   queue_.push_back(std::move(query));
   ++counts_.queries;
   if (queue_.size() > options.max_queries) {
+    queue_.front().at_m = 0;
+    late_.push_back(std::move(queue_.front()));
     queue_.pop_front();
-    ++counts_.queries_dropped;
+    ++counts_.queries_put_off;
   }
 }
 
@@ -97,15 +99,16 @@ void Hypotheses::ask_again(const Map& map, const std::vector<PatchId>& side,
   std::vector<std::string> robots;
   for (const auto& [robot, patches] : ways) robots.push_back(robot);
   for (const auto& [robot, patches] : ways)
-    for (std::vector<PatchId>& piece : pieces_along(map.manifold(), patches, options))
-      again_.push_back({std::move(piece), robot, 0, robots, {}});
+    for (std::vector<PatchId>& piece : pieces_along(map.manifold(), patches, options)) {
+      late_.push_back({std::move(piece), robot, 0, robots, {}});
+      ++counts_.queries;
+    }
 }
 
-void Hypotheses::next_of_before(const HypothesisOptions& options) {
-  while (!again_.empty() && queue_.size() < options.max_queries) {
-    queue_.push_back(std::move(again_.front()));
-    again_.pop_front();
-    ++counts_.queries;
+void Hypotheses::next_late(const HypothesisOptions& options) {
+  while (!late_.empty() && queue_.size() < options.max_queries) {
+    queue_.push_back(std::move(late_.front()));
+    late_.pop_front();
   }
 }
 
@@ -113,7 +116,7 @@ void Hypotheses::next_of_before(const HypothesisOptions& options) {
 void Hypotheses::look_up(World world) {
   if (looking_up_ && looking_up_->is_due(world.now_utime)) end_look_up(world.map);
   if (looking_up_ || !ready_.empty()) return;
-  if (queue_.empty()) next_of_before(world.options.hypotheses);
+  if (queue_.empty()) next_late(world.options.hypotheses);
   if (queue_.empty()) return;
   asked_.assign(std::make_move_iterator(queue_.begin()), std::make_move_iterator(queue_.end()));
   queue_.clear();
@@ -179,9 +182,13 @@ void Hypotheses::take(World world, const std::string& robot, Find find) {
 std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
   const EngineOptions& options = world.options;
   const PatchId newest = query.newest_first.front();
-  if (!query.is_asked_again())
-    query.search.add(places_on_other_islands(world.map, newest, pool_.hints(world.map, newest, options),
-                                             options.place_candidates));
+  if (query.not_of.empty()) {
+    const PlaceCandidateOptions& its = options.place_candidates;
+    std::vector<PlaceCandidate> places =
+        places_on_other_islands(world.map, newest, pool_.hints(world.map, newest, options), its);
+    if (query.is_late()) places = places_on_islands_in_turn(world.map, newest, places, its);
+    query.search.add(std::move(places));
+  }
   if (query.search.has_places())
     query.search.look_for(piece_of_way(world.map, query.newest_first, options.place_search));
   return options.place_search.step_price_us;
@@ -189,7 +196,7 @@ std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
 
 PlaceDecision Hypotheses::decide(World world, PlaceQuery& query) {
   const SearchTerms terms = terms_of(world.options);
-  if (query.is_asked_again()) {
+  if (query.is_late()) {
     PlaceDecision decision = query.search.decide(world.map, terms, world.options);
     counts_.ambiguous += decision.ambiguous ? 1 : 0;
     return decision;
@@ -201,10 +208,7 @@ PlaceDecision Hypotheses::decide(World world, PlaceQuery& query) {
   if (!decision.ambiguous) return decision;
   ++counts_.ambiguous;
   const std::optional<PlaceAnswer> answer = along.all_but_certain(world.map, world.options);
-  // Two islands that look alike may well be two buildings: they are joined by what is found once only.
-  if (!answer ||
-      world.map.graph().island(answer->anchor) != world.map.graph().island(query.newest_first.front()))
-    return decision;
+  if (!answer) return decision;
   decision = query.search.decide_on(*answer, world.map, terms, world.options);
   if (decision.find)
     decision.find->look_alikes =
@@ -217,7 +221,7 @@ void Hypotheses::forget_robot(const Map& map, const std::string& robot) {
   if (query_ && query_->robot == robot) query_.reset();
   const auto asks = [&](const PlaceQuery& query) { return query.robot == robot; };
   std::erase_if(queue_, asks);
-  std::erase_if(again_, asks);
+  std::erase_if(late_, asks);
   std::erase_if(ready_, asks);
   for (PlaceQuery& query : asked_)
     if (asks(query)) query.newest_first.clear();

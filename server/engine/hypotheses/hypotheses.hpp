@@ -23,11 +23,11 @@ namespace isthmus {
 struct PlaceQuery {
   std::vector<PatchId> newest_first;
   std::string robot;
-  double at_m = 0;                  ///< along its way
+  double at_m = 0;                  ///< along its way; 0: asked late, when the robot had gone on
   std::vector<std::string> not_of;  ///< by name: robots whose patches it was searched for among before
   PlaceSearcher search;
 
-  bool is_asked_again() const { return !not_of.empty(); }
+  bool is_late() const { return at_m <= 0; }
 
   auto members() { return std::tie(newest_first, robot, at_m, not_of, search); }
 };
@@ -37,7 +37,8 @@ struct PlaceQuery {
 /// covariance and on others anywhere. What is found there, once and only once, waits until several finds
 /// agree all around the loops that they form; those are proposed to the closures, which try them out beside
 /// the map. Where to search is looked up beside the engine (places_job.hpp), and searching is done in bounded
-/// steps on credit that grows with time, so no event waits long for it.
+/// steps on credit that grows with time, so no event waits long for it. Where more is asked than that is
+/// enough for, the newest come first, and the others once none waits, on their own island and some others.
 class Hypotheses {
  public:
   void advance(World world, Closures& closures);
@@ -54,7 +55,7 @@ class Hypotheses {
   /// tried once more: what is put on trial by one call is to be decided before the next. False: nothing was.
   void try_all_again() { pool_.try_all_again(); }
   bool propose_last(World world, Closures& closures);
-  bool has_work() const { return !queue_.empty() || !again_.empty() || looking_up_ || can_step(); }
+  bool has_work() const { return !queue_.empty() || !late_.empty() || looking_up_ || can_step(); }
 
   /// A robot's data is taken out.
   void forget_robot(const Map& map, const std::string& robot);
@@ -69,7 +70,7 @@ class Hypotheses {
   const std::deque<FindRecord>& found() const { return found_; }
 
   auto members() {
-    return std::tie(ways_, newest_, queue_, again_, asked_, looking_up_, ready_, query_, pool_, counts_,
+    return std::tie(ways_, newest_, queue_, late_, asked_, looking_up_, ready_, query_, pool_, counts_,
                     found_, credit_, patches_);
   }
 
@@ -86,7 +87,7 @@ class Hypotheses {
 
   void follow(World world);
   void note_patch(World world, const std::string& robot, PatchId patch);
-  void next_of_before(const HypothesisOptions& options);
+  void next_late(const HypothesisOptions& options);
   void look_up(World world);
   void end_look_up(const Map& map);
   void work(World world);
@@ -101,7 +102,7 @@ class Hypotheses {
   std::map<std::string, PatchId> newest_;
   // A query's way: it waits, its places are looked up beside the engine, it is ready, it is searched.
   std::deque<PlaceQuery> queue_;
-  std::deque<PlaceQuery> again_;   ///< of before a merge: they wait until there are no others
+  std::deque<PlaceQuery> late_;    ///< of before a merge, or put off: they wait until there are no others
   std::vector<PlaceQuery> asked_;  ///< what is being looked up; no patches: not wanted any more
   std::optional<PlacesJob> looking_up_;
   std::deque<PlaceQuery> ready_;

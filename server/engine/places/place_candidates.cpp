@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -187,6 +188,22 @@ std::vector<PlaceCandidate> places_on_other_islands(const Map& map, PatchId quer
     }
   }
   return places;
+}
+
+std::vector<PlaceCandidate> places_on_islands_in_turn(const Map& map, PatchId query,
+                                                      std::span<const PlaceCandidate> places,
+                                                      const PlaceCandidateOptions& options) {
+  std::map<IslandId, std::vector<PlaceCandidate>> islands;
+  for (const PlaceCandidate& place : places) islands[map.graph().island(place.anchor)].push_back(place);
+  std::vector<PlaceCandidate> taken;
+  if (islands.empty()) return taken;
+  auto island = std::next(islands.begin(), query.value % static_cast<std::ptrdiff_t>(islands.size()));
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    if (!taken.empty() && taken.size() + island->second.size() > options.max_places) break;
+    std::ranges::copy(island->second, std::back_inserter(taken));
+    if (++island == islands.end()) island = islands.begin();
+  }
+  return taken;
 }
 
 }  // namespace isthmus

@@ -46,4 +46,10 @@ std::vector<PlaceCandidate> places_on_other_islands(const Map& map, PatchId quer
                                                     std::span<const PlaceHint> hints,
                                                     const PlaceCandidateOptions& options);
 
+/// Of places on several islands those on as many of them as come to no more than are searched of one: what a
+/// search costs does not grow with the number of islands then. Another island is first from patch to patch.
+std::vector<PlaceCandidate> places_on_islands_in_turn(const Map& map, PatchId query,
+                                                      std::span<const PlaceCandidate> places,
+                                                      const PlaceCandidateOptions& options);
+
 }  // namespace isthmus

@@ -25,7 +25,7 @@ struct HypothesisOptions {
     option(query_every_m, "query_every_m", "m", "of a robot's way between two searches");
     option(max_piece_way_m, "max_piece_way_m", "m", "of its way that is searched for");
     option(min_piece_way_m, "min_piece_way_m", "m", "of its way before it is searched for");
-    option(max_queries, "max_queries", "count", "that wait; the oldest goes");
+    option(max_queries, "max_queries", "count", "that wait at a time; the oldest is put off until none does");
     option(min_score, "min_score", share_unit, "of the search at a place that is an answer");
     option(work_share, "work_share", share_unit, "of event time for the search");
     option(max_recorded_finds, "max_recorded_finds", "count", "that are told; the oldest goes");

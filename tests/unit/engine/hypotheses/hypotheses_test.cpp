@@ -101,6 +101,25 @@ TEST(Hypotheses, TellOfFindsThatAreTooUnsureToWaitToo) {
   EXPECT_EQ(forgetful.engine.copy().finds[0].query, map.finds.back().query) << "the newest";
 }
 
+// Nothing is searched before the end, and only one query waits for its turn.
+TEST(Hypotheses, WhoseTurnNewerOnesTakeAreSearchedForOnOtherIslandsToo) {
+  const auto after_the_end = [](std::size_t max_queries) {
+    EngineOptions options;
+    options.hypotheses.work_share = 0;
+    options.hypotheses.max_queries = max_queries;
+    InAHall hall(options);
+    hall.drive("R1", 16);
+    hall.drive("R2", 16);
+    hall.engine.finish();
+    return hall.engine.copy().hypotheses;
+  };
+  const HypothesisCounts in_turn = after_the_end(100);
+  const HypothesisCounts late = after_the_end(1);
+  EXPECT_GE(late.queries_put_off, 6);
+  EXPECT_GE(late.finds, 3);
+  EXPECT_EQ(late.finds, in_turn.finds);
+}
+
 /// Two robots that drove along the hall, R2 half a metre beside R1, and whose maps have become one where they
 /// began: how they lie to one another is known to a metre or so, and all of R2's is off by that.
 struct JoinedAtOneEnd {
@@ -114,9 +133,22 @@ struct JoinedAtOneEnd {
                                  map.relative_pose(first.front(), second.front()), {1, 1, 100}));
   }
   void ask_again(const std::vector<PatchId>& side) {
+    hypotheses.ask_again(map, side, options.hypotheses);
+    finish();
+  }
+  /// As if R2's patches came now; no time is left for searches.
+  void drive_second() {
+    options.hypotheses.work_share = 0;
+    Closures closures;
+    for (const PatchId id : second) {
+      robots["R2"].place.emplace();
+      robots["R2"].place->last_patch = id;
+      hypotheses.advance({map, robots, options}, closures);
+    }
+  }
+  void finish() {
     Closures closures;
     const World world{map, robots, options};
-    hypotheses.ask_again(map, side, options.hypotheses);
     hypotheses.begin_finish(world, closures);
     while (hypotheses.finish_search(world)) {
     }
@@ -129,6 +161,22 @@ struct JoinedAtOneEnd {
   std::vector<PatchId> second;
   Hypotheses hypotheses;
 };
+
+TEST(Hypotheses, WhoseTurnNewerOnesTakeAreSearchedWhenNoneWaits) {
+  JoinedAtOneEnd in_turn;
+  in_turn.drive_second();
+  in_turn.finish();
+  EXPECT_EQ(in_turn.hypotheses.counts().queries_put_off, 0);
+  JoinedAtOneEnd late;
+  late.options.hypotheses.max_queries = 1;
+  late.drive_second();
+  EXPECT_GE(late.hypotheses.counts().queries_put_off, 3);
+  late.finish();
+  EXPECT_EQ(late.hypotheses.counts().queries, in_turn.hypotheses.counts().queries);
+  EXPECT_EQ(late.hypotheses.counts().places_searched, in_turn.hypotheses.counts().places_searched);
+  EXPECT_GE(late.hypotheses.counts().finds, 2);
+  EXPECT_EQ(late.hypotheses.counts().finds, in_turn.hypotheses.counts().finds);
+}
 
 // Nobody drives there any more, and both had been there before the two were on one map.
 TEST(Hypotheses, AfterAMergeFindTheWaysOfOneSideOnTheOther) {

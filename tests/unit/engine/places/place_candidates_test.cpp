@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -134,6 +135,33 @@ TEST(PlacesOnOtherIslands, OfALargeIslandTakeTurns) {
     for (const PlaceCandidate& place : places) searched.insert(place.anchor);
   }
   EXPECT_EQ(searched.size(), 100U) << "ten patches later, all have been";
+}
+
+// Three islands with 25 places each: one fits into 40, two into 60.
+TEST(PlacesOnIslandsInTurn, AreAllOfSomeIslands) {
+  Map map;
+  const std::vector<PatchId> own = add_row(map, 10);
+  for (int i = 0; i < 3; ++i) add_rooms(map, 100);
+  const auto taken = [&](PatchId query, std::size_t most) {
+    PlaceCandidateOptions options;
+    options.max_places = most;
+    std::map<IslandId, int> places;
+    for (const PlaceCandidate& place :
+         places_on_islands_in_turn(map, query, places_on_other_islands(map, query, {}, options), options))
+      ++places[map.graph().island(place.anchor)];
+    return places;
+  };
+  std::set<IslandId> first;
+  for (const PatchId query : own) {
+    const std::map<IslandId, int> one = taken(query, 40);
+    ASSERT_EQ(one.size(), 1U);
+    EXPECT_EQ(one.begin()->second, 25);
+    first.insert(one.begin()->first);
+    EXPECT_EQ(taken(query, 60).size(), 2U);
+    EXPECT_EQ(taken(query, 75).size(), 3U);
+  }
+  EXPECT_EQ(first.size(), 3U) << "from patch to patch another is first";
+  EXPECT_TRUE(places_on_islands_in_turn(map, own.front(), {}, {}).empty());
 }
 
 TEST(PlacesOnOtherIslands, AreFirstThoseThatHintsName) {
