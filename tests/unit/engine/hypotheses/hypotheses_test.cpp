@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "server/engine/engine.hpp"
 #include "server/engine/hypotheses/find_record.hpp"
 #include "tests/support/walls.hpp"
@@ -14,10 +16,11 @@ namespace {
 
 using namespace isthmus::testing;
 
-// Robots that drive along a hall of which no two views are alike, 1 m/s, and see nobody.
+// Robots that drive along a hall, 1 m/s, and see nobody; if not told otherwise no two views of it are alike.
 class InAHall {
  public:
-  explicit InAHall(const EngineOptions& options = {}) {
+  explicit InAHall(const EngineOptions& options = {}, Walls walls = niched_hall(), double range_m = 20)
+      : walls_(std::move(walls)), range_m_(range_m) {
     Configuration configuration;
     configuration.engine = options;
     engine = Engine(configuration);
@@ -27,13 +30,13 @@ class InAHall {
     RobotEvent robot;
     robot.robot = name;
     robot.utime = utime_;
-    robot.laser = laser_of();
+    robot.laser = laser_of(range_m_);
     engine.handle({utime_, robot});
     for (double x = 0; x <= way_m; x += 0.2) {
       utime_ += 200'000;
       const Pose world_from_robot{x, 0.1, 0};
       engine.handle({utime_, OdometryEvent{name, utime_, world_from_robot}});
-      engine.handle({utime_, ScanEvent{name, scan_from(niched_hall(), world_from_robot, utime_)}});
+      engine.handle({utime_, ScanEvent{name, scan_from(walls_, world_from_robot, utime_, range_m_)}});
     }
     return engine.copy();
   }
@@ -41,8 +44,28 @@ class InAHall {
   Engine engine;
 
  private:
+  Walls walls_;
+  double range_m_;
   std::int64_t utime_ = 1'000'000'000;
 };
+
+// A hall of 14 m of which no two views are alike, and 36 m more that look alike every 6 m.
+Walls hall_that_goes_on_alike() {
+  Walls walls;
+  add_box(walls, -3, -2, 60, 2);
+  double x = -2;
+  double side = 1;
+  for (const double width : {0.4, 1.1, 0.6, 0.9, 0.3, 0.7}) {
+    add_box(walls, x, side * 2 - 0.5, x + width, side * 2 + 0.5);
+    x += 1.8 + width;
+    side = -side;
+  }
+  for (x = 14; x < 60; x += 6) {
+    add_box(walls, x, 1.5, x + 0.8, 2.5);
+    add_box(walls, x + 2.5, -2.5, x + 2.9, -1.5);
+  }
+  return walls;
+}
 
 // Every two metres, once five metres of way say enough to be looked for.
 TEST(Hypotheses, AskEveryTwoMetresOfARobotsWay) {
@@ -118,6 +141,24 @@ TEST(Hypotheses, WhoseTurnNewerOnesTakeAreSearchedForOnOtherIslandsToo) {
   EXPECT_GE(late.queries_put_off, 6);
   EXPECT_GE(late.finds, 3);
   EXPECT_EQ(late.finds, in_turn.finds);
+}
+
+TEST(Hypotheses, ThatFitAnotherIslandSeveralTimesAreToldApartByTheWayThere) {
+  InAHall hall({}, hall_that_goes_on_alike(), 6);
+  hall.drive("R1", 46);
+  hall.drive("R2", 46);
+  hall.engine.finish();
+  const MapCopy map = hall.engine.copy();
+  const auto at = [&](PatchId id) { return map.poses[static_cast<std::size_t>(id.value)]; };
+  EXPECT_GE(map.hypotheses.ambiguous, 3);
+  int among_look_alikes = 0;
+  for (const FindRecord& find : map.finds) {
+    ASSERT_NE(map.patches[static_cast<std::size_t>(find.query.value)]->robot,
+              map.patches[static_cast<std::size_t>(find.anchor.value)]->robot);
+    EXPECT_NEAR((at(find.anchor) * find.anchor_from_query).x, at(find.query).x, 0.5) << "not 6 m off";
+    among_look_alikes += find.look_alikes > 1 ? 1 : 0;
+  }
+  EXPECT_GE(among_look_alikes, 2);
 }
 
 /// Two robots that drove along the hall, R2 half a metre beside R1, and whose maps have become one where they
