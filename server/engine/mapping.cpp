@@ -123,8 +123,7 @@ void Mapping::work(std::int64_t) {
 }
 
 void Mapping::ask_again_what_merged() {
-  for (const std::vector<PatchId>& side : state_.closures.take_merged())
-    state_.hypotheses.ask_again(state_.map, side, options().hypotheses);
+  state_.hypotheses.ask_again(state_.map, state_.closures.take_merged(), options().hypotheses);
 }
 
 DropReason Mapping::take_way(Robot& robot, const OdometryEvent& event, Outcome& outcome) {

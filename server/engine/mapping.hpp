@@ -31,7 +31,17 @@ class Mapping : public Handling {
 
  private:
   /// What of finishing is next, in this order; not in snapshots, which are made of maps that go on.
-  enum class FinishStage { scans, trial, searches, finds, sightings, proximity_matching, fit };
+  /// Sightings that wait are tried before places are searched for: what they merge is searched as one map.
+  enum class FinishStage {
+    scans,
+    trial,
+    waiting_sightings,
+    searches,
+    finds,
+    sightings,
+    proximity_matching,
+    fit
+  };
 
   const EngineOptions& options() const { return state_.configuration.engine; }
   bool stage_step(Outcome& outcome);

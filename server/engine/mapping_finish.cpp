@@ -31,6 +31,8 @@ bool Mapping::stage_step(Outcome& outcome) {
       return false;
     case FinishStage::trial:
       return state_.closures.step_trial(state_.world());
+    case FinishStage::waiting_sightings:
+      return state_.closures.try_waiting(state_.world());
     case FinishStage::searches:
       return state_.hypotheses.finish_search(state_.world());
     case FinishStage::finds:
@@ -49,11 +51,13 @@ bool Mapping::stage_step(Outcome& outcome) {
 void Mapping::begin_stage() {
   switch (finish_stage_) {
     case FinishStage::searches:
+      ask_again_what_merged();
       state_.hypotheses.begin_finish(state_.world(), state_.closures);
       return;
     case FinishStage::finds:
       state_.hypotheses.try_all_again();
       return;
+    case FinishStage::waiting_sightings:
     case FinishStage::sightings:
       state_.closures.begin_finish(state_.world());
       return;
@@ -87,6 +91,8 @@ std::string_view Mapping::finishing() const {
       return "waiting scans";
     case Stage::trial:
       return "the running trial";
+    case Stage::waiting_sightings:
+      return "trials of waiting sightings";
     case Stage::searches:
       return "searches";
     case Stage::finds:

@@ -51,7 +51,7 @@ void Closures::begin_finish(World world) {
   tags_.place(world, observations_);
 }
 
-bool Closures::finish_step(World world) {
+bool Closures::try_waiting(World world) {
   if (step_trial(world)) return true;
   if (observations_.is_judging_again()) {
     observations_.judge_again(world);
@@ -60,7 +60,11 @@ bool Closures::finish_step(World world) {
   world.no_more_waiting = true;
   observations_.take_changed();
   propose(world);
-  if (on_trial() || observations_.has_changed() || observations_.is_judging_again()) return true;
+  return on_trial() || observations_.has_changed() || observations_.is_judging_again();
+}
+
+bool Closures::finish_step(World world) {
+  if (try_waiting(world)) return true;
   observations_.refuse_pool();
   return false;
 }
@@ -77,7 +81,8 @@ bool Closures::step_trial(World world) {
 
 void Closures::propose(World world) {
   if (on_trial()) return;
-  for (const SightingGroup& group : groups_of(world.map, observations_.pool(), world.options.closures)) {
+  for (const SightingGroup& group :
+       smallest_merges_first(world.map, groups_of(world.map, observations_.pool(), world.options.closures))) {
     const std::optional<GroupAgreement> agreement = proposer_.look_at(world, observations_.pool(), group);
     if (!agreement) continue;
     propose(world, group, *agreement);
@@ -165,7 +170,7 @@ void Closures::accept(World world, const Trial& trial, Entry& closure) {
                  closure.record.from_scans ? Reason::from_scans : closure.record.reason);
   const Reason reason = trial.proposal().merge ? Reason::merged_islands : Reason::closed_loop;
   observations_.set_verdict(closure.evidence, Verdict::accepted, reason, closure.record.id);
-  proposer_.forget();
+  proposer_.forget(trial.proposal().older, trial.proposal().younger);
 }
 
 void Closures::withdraw(World world, ClosureId contradicted) {

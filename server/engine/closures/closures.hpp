@@ -34,6 +34,8 @@ class Closures {
   /// The same to the end, when no more events will come: first this, then steps until one returns false.
   void begin_finish(World world);
   bool finish_step(World world);
+  /// One of the same steps, but what is left at their end is not refused: it may be worth something later.
+  bool try_waiting(World world);
   /// Whether something is on trial: one thing at a time.
   bool on_trial() const { return trials_.trial() != nullptr; }
   /// One step of the running trial, whatever the credit; false: nothing is on trial any more.

@@ -48,6 +48,15 @@ std::vector<SightingGroup> groups_of(const Map& map, const std::vector<Evidence>
   return all;
 }
 
+std::vector<SightingGroup> smallest_merges_first(const Map& map, std::vector<SightingGroup> groups) {
+  std::map<IslandId, std::size_t> patches;
+  for (const PatchPtr& patch : map.manifold().patches()) ++patches[map.graph().island(patch->id)];
+  std::ranges::stable_sort(groups, {}, [&](const SightingGroup& group) {
+    return group.is_merge() ? patches.at(group.older) + patches.at(group.younger) : 0;
+  });
+  return groups;
+}
+
 std::set<std::size_t> superfluous(const std::vector<Evidence>& pool, const std::vector<SightingGroup>& groups,
                                   std::int64_t now_utime, const ClosureOptions& options) {
   const std::size_t max_waiting = options.max_waiting;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 namespace isthmus {
 namespace {
@@ -118,6 +119,17 @@ std::optional<GroupAgreement> SightingProposer::look_at(World world, const std::
 void SightingProposer::forget() {
   tried_.clear();
   looked_at_.clear();
+}
+
+void SightingProposer::forget(IslandId older, IslandId younger) {
+  const auto is_of_them = [&](const auto& entry) {
+    const auto* merge = std::get_if<IslandPair>(&entry.first);
+    if (merge == nullptr) return true;
+    return merge->older == older || merge->older == younger || merge->younger == older ||
+           merge->younger == younger;
+  };
+  std::erase_if(tried_, is_of_them);
+  std::erase_if(looked_at_, is_of_them);
 }
 
 }  // namespace isthmus

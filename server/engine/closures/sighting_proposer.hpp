@@ -32,6 +32,9 @@ class SightingProposer {
   void note_trial(const GroupKey& key, std::size_t supporters) { tried_[key] = supporters; }
   /// The map, or what may be accepted, has changed: every group is worth a look.
   void forget();
+  /// Two islands have become one, or a loop has been closed on one (both the same): loops, and what joins
+  /// others to these, are worth a look. Of others nothing is new.
+  void forget(IslandId older, IslandId younger);
 
   auto members() { return std::tie(tried_, looked_at_); }
 

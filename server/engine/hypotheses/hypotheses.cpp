@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 #include <utility>
 
 namespace isthmus {
@@ -29,6 +30,8 @@ void Hypotheses::advance(World world, Closures& closures) {
 void Hypotheses::begin_finish(World world, Closures& closures) {
   pool_.take_outcomes(world, closures, counts_);
   follow(world);
+  for (auto& [robot, way] : ways_)  // of what was driven since it was last asked of
+    if (way.since_query_m > 0) ask(robot, way, world.options.hypotheses);
 }
 
 bool Hypotheses::finish_search(World world) {
@@ -73,7 +76,11 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
   way.recent.add(patch, step_m, options.max_piece_way_m);
   way.since_query_m += step_m;
   way.length_m += step_m;
-  if (way.since_query_m < options.query_every_m || way.recent.length_m() < options.min_piece_way_m) return;
+  if (way.since_query_m >= options.query_every_m) ask(robot, way, options);
+}
+
+void Hypotheses::ask(const std::string& robot, Way& way, const HypothesisOptions& options) {
+  if (way.recent.length_m() < options.min_piece_way_m) return;
   way.since_query_m = 0;
   PlaceQuery query;
   query.newest_first.assign(way.recent.newest_first.begin(), way.recent.newest_first.end());
@@ -89,20 +96,25 @@ void Hypotheses::note_patch(World world, const std::string& robot, PatchId patch
   }
 }
 
-void Hypotheses::ask_again(const Map& map, const std::vector<PatchId>& side,
+void Hypotheses::ask_again(const Map& map, std::span<const std::vector<PatchId>> sides,
                            const HypothesisOptions& options) {
-  std::map<std::string, std::vector<PatchId>> ways;
-  for (const PatchId id : side) {
-    const Patch& patch = map.manifold().patch(id);
-    if (!patch.points.empty()) ways[patch.robot].push_back(id);
-  }
-  std::vector<std::string> robots;
-  for (const auto& [robot, patches] : ways) robots.push_back(robot);
-  for (const auto& [robot, patches] : ways)
-    for (std::vector<PatchId>& piece : pieces_along(map.manifold(), patches, options)) {
-      late_.push_back({std::move(piece), robot, 0, robots, {}});
-      ++counts_.queries;
+  std::set<PatchId> asked;  // of the first side that it was on: more is new to that than to a later one
+  for (const std::vector<PatchId>& side : sides) {
+    std::map<std::string, std::vector<PatchId>> ways;
+    std::set<std::string> robots;
+    for (const PatchId id : side) {
+      const Patch& patch = map.manifold().patch(id);
+      if (patch.points.empty()) continue;
+      robots.insert(patch.robot);
+      if (asked.insert(id).second) ways[patch.robot].push_back(id);
     }
+    const std::vector<std::string> not_of(robots.begin(), robots.end());
+    for (const auto& [robot, patches] : ways)
+      for (std::vector<PatchId>& piece : pieces_along(map.manifold(), patches, options)) {
+        late_.push_back({std::move(piece), robot, 0, not_of, {}});
+        ++counts_.queries;
+      }
+  }
 }
 
 void Hypotheses::next_late(const HypothesisOptions& options) {

@@ -3,6 +3,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -42,13 +43,14 @@ struct PlaceQuery {
 class Hypotheses {
  public:
   void advance(World world, Closures& closures);
-  /// Islands have merged, of which these patches were one, the smaller: wherever its robots drove, they may
-  /// have driven on what the other has mapped. Their ways are searched for among the others' patches, when
-  /// nothing newer waits.
-  void ask_again(const Map& map, const std::vector<PatchId>& side, const HypothesisOptions& options);
+  /// Islands have merged one after the other, of which these patches were the smaller each time: wherever its
+  /// robots drove, they may have driven on what the other has mapped. Their ways are searched for among the
+  /// others' patches, when nothing newer waits; a patch that was on several of them is asked of once.
+  void ask_again(const Map& map, std::span<const std::vector<PatchId>> sides,
+                 const HypothesisOptions& options);
 
-  /// All that is left, as if nothing more will come, and with nothing on trial: first this, then searches
-  /// until there are no more,
+  /// All that is left, as if nothing more will come, and with nothing on trial: first this, which asks of the
+  /// way since a robot was last asked of too, then searches until there are no more,
   void begin_finish(World world, Closures& closures);
   bool finish_search(World world);
   /// then, as the maps are as large now as they will be and what was undecided may be plain, all that was
@@ -87,6 +89,8 @@ class Hypotheses {
 
   void follow(World world);
   void note_patch(World world, const std::string& robot, PatchId patch);
+  /// Has a robot's last metres searched for, where they are enough.
+  void ask(const std::string& robot, Way& way, const HypothesisOptions& options);
   void next_late(const HypothesisOptions& options);
   void look_up(World world);
   void end_look_up(const Map& map);

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "server/engine/engine.hpp"
 #include "server/engine/localising.hpp"
 #include "server/engine/mapping.hpp"
@@ -181,8 +184,14 @@ TEST(Mapping, FinishesInSteps) {
   EXPECT_EQ(room.engine.finishing(), "waiting scans");
   EXPECT_TRUE(room.engine.finish_step(outcome));
   EXPECT_EQ(room.engine.finishing(), "the running trial");
-  while (room.engine.finish_step(outcome)) {
-  }
+  std::vector<std::string> stages;
+  while (room.engine.finish_step(outcome))
+    if (stages.empty() || stages.back() != room.engine.finishing())
+      stages.emplace_back(room.engine.finishing());
+  EXPECT_EQ(stages,
+            (std::vector<std::string>{"trials of waiting sightings", "searches", "trials of finds",
+                                      "trials of sightings", "matches of nearby patches", "the last fit"}))
+      << "what waits merges islands before places are searched for on them";
   EXPECT_EQ(room.engine.finishing(), "waiting scans") << "whoever goes on may finish again";
 }
 

@@ -68,6 +68,21 @@ TEST(Closures, EndWhatIsOnTrialWhenNoMoreEventsCome) {
   EXPECT_EQ(met.count(Verdict::waiting), 0);
 }
 
+TEST(Closures, ThatWaitAreTriedBeforeTheEndAndRefusedAtIt) {
+  Meeting met;
+  met.closures.take(SideBySide::seen("R1", 12, 2, {3, 1}), "R2", false, SideBySide::utime(12));  // misread
+  met.closures.begin_finish(met.world());
+  while (met.closures.try_waiting(met.world())) {
+  }
+  EXPECT_EQ(met.islands(), 1U);
+  EXPECT_EQ(met.count(Verdict::refused), 0);
+  EXPECT_GE(met.count(Verdict::waiting), 1);
+  while (met.closures.finish_step(met.world())) {
+  }
+  EXPECT_GE(met.count(Verdict::refused), 1);
+  EXPECT_EQ(met.count(Verdict::waiting), 0);
+}
+
 TEST(Closures, TakeBackWhatOperatorsForbidUntilItIsAllowed) {
   Meeting met;
   met.work();

@@ -55,6 +55,21 @@ TEST(SightingGroups, AreLookedAtByTimeAndByAge) {
   EXPECT_LT(GroupKey(second), GroupKey(third));
 }
 
+TEST(SightingGroups, OfSmallIslandsAreTriedFirstAndLoopsBefore) {
+  SideBySide scene;  // of six patches each
+  const PatchId lone = scene.map.manifold().next_id();
+  scene.map.add(make_tag_patch(lone, 50, 0), {});
+  const PatchId first = scene.first[0], second = scene.second[0];
+  const std::vector<SightingGroup> groups =
+      smallest_merges_first(scene.map, {{IslandPair{first, second}, first, second, {0}},
+                                        {IslandPair{first, lone}, first, lone, {1}},
+                                        {IslandPair{second, lone}, second, lone, {2}},
+                                        {Encounter{"R1", "R2", 3}, first, first, {3}}});
+  std::vector<std::size_t> order;
+  for (const SightingGroup& group : groups) order.push_back(group.members.front());
+  EXPECT_EQ(order, (std::vector<std::size_t>{3, 1, 2, 0})) << "of equal ones that which was first";
+}
+
 TEST(Superfluous, AreLoopsThatHaveWaitedForTwoMinutes) {
   SideBySide scene;
   const std::vector<Evidence> pool = pool_of(scene, {10, 20});

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/support/side_by_side.hpp"
 
 namespace isthmus {
@@ -74,6 +76,22 @@ TEST(SightingProposer, AsksForHalfAsManyAgainAfterATrial) {
   EXPECT_FALSE(its.look());
   its.see(SideBySide::r2_sees_r1(12));
   EXPECT_TRUE(its.look());
+}
+
+TEST(SightingProposer, OfIslandsThatAreAsTheyWereAsksNothingAgain) {
+  Proposing its;
+  its.see_one_another(10);
+  its.see_one_another(14);
+  const PatchId older = its.scene.first[0], younger = its.scene.second[0];
+  its.proposer.note_trial(IslandPair{older, younger}, 4);
+  EXPECT_FALSE(its.look());
+  its.proposer.forget(PatchId{20}, PatchId{30});
+  EXPECT_FALSE(its.look()) << "others have merged";
+  for (const auto& [one, other] : {std::pair{older, PatchId{30}}, std::pair{PatchId{30}, younger}}) {
+    its.proposer.note_trial(IslandPair{older, younger}, 4);
+    its.proposer.forget(one, other);
+    EXPECT_TRUE(its.look()) << "one of them has grown";
+  }
 }
 
 TEST(SightingProposer, ComparesNoMoreThanTwoDozen) {

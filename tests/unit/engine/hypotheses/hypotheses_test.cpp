@@ -76,6 +76,20 @@ TEST(Hypotheses, AskEveryTwoMetresOfARobotsWay) {
   EXPECT_LE(asked, 6);
 }
 
+// A loop may be driven shut less than two metres before the end.
+TEST(Hypotheses, AskAtTheEndOfWhatWasDrivenSinceTheyLastAsked) {
+  InAHall hall;
+  const std::int64_t asked = hall.drive("R1", 9.5).hypotheses.queries;
+  hall.engine.finish();
+  EXPECT_EQ(hall.engine.copy().hypotheses.queries, asked + 1);
+  hall.engine.finish();
+  EXPECT_EQ(hall.engine.copy().hypotheses.queries, asked + 1) << "once";
+  InAHall short_of_a_piece;
+  short_of_a_piece.drive("R1", 4);
+  short_of_a_piece.engine.finish();
+  EXPECT_EQ(short_of_a_piece.engine.copy().hypotheses.queries, 0);
+}
+
 TEST(Hypotheses, SearchNothingWhereThereIsNoOtherPlace) {
   InAHall hall;
   hall.drive("R1", 16);
@@ -96,8 +110,8 @@ TEST(Hypotheses, OfTwoMapsThatShareOneHallWait) {
   EXPECT_EQ(map.graph.islands().size(), 2U);
   ASSERT_EQ(map.finds.size(), static_cast<std::size_t>(map.hypotheses.finds));
   for (const FindRecord& find : map.finds) {
-    EXPECT_EQ(map.patches[static_cast<std::size_t>(find.query.value)]->robot, "R2");
-    EXPECT_EQ(map.patches[static_cast<std::size_t>(find.anchor.value)]->robot, "R1");
+    EXPECT_NE(map.patches[static_cast<std::size_t>(find.query.value)]->robot,
+              map.patches[static_cast<std::size_t>(find.anchor.value)]->robot);
     EXPECT_EQ(find.way_m, 0) << "they are on two islands";
     EXPECT_TRUE(find.waits);
   }
@@ -173,8 +187,8 @@ struct JoinedAtOneEnd {
     map.relate(odometry_relation(first.front(), second.front(),
                                  map.relative_pose(first.front(), second.front()), {1, 1, 100}));
   }
-  void ask_again(const std::vector<PatchId>& side) {
-    hypotheses.ask_again(map, side, options.hypotheses);
+  void ask_again(const std::vector<std::vector<PatchId>>& sides) {
+    hypotheses.ask_again(map, sides, options.hypotheses);
     finish();
   }
   /// As if R2's patches came now; no time is left for searches.
@@ -222,7 +236,7 @@ TEST(Hypotheses, WhoseTurnNewerOnesTakeAreSearchedWhenNoneWaits) {
 // Nobody drives there any more, and both had been there before the two were on one map.
 TEST(Hypotheses, AfterAMergeFindTheWaysOfOneSideOnTheOther) {
   JoinedAtOneEnd joined;
-  joined.ask_again(joined.second);
+  joined.ask_again({joined.second});
   EXPECT_EQ(joined.hypotheses.counts().queries, 6);
   ASSERT_GE(joined.hypotheses.found().size(), 2U);
   for (const FindRecord& find : joined.hypotheses.found()) {
@@ -238,14 +252,28 @@ TEST(Hypotheses, AfterAMergeSearchNoneOfARobotsOwnSide) {
   JoinedAtOneEnd joined;
   std::vector<PatchId> both = joined.first;
   both.insert(both.end(), joined.second.begin(), joined.second.end());
-  joined.ask_again(both);
+  joined.ask_again({both});
   EXPECT_EQ(joined.hypotheses.counts().queries, 12);
   EXPECT_EQ(joined.hypotheses.counts().places_searched, 0);
 }
 
+// Its islands merged one after the other: what was on the smaller side both times is asked of once, of all
+// that was new to it the first time.
+TEST(Hypotheses, AfterSeveralMergesAskOncePerPieceOfWay) {
+  JoinedAtOneEnd joined;
+  std::vector<PatchId> both = joined.first;
+  both.insert(both.end(), joined.second.begin(), joined.second.end());
+  joined.ask_again({joined.second, both});
+  EXPECT_EQ(joined.hypotheses.counts().queries, 6 + 6);
+  ASSERT_GE(joined.hypotheses.found().size(), 2U);
+  for (const FindRecord& find : joined.hypotheses.found())
+    EXPECT_GE(find.query, joined.second.front()) << "of R1's nothing is new";
+}
+
 TEST(Hypotheses, OfBeforeAMergeAreNotAskedAgainForARobotWhoseDataIsDropped) {
   JoinedAtOneEnd joined;
-  joined.hypotheses.ask_again(joined.map, joined.second, joined.options.hypotheses);
+  joined.hypotheses.ask_again(joined.map, std::vector<std::vector<PatchId>>{joined.second},
+                              joined.options.hypotheses);
   EXPECT_TRUE(joined.hypotheses.has_work());
   joined.hypotheses.forget_robot(joined.map, "R2");
   EXPECT_FALSE(joined.hypotheses.has_work());
