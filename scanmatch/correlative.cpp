@@ -7,78 +7,17 @@
 #include <cstdint>
 #include <numbers>
 
+#include "scanmatch/fit_pyramid.hpp"
+
 namespace isthmus {
 namespace {
 
 constexpr int max_levels = 5;  // of the pyramid, above the cells: says how fast it is, not what it finds
 
-// How well a beam's end fits each cell, 0 to 255, and for each level the maximum over the 2^level x 2^level
-// cells to the upper right: a bound for every shift within that block. A margin of the widest block's width
-// is all 0, so that no shift of a beam within `half_extent_m` leads out of the grid.
-class FitPyramid {
- public:
-  FitPyramid(std::span<const Eigen::Vector2d> map, const Pose& centre, double half_extent_m,
-             const CorrelativeOptions& options, int levels)
-      : cell_m_(options.cell_m),
-        margin_(1 << levels),
-        origin_(centre.x - half_extent_m, centre.y - half_extent_m),
-        size_(static_cast<int>(2 * half_extent_m / options.cell_m) + 1),
-        side_(size_ + 2 * margin_) {
-    levels_.emplace_back(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_), std::uint8_t{0});
-    const int blur = static_cast<int>(std::ceil(options.blur_sigmas * options.blur_m / cell_m_));
-    for (const Eigen::Vector2d& point : map) stamp(point, blur, options.blur_m);
-    for (int level = 1; level <= levels; ++level) levels_.push_back(widen(levels_.back(), 1 << (level - 1)));
-  }
-
-  /// Index of the cell that a beam ends in; it moves by `step` for a shift in cells.
-  std::ptrdiff_t cell(const Eigen::Vector2d& end) const { return index(cell_x(end.x()), cell_y(end.y())); }
-  std::ptrdiff_t step(int x, int y) const { return static_cast<std::ptrdiff_t>(y) * side_ + x; }
-  const std::uint8_t* level(int level) const { return levels_[static_cast<std::size_t>(level)].data(); }
-
- private:
-  int cell_x(double x) const { return static_cast<int>(std::floor((x - origin_.x()) / cell_m_)); }
-  int cell_y(double y) const { return static_cast<int>(std::floor((y - origin_.y()) / cell_m_)); }
-  std::ptrdiff_t index(int x, int y) const { return step(x + margin_, y + margin_); }
-
-  void stamp(const Eigen::Vector2d& position, int blur, double blur_m) {
-    const int cx = cell_x(position.x());
-    const int cy = cell_y(position.y());
-    const auto fall = [&](int cell, double origin, double at) {
-      const double d = origin + (cell + 0.5) * cell_m_ - at;
-      return std::exp(-0.5 * d * d / (blur_m * blur_m));
-    };
-    const int left = std::max(0, cx - blur);
-    const int right = std::min(size_ - 1, cx + blur);
-    falls_x_.clear();
-    for (int x = left; x <= right; ++x) falls_x_.push_back(fall(x, origin_.x(), position.x()));
-    for (int y = std::max(0, cy - blur); y <= std::min(size_ - 1, cy + blur); ++y) {
-      const double fall_y = fall(y, origin_.y(), position.y());
-      std::uint8_t* row = levels_[0].data() + index(left, y);
-      for (const double fall_x : falls_x_) {
-        *row = std::max(*row, static_cast<std::uint8_t>(255 * (fall_x * fall_y)));
-        ++row;
-      }
-    }
-  }
-
-  // The maximum with what lies `shift` to the right, then with what lies `shift` above.
-  std::vector<std::uint8_t> widen(const std::vector<std::uint8_t>& below, int shift) const {
-    std::vector<std::uint8_t> level = below;
-    const auto right = static_cast<std::size_t>(shift);
-    for (std::size_t i = 0; i + right < level.size(); ++i) level[i] = std::max(below[i], below[i + right]);
-    const std::size_t up = right * static_cast<std::size_t>(side_);
-    for (std::size_t i = 0; i + up < level.size(); ++i) level[i] = std::max(level[i], level[i + up]);
-    return level;
-  }
-
-  double cell_m_;
-  int margin_;
-  Eigen::Vector2d origin_;
-  int size_;
-  int side_;
-  std::vector<std::vector<std::uint8_t>> levels_;
-  std::vector<double> falls_x_;
-};
+Eigen::Vector2d corner(const SearchWindow& window, double side, const CorrelativeOptions& options) {
+  const double half_m = options.reach_m + std::max(window.half_x_m, window.half_y_m);
+  return {window.centre.x + side * half_m, window.centre.y + side * half_m};
+}
 
 struct Shift {
   int x = 0;
@@ -96,14 +35,8 @@ class Search {
         half_x_(static_cast<int>(std::ceil(window.half_x_m / options.cell_m))),
         half_y_(static_cast<int>(std::ceil(window.half_y_m / options.cell_m))),
         top_(std::clamp(static_cast<int>(std::log2(std::max(half_x_, half_y_) + 1)), 0, max_levels)),
-        pyramid_(map, window.centre, options.reach_m + std::max(window.half_x_m, window.half_y_m), options,
-                 top_) {
-    const std::size_t stride =
-        std::max<std::size_t>(1, points.size() / static_cast<std::size_t>(options.max_points));
-    for (std::size_t i = stride / 2; i < points.size(); i += stride) {
-      if (points[i].position.norm() <= options.reach_m) beams_.push_back(points[i].position);
-    }
-  }
+        pyramid_(map, corner(window, -1, options), corner(window, 1, options), options, top_),
+        beams_(searched_beams(points, options)) {}
 
   CorrelativeResult run() {
     CorrelativeResult result;
@@ -242,6 +175,16 @@ class Search {
 };
 
 }  // namespace
+
+std::vector<Eigen::Vector2d> searched_beams(std::span<const ScanPoint> points,
+                                            const CorrelativeOptions& options) {
+  std::vector<Eigen::Vector2d> beams;
+  const std::size_t stride =
+      std::max<std::size_t>(1, points.size() / static_cast<std::size_t>(options.max_points));
+  for (std::size_t i = stride / 2; i < points.size(); i += stride)
+    if (points[i].position.norm() <= options.reach_m) beams.push_back(points[i].position);
+  return beams;
+}
 
 CorrelativeResult search_window(const LocalMap& local_map, std::span<const ScanPoint> points,
                                 const SearchWindow& window, const CorrelativeOptions& options) {

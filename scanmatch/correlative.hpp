@@ -68,6 +68,10 @@ struct CorrelativeResult {
   long evaluations = 0;          ///< the work it took
 };
 
+/// The ends of the beams that are searched for: within reach, thinned evenly.
+std::vector<Eigen::Vector2d> searched_beams(std::span<const ScanPoint> points,
+                                            const CorrelativeOptions& options);
+
 /// Correlative search by branch and bound over a pyramid of maximum grids: the pose of the window at which
 /// the beams' ends fall best on the local map's points. For predictions too uncertain for match_scan to start
 /// from.

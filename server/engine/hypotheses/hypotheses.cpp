@@ -133,11 +133,12 @@ void Hypotheses::look_up(World world) {
   asked_.assign(std::make_move_iterator(queue_.begin()), std::make_move_iterator(queue_.end()));
   queue_.clear();
   std::vector<PlaceQuestion> questions;
-  for (const PlaceQuery& query : asked_) {
-    const PatchId newest = query.newest_first.front();
-    questions.push_back({newest, pool_.hints(world.map, newest, world.options)});
-  }
-  looking_up_.emplace(world.map, std::move(questions), world.now_utime, world.options.place_candidates);
+  for (const PlaceQuery& query : asked_)
+    questions.push_back({query.newest_first,
+                         pool_.hints(world.map, query.newest_first.front(), world.options),
+                         query.not_of.empty(), query.is_late()});
+  looking_up_.emplace(world.map, std::move(questions), world.now_utime, world.options,
+                      terms_of(world.options).min_score_anywhere);
 }
 
 void Hypotheses::end_look_up(const Map& map) {
@@ -192,18 +193,9 @@ void Hypotheses::take(World world, const std::string& robot, Find find) {
 }
 
 std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
-  const EngineOptions& options = world.options;
-  const PatchId newest = query.newest_first.front();
-  if (query.not_of.empty()) {
-    const PlaceCandidateOptions& its = options.place_candidates;
-    std::vector<PlaceCandidate> places =
-        places_on_other_islands(world.map, newest, pool_.hints(world.map, newest, options), its);
-    if (query.is_late()) places = places_on_islands_in_turn(world.map, newest, places, its);
-    query.search.add(std::move(places));
-  }
-  if (query.search.has_places())
-    query.search.look_for(piece_of_way(world.map, query.newest_first, options.place_search));
-  return options.place_search.step_price_us;
+  const PlaceSearchOptions& its = world.options.place_search;
+  if (query.search.has_places()) query.search.look_for(piece_of_way(world.map, query.newest_first, its));
+  return its.step_price_us;
 }
 
 PlaceDecision Hypotheses::decide(World world, PlaceQuery& query) {

@@ -95,11 +95,11 @@ std::optional<Match> matched_with_odometry(const LocalMap& near, std::span<const
 }
 
 /// The best of the matches of a scan from one beginning after another.
-class BestFit {
+class WeighedFits {
  public:
   /// Keeps references.
-  BestFit(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
-          std::span<const ScanPoint> points, const EngineOptions& options)
+  WeighedFits(const Robot& robot, const Expectation& expectation, const LocalMap& local_map,
+              std::span<const ScanPoint> points, const EngineOptions& options)
       : place_(*robot.place),
         expectation_(expectation),
         local_map_(local_map),
@@ -256,7 +256,7 @@ Placement localise(const Robot& robot, const Expectation& expectation, const Loc
     return placement;
   }
 
-  BestFit fit(robot, expectation, local_map, points, options);
+  WeighedFits fit(robot, expectation, local_map, points, options);
   fit.try_all();
   if (fit.is_good()) return placement_of(fit.match(), expectation, 1, options);
   placement.reason = fit.match().ok ? Unmatched::low_score : Unmatched::few_pairs;

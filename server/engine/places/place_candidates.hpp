@@ -20,6 +20,8 @@ struct PlaceCandidate {
   /// How surely the map has the patch there, in all; infinite on another island.
   double sigma_m = std::numeric_limits<double>::infinity();
 
+  bool is_on_other_island() const { return way_m <= 0; }
+
   auto members() { return std::tie(anchor, window, way_m, sigma_m); }
 };
 

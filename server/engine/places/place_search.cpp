@@ -25,48 +25,12 @@ struct Cell {
   }
 };
 
-// One point for each cell that has any: the first.
-std::vector<ScanPoint> thinned(const LocalMap& local, double cell_m) {
-  std::vector<ScanPoint> points;
-  for (const LocalPatch& patch : local.patches) {
-    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(patch.local_from_patch.yaw).toRotationMatrix();
-    const Eigen::Vector2d origin = position(patch.local_from_patch);
-    for (const ScanPoint& point : patch.patch->points)
-      points.push_back({turn * point.position + origin, turn * point.normal, point.beam});
-  }
-  std::vector<Cell> cells;
-  cells.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    cells.push_back({Cell::place_of(points[i].position, cell_m), i});
-  std::ranges::sort(cells);
-  std::vector<ScanPoint> kept;
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    if (i == 0 || cells[i].place != cells[i - 1].place) kept.push_back(points[cells[i].index]);
-  return kept;
-}
-
-std::vector<Eigen::Vector2d> positions(const std::vector<ScanPoint>& points) {
-  std::vector<Eigen::Vector2d> positions;
-  positions.reserve(points.size());
-  for (const ScanPoint& point : points) positions.push_back(point.position);
-  return positions;
-}
-
 CorrelativeOptions in_place(const CorrelativeOptions& correlative, const PlaceSearchOptions& options) {
   CorrelativeOptions search = correlative;
   search.reach_m = options.reach_m;
   search.apart_m = options.common.apart_m;
   search.apart_rad = options.common.yaw_rad(options.common.apart_m);
   return search;
-}
-
-CorrelativeOptions coarse_options(const EngineOptions& options) {
-  CorrelativeOptions coarse = in_place(options.correlative, options.place_search);
-  coarse.cell_m *= options.place_search.coarse;
-  coarse.yaw_step_rad *= options.place_search.coarse;
-  coarse.blur_m *= options.place_search.coarse;
-  coarse.max_evaluations = options.place_search.coarse_evaluations;
-  return coarse;
 }
 
 CorrelativeOptions fine_options(const EngineOptions& options) {
@@ -130,6 +94,41 @@ double log_odds_of(const PlaceAnswer& answer, double carrier_score, const FindEv
 
 }  // namespace
 
+std::vector<ScanPoint> thinned_points(const LocalMap& local, double cell_m) {
+  std::vector<ScanPoint> points;
+  for (const LocalPatch& patch : local.patches) {
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(patch.local_from_patch.yaw).toRotationMatrix();
+    const Eigen::Vector2d origin = position(patch.local_from_patch);
+    for (const ScanPoint& point : patch.patch->points)
+      points.push_back({turn * point.position + origin, turn * point.normal, point.beam});
+  }
+  std::vector<Cell> cells;
+  cells.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    cells.push_back({Cell::place_of(points[i].position, cell_m), i});
+  std::ranges::sort(cells);
+  std::vector<ScanPoint> kept;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (i == 0 || cells[i].place != cells[i - 1].place) kept.push_back(points[cells[i].index]);
+  return kept;
+}
+
+std::vector<Eigen::Vector2d> positions(std::span<const ScanPoint> points) {
+  std::vector<Eigen::Vector2d> positions;
+  positions.reserve(points.size());
+  for (const ScanPoint& point : points) positions.push_back(point.position);
+  return positions;
+}
+
+CorrelativeOptions coarse_search(const EngineOptions& options) {
+  CorrelativeOptions coarse = in_place(options.correlative, options.place_search);
+  coarse.cell_m *= options.place_search.coarse;
+  coarse.yaw_step_rad *= options.place_search.coarse;
+  coarse.blur_m *= options.place_search.coarse;
+  coarse.max_evaluations = options.place_search.coarse_evaluations;
+  return coarse;
+}
+
 std::vector<PatchId> own_part(const Map& map, const RigidPiece& piece) {
   std::vector<PatchId> own;
   for (const LocalPatch& local : piece.local.patches) {
@@ -157,7 +156,7 @@ RigidPiece place_around(const Map& map, PatchId anchor, std::span<const PatchId>
   const std::size_t stride = (near.size() + its.max_place_patches - 1) / its.max_place_patches;
   for (std::size_t i = 0; i < near.size(); i += std::max<std::size_t>(1, stride))
     place.local.patches.push_back({map.manifold().shared_patch(near[i]->patch), near[i]->local_from_patch});
-  place.points = thinned(place.local, its.thin_m);
+  place.points = thinned_points(place.local, its.thin_m);
   return place;
 }
 
@@ -169,7 +168,7 @@ RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first,
   for (const PatchId id : newest_first)
     piece.local.patches.push_back(
         {map.manifold().shared_patch(id), ominus(map.manifold().pose(id), map_from_newest)});
-  piece.points = thinned(piece.local, options.thin_m);
+  piece.points = thinned_points(piece.local, options.thin_m);
   return piece;
 }
 
@@ -178,7 +177,7 @@ PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const
   PlaceSearch found;
   const std::vector<Eigen::Vector2d> known = positions(place.points);
   const CorrelativeResult coarse =
-      search_window(known, piece.points, window, coarse_options(options), min_score);
+      search_window(known, piece.points, window, coarse_search(options), min_score);
   found.exhausted = coarse.exhausted;
   found.evaluations = coarse.evaluations;
   // What a coarse step is off by and a fine one.

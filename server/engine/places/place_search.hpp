@@ -17,6 +17,10 @@ struct RigidPiece {
   auto members() { return std::tie(local, points); }
 };
 
+/// Points of a local map in its frame, one for each cell that has any: the first; and where they lie.
+std::vector<ScanPoint> thinned_points(const LocalMap& local, double cell_m);
+std::vector<Eigen::Vector2d> positions(std::span<const ScanPoint> points);
+
 /// A place to search: a patch with what is well determined relative to it nearby, but for some patches (by
 /// id).
 RigidPiece place_around(const Map& map, PatchId anchor, std::span<const PatchId> without,
@@ -40,6 +44,9 @@ struct PlaceAnswer {
 
   auto members() { return std::tie(anchor, anchor_from_piece, score, way_m, sigma_m); }
 };
+
+/// How a piece is first searched for, coarsely in the whole window.
+CorrelativeOptions coarse_search(const EngineOptions& options);
 
 /// The pose at which a piece fits a place best and, where there is one, the best well apart from it. Nothing
 /// that fits worse than `min_score`. First coarsely in the whole window, then finely about what is found.

@@ -13,7 +13,7 @@ void PlaceSearcher::add(std::vector<PlaceCandidate> places) {
 std::int64_t PlaceSearcher::search_next(const RigidPiece& place, const SearchTerms& terms,
                                         const EngineOptions& options) {
   const PlaceCandidate candidate = places_[next_++];
-  const double min_score = candidate.way_m > 0 ? terms.min_score : terms.min_score_anywhere;
+  const double min_score = candidate.is_on_other_island() ? terms.min_score_anywhere : terms.min_score;
   const PlaceSearch search = search_place(
       place, piece_, candidate.window, std::max(min_score, options.ambiguity.share * best_score_), options);
   if (search.exhausted) search_halves(candidate, terms.min_half_window_rad);

@@ -5,27 +5,31 @@
 #include <tuple>
 #include <vector>
 
+#include "server/engine/input/engine_options.hpp"
 #include "server/engine/places/place_candidates.hpp"
 
 namespace isthmus {
 
-/// A patch whose place is asked for, with what waiting finds say of it.
+/// A piece of a robot's way whose places are asked for, with what waiting finds say of its newest patch.
 struct PlaceQuestion {
-  PatchId patch;
+  std::vector<PatchId> newest_first;
   std::vector<PlaceHint> hints;
+  bool on_other_islands = true;  ///< as well as on its own,
+  bool in_turn = false;          ///< on some of them (places_on_islands_in_turn)
 };
 
-/// Looks up where some patches may lie on their own islands, on a copy of the map and in a thread of its own:
-/// what `places_on_own_island` asks of a whole island takes longer the larger it is. Begun at one event, and
+/// Looks up where some pieces of way may lie, on a copy of the map and in a thread of its own: what
+/// `places_on_own_island` asks of a whole island takes longer the larger it is, and so does the survey by
+/// which places of other islands are left out where a piece cannot lie with a score. Begun at one event, and
 /// applied at a later one that a rule decides (3 ms a patch after it, so that it is hardly ever late). Who
 /// asks earlier waits.
 class PlacesJob {
  public:
-  using Places = std::vector<std::vector<PlaceCandidate>>;  ///< by question
+  using Places = std::vector<std::vector<PlaceCandidate>>;  ///< by question: own island first
 
   PlacesJob() = default;  ///< to be read from a snapshot
   PlacesJob(const Map& map, std::vector<PlaceQuestion> questions, std::int64_t now_utime,
-            const PlaceCandidateOptions& options);
+            const EngineOptions& options, double min_score_elsewhere);
 
   bool is_due(std::int64_t now_utime) const { return now_utime >= due_utime_; }
   /// Waits for the result where it is late.

@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <set>
+#include <utility>
+
 #include "tests/support/walls.hpp"
+#include "tests/support/ways.hpp"
 
 namespace isthmus {
 namespace {
@@ -50,27 +55,70 @@ void expect_same(const std::vector<PlaceCandidate>& given, const std::vector<Pla
   }
 }
 
+/// What is asked of the newest patch and the four before.
+PlaceQuestion question_of(std::int32_t newest) {
+  PlaceQuestion question;
+  for (std::int32_t i = newest; i > newest - 5; --i) question.newest_first.push_back(PatchId{i});
+  return question;
+}
+
+constexpr double any_score = 0;
+
 TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
   Map map = round_a_walled_block();
-  const std::vector<PlaceQuestion> asked = {{PatchId{38}, {}}, {PatchId{5}, {}}, {PatchId{36}, {}}};
+  const std::vector<PlaceQuestion> asked = {question_of(38), question_of(5), question_of(36)};
   std::vector<std::vector<PlaceCandidate>> expected;
-  for (const PlaceQuestion& one : asked) expected.push_back(places_on_own_island(map, one.patch, {}, {}));
+  for (const PlaceQuestion& one : asked)
+    expected.push_back(places_on_own_island(map, one.newest_first.front(), {}, {}));
   ASSERT_FALSE(expected.at(0).empty());
 
-  const PlacesJob job(map, asked, 0, {});
+  const PlacesJob job(map, asked, 0, {}, any_score);
   map.move_island(PatchId{0}, {3, 4, 1});
   map.refit_island(PatchId{0});
   ASSERT_EQ(job.places().size(), asked.size());
   for (std::size_t i = 0; i < asked.size(); ++i) expect_same(job.places()[i], expected[i]);
 }
 
+TEST(PlacesJob, LooksOnOtherIslandsWhereThatIsAsked) {
+  Map map = round_a_walled_block();
+  for (int island = 0; island < 2; ++island) {
+    const Map other = round_a_walled_block();
+    const int first = map.manifold().next_id().value;
+    for (const PatchPtr& patch : other.manifold().patches()) {
+      Patch copy = *patch;
+      copy.id = map.manifold().next_id();
+      const Pose pose = other.manifold().pose(patch->id);
+      map.add(std::make_shared<const Patch>(std::move(copy)), pose);
+    }
+    for (int i = first + 1; i < first + 39; ++i)
+      map.relate(
+          odometry_relation(PatchId{i - 1}, PatchId{i}, map.relative_pose(PatchId{i - 1}, PatchId{i})));
+  }
+  const auto islands = [&](const PlaceQuestion& question, double min_score = any_score) {
+    EngineOptions options;
+    options.place_candidates.max_places = 12;  // of one island as many as there are
+    std::set<IslandId> found;
+    const PlacesJob job(map, {question}, 0, options, min_score);
+    for (const PlaceCandidate& place : job.places()[0]) found.insert(map.graph().island(place.anchor));
+    return found;
+  };
+  PlaceQuestion question = question_of(38);
+  EXPECT_EQ(islands(question), (std::set<IslandId>{PatchId{0}, PatchId{39}, PatchId{78}}));
+  EXPECT_EQ(islands(question, 0.5).size(), 3U) << "they are the same building";
+  EXPECT_EQ(islands(question, 1).size(), 1U) << "where the piece cannot lie with that score";
+  question.in_turn = true;
+  EXPECT_EQ(islands(question).size(), 2U) << "its own and another";
+  question.on_other_islands = false;
+  EXPECT_EQ(islands(question), (std::set<IslandId>{PatchId{0}}));
+}
+
 TEST(PlacesJob, IsDueByTheTimeThatPassesAndTheSizeOfTheMapAlone) {
   const Map map = round_a_walled_block();
-  const PlacesJob job(map, {{PatchId{38}, {}}}, 5'000'000, {});
+  const PlacesJob job(map, {question_of(38)}, 5'000'000, {}, any_score);
   EXPECT_FALSE(job.is_due(5'000'000));
   EXPECT_FALSE(job.is_due(5'116'999));
   EXPECT_TRUE(job.is_due(5'117'000));
-  const PlacesJob later(map, {{PatchId{38}, {}}}, 6'000'000, {});
+  const PlacesJob later(map, {question_of(38)}, 6'000'000, {}, any_score);
   EXPECT_FALSE(later.is_due(6'116'999));
 }
 
