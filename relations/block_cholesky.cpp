@@ -146,10 +146,9 @@ void BlockCholesky<N>::factor() {
 }
 
 template <int N>
-void BlockCholesky<N>::solve(std::span<Vector> x) const {
+template <class Rows>
+void BlockCholesky<N>::solve_in_order(std::vector<Rows>& y) const {
   const int size = static_cast<int>(pivot_.size());
-  std::vector<Vector> y(at(size));
-  for (int i = 0; i < size; ++i) y[at(order_[at(i)])] = x[at(i)];
   for (int c = 0; c < size; ++c)
     for (std::size_t k = begin_[at(c)]; k < begin_[at(c) + 1]; ++k)
       y[at(row_[k])].noalias() -= lower_[k] * y[at(c)];
@@ -158,7 +157,24 @@ void BlockCholesky<N>::solve(std::span<Vector> x) const {
     for (std::size_t k = begin_[at(c)]; k < begin_[at(c) + 1]; ++k)
       y[at(c)].noalias() -= lower_[k].transpose() * y[at(row_[k])];
   }
-  for (int i = 0; i < size; ++i) x[at(i)] = y[at(order_[at(i)])];
+}
+
+template <int N>
+void BlockCholesky<N>::solve(std::span<Vector> x) const {
+  std::vector<Vector> y(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) y[at(order_[i])] = x[i];
+  solve_in_order(y);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = y[at(order_[i])];
+}
+
+template <int N>
+std::vector<typename BlockCholesky<N>::Block> BlockCholesky<N>::inverse_column(int j) const {
+  std::vector<Block> y(pivot_.size(), Block::Zero());
+  y[at(order_[at(j)])].setIdentity();
+  solve_in_order(y);
+  std::vector<Block> by_row(y.size());
+  for (std::size_t i = 0; i < y.size(); ++i) by_row[i] = y[at(order_[i])];
+  return by_row;
 }
 
 /// Lᵀ⁻¹ diag(diagonal) L⁻¹, its diagonal blocks in place.

@@ -49,6 +49,9 @@ class BlockCholesky {
   /// Chen 1973; Erisman and Tinney 1975).
   std::vector<Block> inverse_diagonal() const;
 
+  /// The blocks of one block column of A⁻¹, by row.
+  std::vector<Block> inverse_column(int j) const;
+
   /// One diagonal block of A⁻¹, by a forward solve along its elimination path.
   Block inverse_diagonal(int i) const;
 
@@ -58,6 +61,9 @@ class BlockCholesky {
   void find_pattern(int size, std::span<const std::pair<int, int>> pairs);
   void invert_pivot(int column);
   std::size_t find(int row, int column) const;
+  /// A⁻¹ y in place, in elimination order.
+  template <class Rows>
+  void solve_in_order(std::vector<Rows>& y) const;
   void selected_inverse(std::vector<Block>& diagonal) const;
   static Block with_undetermined(const Block& covariance, const Block& null_share);
 

@@ -83,6 +83,40 @@ std::vector<Eigen::Matrix3d> exact_relative_covariances(const RelationGraph& gra
   return found;
 }
 
+IslandCovariances::IslandCovariances(const RelationGraph& graph, std::span<const Pose> poses, IslandId island)
+    : poses_(poses),
+      row_(graph.patch_count(), -1),
+      information_(reduced_information(graph, poses, graph.patches_of(island))) {
+  const std::vector<PatchId> patches = graph.patches_of(island);
+  for (std::size_t i = 1; i < patches.size(); ++i) row_[index(patches[i])] = static_cast<int>(i) - 1;
+  information_.factor();
+}
+
+// Of the patches' poses in the plane, by the Jacobians of b's pose in a's frame.
+std::vector<Eigen::Matrix3d> IslandCovariances::relative_to(PatchId a,
+                                                            std::span<const PatchId> others) const {
+  if (!information_.positive_definite()) return {};
+  const int row_of_a = row_[index(a)];
+  const std::vector<Eigen::Matrix3d> with_a =
+      row_of_a < 0 ? std::vector<Eigen::Matrix3d>(row_.size(), Eigen::Matrix3d::Zero())
+                   : information_.inverse_column(row_of_a);
+  const auto own = [&](int row) -> Eigen::Matrix3d {
+    return row < 0 ? Eigen::Matrix3d::Zero() : information_.inverse_diagonal(row);
+  };
+  const Eigen::Matrix3d of_a = own(row_of_a);
+  std::vector<Eigen::Matrix3d> found;
+  for (const PatchId b : others) {
+    const int row_of_b = row_[index(b)];
+    const OminusJacobians jacobians = ominus_jacobians(poses_[index(b)], poses_[index(a)]);
+    Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
+    if (row_of_b >= 0)
+      cross = jacobians.by_q * with_a[static_cast<std::size_t>(row_of_b)] * jacobians.by_pi.transpose();
+    found.push_back(jacobians.by_pi * of_a * jacobians.by_pi.transpose() + cross + cross.transpose() +
+                    jacobians.by_q * own(row_of_b) * jacobians.by_q.transpose());
+  }
+  return found;
+}
+
 bool well_determined(const Eigen::Matrix3d& relative_covariance, const ConfidenceThreshold& threshold) {
   const Eigen::Matrix2d position = relative_covariance.topLeftCorner<2, 2>();
   const double middle = 0.5 * position.trace();

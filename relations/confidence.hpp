@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "relations/block_cholesky.hpp"
 #include "relations/graph.hpp"
 
 namespace isthmus {
@@ -34,6 +35,23 @@ std::optional<Eigen::Matrix3d> local_relative_covariance(const RelationGraph& gr
 std::vector<Eigen::Matrix3d> exact_relative_covariances(const RelationGraph& graph,
                                                         std::span<const Pose> poses, PatchId a,
                                                         std::span<const PatchId> others);
+
+/// The same of an island of which much is asked: one factorisation, with its oldest patch held, for whatever
+/// patches the covariances are relative to. Rounding leaves a share of 1e-8 or so of how well either end is
+/// determined relative to the oldest patch: not for what lies near (local_relative_covariances).
+class IslandCovariances {
+ public:
+  /// `poses` must live on.
+  IslandCovariances(const RelationGraph& graph, std::span<const Pose> poses, IslandId island);
+
+  /// Each of `others` relative to a; all on this island. Empty where its information is singular.
+  std::vector<Eigen::Matrix3d> relative_to(PatchId a, std::span<const PatchId> others) const;
+
+ private:
+  std::span<const Pose> poses_;
+  std::vector<int> row_;  ///< by patch id; -1: held, or elsewhere
+  BlockCholesky<3> information_;
+};
 
 struct ConfidenceThreshold {
   double position_m = 0.5;

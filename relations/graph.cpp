@@ -1,8 +1,6 @@
 #include "relations/graph.hpp"
 
 #include <algorithm>
-#include <boost/graph/adjacency_list.hpp>
-#include <boost/graph/connected_components.hpp>
 #include <stdexcept>
 #include <string>
 
@@ -55,7 +53,7 @@ void set_least(Relation& relation) {
 void RelationGraph::add_patch(PatchId id) {
   if (!id.valid() || index(id) != of_.size())
     throw std::invalid_argument("patch " + text(id) + " added to a graph of " + std::to_string(of_.size()));
-  of_.emplace_back();
+  of_.push_back({});
   island_parent_.push_back(id);
 }
 
@@ -79,7 +77,9 @@ bool RelationGraph::is_sound() const {
     ++relations;
     for (const PatchId end : {relation.a, relation.b}) of[index(end)].push_back(relation.id);
   }
-  if (of != of_ || relations != relation_count_ || island_parent_.size() != of_.size()) return false;
+  if (relations != relation_count_ || island_parent_.size() != of_.size()) return false;
+  for (std::size_t i = 0; i < of.size(); ++i)
+    if (of[i] != of_[i]) return false;
   // No parent is above its child, or the way to an island's lowest id would not end.
   for (std::size_t i = 0; i < of_.size(); ++i)
     if (!island_parent_[i].valid() || index(island_parent_[i]) > i) return false;
@@ -94,8 +94,8 @@ RelationId RelationGraph::add(Relation relation) {
   check_ends(relation);
   relation.id = RelationId{static_cast<std::int32_t>(stored_.size())};
   set_least(relation);
-  of_[index(relation.a)].push_back(relation.id);
-  of_[index(relation.b)].push_back(relation.id);
+  of_.own(index(relation.a)).push_back(relation.id);
+  of_.own(index(relation.b)).push_back(relation.id);
   DisjointSets(island_parent_).join(relation.a, relation.b);
   ++relation_count_;
   const RelationId id = relation.id;
@@ -109,8 +109,8 @@ bool RelationGraph::take_away(RelationId id) {
   if (!relation) return false;
   const PatchId a = relation->a;
   const PatchId b = relation->b;
-  for (const PatchId end : {a, b}) std::erase(of_[index(end)], id);
-  stored_[index(id)].reset();
+  for (const PatchId end : {a, b}) std::erase(of_.own(index(end)), id);
+  stored_.own(index(id)).reset();
   --relation_count_;
   return !hops(a, b, 2);
 }
@@ -206,16 +206,12 @@ std::optional<int> RelationGraph::hops(PatchId a, PatchId b, int limit) const {
 }
 
 void RelationGraph::find_islands() {
-  boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS> graph(of_.size());
-  for (const auto& [id, relation] : relations()) boost::add_edge(index(relation.a), index(relation.b), graph);
-  std::vector<std::size_t> component(of_.size());
-  const std::size_t count = boost::connected_components(graph, component.data());
-  std::vector<PatchId> lowest(count);
-  for (std::size_t i = 0; i < of_.size(); ++i) {
-    PatchId& least = lowest[component[i]];
-    if (!least.valid()) least = PatchId{static_cast<std::int32_t>(i)};
-    island_parent_[i] = least;
-  }
+  for (std::size_t i = 0; i < island_parent_.size(); ++i)
+    island_parent_[i] = PatchId{static_cast<std::int32_t>(i)};
+  DisjointSets islands(island_parent_);
+  for (const auto& [id, relation] : relations()) islands.join(relation.a, relation.b);
+  for (PatchId& parent : island_parent_)
+    parent = island_parent_[index(parent)];  // the lowest has come before
 }
 
 }  // namespace isthmus

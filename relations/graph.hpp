@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "relations/chunked_vector.hpp"
 #include "relations/relation.hpp"
 
 namespace isthmus {
@@ -17,10 +18,10 @@ namespace isthmus {
 /// The relations between patches, and the islands they make: patches are on one island if and only if some
 /// sequence of relations connects them (Howard et al. 2006, IV-C).
 ///
-/// A value: a copy is a version of the graph of its own. Stored relations are immutable and shared between
-/// copies, so a copy costs one pointer a relation. Reading one graph from several threads is safe.
+/// A value: a copy is a version of the graph of its own. Copies share what neither changes, so one costs
+/// little more than a number a patch. Reading one graph from several threads is safe.
 class RelationGraph {
-  using Stored = std::vector<std::shared_ptr<const Relation>>;  // by id; null where taken away
+  using Stored = ChunkedVector<std::shared_ptr<const Relation>>;  // by id; null where taken away
 
  public:
   /// Pairs (id, relation) in order of their ids.
@@ -34,8 +35,11 @@ class RelationGraph {
       using pointer = void;
       using reference = value_type;
 
-      Iterator(Stored::const_iterator at, Stored::const_iterator end) : at_(at), end_(end) { skip_absent(); }
-      value_type operator*() const { return {(*at_)->id, **at_}; }
+      Iterator(const Stored& stored, std::size_t at) : stored_(&stored), at_(at) { skip_absent(); }
+      value_type operator*() const {
+        const Relation& relation = *(*stored_)[at_];
+        return {relation.id, relation};
+      }
       Iterator& operator++() {
         ++at_;
         skip_absent();
@@ -45,14 +49,15 @@ class RelationGraph {
 
      private:
       void skip_absent() {
-        while (at_ != end_ && !*at_) ++at_;
+        while (at_ < stored_->size() && !(*stored_)[at_]) ++at_;
       }
-      Stored::const_iterator at_, end_;
+      const Stored* stored_;
+      std::size_t at_;
     };
 
     Relations(const Stored& stored, std::size_t size) : stored_(&stored), size_(size) {}
-    Iterator begin() const { return {stored_->begin(), stored_->end()}; }
-    Iterator end() const { return {stored_->end(), stored_->end()}; }
+    Iterator begin() const { return {*stored_, 0}; }
+    Iterator end() const { return {*stored_, stored_->size()}; }
     std::size_t size() const { return size_; }
     bool empty() const { return size_ == 0; }
 
@@ -110,7 +115,7 @@ class RelationGraph {
 
   Stored stored_;
   std::size_t relation_count_ = 0;
-  std::vector<std::vector<RelationId>> of_;
+  ChunkedVector<std::vector<RelationId>> of_;  // by patch id
   // Disjoint sets, joined by lowest id as relations are added and found anew where a removal may part them.
   std::vector<PatchId> island_parent_;
 };

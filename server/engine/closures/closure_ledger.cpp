@@ -46,6 +46,11 @@ ClosureLedger::Entry* ClosureLedger::find(ClosureId id) {
   return found == entries_.end() ? nullptr : &found->second;
 }
 
+const ClosureLedger::Entry* ClosureLedger::find(ClosureId id) const {
+  const auto found = entries_.find(id);
+  return found == entries_.end() ? nullptr : &found->second;
+}
+
 void ClosureLedger::decide(Entry& entry, ClosureState state, Reason reason, double value) {
   entry.record.state = state;
   entry.record.reason = reason;

@@ -48,6 +48,7 @@ class ClosureLedger {
   Entry& at(ClosureId id) { return entries_.at(id); }
   /// Nothing for an id that was never proposed.
   Entry* find(ClosureId id);
+  const Entry* find(ClosureId id) const;
 
   /// Where scans proposed it, they get the outcome.
   void decide(Entry& entry, ClosureState state, Reason reason, double value = 0);

@@ -68,19 +68,23 @@ std::optional<MergeAccount> contradicted_merge(const World& world, const TagPatc
   const TrialOptions& its = world.options.trial;
   const Dependencies dependencies(graph);
   std::optional<MergeAccount> worst;
-  for (const auto& [id, merge] : ledger.entries()) {
-    if (merge.record.kind != ClosureKind::merge || merge.record.state != ClosureState::accepted) continue;
+  const PatchId first = refused.record.joining.first, second = refused.record.joining.second;
+  for (const ClosureId id : closures_between(graph, dependencies, first, second)) {
+    const Entry* merge = ledger.find(id);
+    if (merge == nullptr || merge->record.kind != ClosureKind::merge ||
+        merge->record.state != ClosureState::accepted)
+      continue;
     const RelationGraph rest = without(graph, dependencies, id);
-    if (!parted(rest, refused.record.joining.first, refused.record.joining.second)) continue;
+    if (!parted(rest, first, second)) continue;
     MergeAccount account{
         id,
-        log_odds_of_agreeing(merge.evidence.size(), its) + by_what_matches(merge.record.account, its),
+        log_odds_of_agreeing(merge->evidence.size(), its) + by_what_matches(merge->record.account, its),
         log_odds_of_agreeing(contradicting(ledger, rest), its),
         {}};
     if (account.contradicting <= account.supporting) continue;
     account.agreed = agreed(world, tags, observations, rest);
-    account.supporting = log_odds_of_agreeing(merge.evidence.size() + account.agreed.size(), its) +
-                         by_what_matches(merge.record.account, its);
+    account.supporting = log_odds_of_agreeing(merge->evidence.size() + account.agreed.size(), its) +
+                         by_what_matches(merge->record.account, its);
     if (account.contradicting <= account.supporting) continue;
     if (!worst || account.contradicting - account.supporting > worst->contradicting - worst->supporting)
       worst = std::move(account);

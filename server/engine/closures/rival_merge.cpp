@@ -93,13 +93,14 @@ std::optional<RivalledMerge> rivalled_merge(const World& world, const ClosureLed
   const Dependencies dependencies(graph);
   const double as_rival = log_odds(on_trial(rival.record.account), rival.record.account, its);
   std::optional<RivalledMerge> least;
-  for (const auto& [id, merge] : ledger.entries()) {
-    if (!may_be_wrong(merge)) continue;
+  for (const ClosureId id : closures_between(graph, dependencies, joining.first, joining.second)) {
+    const Entry* merge = ledger.find(id);
+    if (merge == nullptr || !may_be_wrong(*merge)) continue;
     const RelationGraph apart = without(graph, dependencies, id);
     if (apart.island(joining.first) == apart.island(joining.second)) continue;
     const Overlay overlay = as_it_lies(world.map, apart, joining, world.options);
     const RivalledMerge found{
-        id, log_odds(overlay, merge.record.account, its) + log_odds_of_agreeing(merge.evidence.size(), its),
+        id, log_odds(overlay, merge->record.account, its) + log_odds_of_agreeing(merge->evidence.size(), its),
         as_rival};
     if (!is_likelier(found, its.min_loop_log_odds)) continue;
     if (!least || found.as_it_lies < least->as_it_lies) least = found;

@@ -37,7 +37,7 @@ void Hypotheses::begin_finish(World world, Closures& closures) {
 bool Hypotheses::finish_search(World world) {
   if (!has_work()) return false;
   look_up(world);
-  if (looking_up_) end_look_up(world.map);
+  if (looking_up_) end_look_up();
   if (can_step()) step(world);
   return true;
 }
@@ -126,7 +126,7 @@ void Hypotheses::next_late(const HypothesisOptions& options) {
 
 // All that wait are looked up together, once those before them have had their turn.
 void Hypotheses::look_up(World world) {
-  if (looking_up_ && looking_up_->is_due(world.now_utime)) end_look_up(world.map);
+  if (looking_up_ && looking_up_->is_due(world.now_utime)) end_look_up();
   if (looking_up_ || !ready_.empty()) return;
   if (queue_.empty()) next_late(world.options.hypotheses);
   if (queue_.empty()) return;
@@ -135,21 +135,17 @@ void Hypotheses::look_up(World world) {
   std::vector<PlaceQuestion> questions;
   for (const PlaceQuery& query : asked_)
     questions.push_back({query.newest_first,
-                         pool_.hints(world.map, query.newest_first.front(), world.options),
+                         pool_.hints(world.map, query.newest_first.front(), world.options), query.not_of,
                          query.not_of.empty(), query.is_late()});
   looking_up_.emplace(world.map, std::move(questions), world.now_utime, world.options,
                       terms_of(world.options).min_score_anywhere);
 }
 
-void Hypotheses::end_look_up(const Map& map) {
+void Hypotheses::end_look_up() {
   const PlacesJob::Places& found = looking_up_->places();
   for (std::size_t i = 0; i < asked_.size(); ++i) {
     if (asked_[i].newest_first.empty()) continue;
-    std::vector<PlaceCandidate> places = found[i];
-    std::erase_if(places, [&](const PlaceCandidate& place) {
-      return std::ranges::binary_search(asked_[i].not_of, map.manifold().patch(place.anchor).robot);
-    });
-    asked_[i].search.add(std::move(places));
+    asked_[i].search.add(found[i]);
     ready_.push_back(std::move(asked_[i]));
   }
   asked_.clear();

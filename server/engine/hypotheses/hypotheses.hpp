@@ -93,7 +93,7 @@ class Hypotheses {
   void ask(const std::string& robot, Way& way, const HypothesisOptions& options);
   void next_late(const HypothesisOptions& options);
   void look_up(World world);
-  void end_look_up(const Map& map);
+  void end_look_up();
   void work(World world);
   bool can_step() const { return query_ || !ready_.empty(); }
   /// One bounded piece of the search; what it costs, in nominal microseconds.

@@ -125,6 +125,11 @@ RelationGraph without(const RelationGraph& graph, const Dependencies& dependenci
 }
 
 std::vector<ClosureId> closures_between(const RelationGraph& graph, PatchId a, PatchId b) {
+  return closures_between(graph, Dependencies(graph), a, b);
+}
+
+std::vector<ClosureId> closures_between(const RelationGraph& graph, const Dependencies& dependencies,
+                                        PatchId a, PatchId b) {
   Relation newest;
   newest.id = RelationId{std::numeric_limits<std::int32_t>::max()};
   newest.a = a;
@@ -132,7 +137,6 @@ std::vector<ClosureId> closures_between(const RelationGraph& graph, PatchId a, P
   const auto anything = [](const Relation&) { return true; };
   const auto way = PastGraph(graph).way(newest, graph.patch_count(), anything);
   if (!way) return {};
-  const Dependencies dependencies(graph);
   std::set<ClosureId> closures;
   for (const RelationId link : *way)
     for (const ClosureId closure : dependencies.of(link)) closures.insert(closure);

@@ -43,7 +43,10 @@ class Dependencies {
 RelationGraph without(const RelationGraph& graph, const Dependencies& dependencies, ClosureId closure);
 
 /// The closures by which a map knows how two of its patches lie to one another: those on which the shortest
-/// way between them depends. By id; none where they are not connected.
+/// way between them depends. By id; none where they are not connected. Whatever closure's end would part the
+/// two is among them.
 std::vector<ClosureId> closures_between(const RelationGraph& graph, PatchId a, PatchId b);
+std::vector<ClosureId> closures_between(const RelationGraph& graph, const Dependencies& dependencies,
+                                        PatchId a, PatchId b);
 
 }  // namespace isthmus

@@ -13,17 +13,17 @@ namespace {
 
 constexpr std::size_t max_abandoned = 4;  // so many threads at most are for nothing
 
-// How sure a link may be that is to blame rather than the drift of the whole way: which of the links it is,
-// nobody knew before.
-double max_blamed_log_odds(const FitJob::LoopQuestion& question, std::span<const Pose> poses,
-                           const Eigen::Matrix3d& covariance) {
+// Log-odds that the loop is open for another reason than by the drift of the whole way, or by a slip that
+// nobody knows the place of.
+double log_odds_of_blame(const FitJob::LoopQuestion& question, std::span<const Pose> poses,
+                         const Eigen::Matrix3d& covariance) {
   const OpenLoop& loop = question.loop;
   const Pose &of_a = poses[index(question.a)], &of_b = poses[index(question.b)];
   const bool a_is_first = std::ranges::find(loop.first, question.a) != loop.first.end();
   const Pose moved = a_is_first ? loop.first_from_second : inverse(loop.first_from_second);
-  return std::log(std::max(1.0, loop.way_m / question.link_spacing_m)) -
-         drift_log_odds(ominus(moved * of_b, of_a), ominus(of_b, of_a), covariance, loop.way_m,
-                        question.drift);
+  const Pose found = ominus(moved * of_b, of_a), mapped = ominus(of_b, of_a);
+  return -(question.may_have_slipped ? revisit_log_odds(found, mapped, covariance, loop.way_m, question.drift)
+                                     : drift_log_odds(found, mapped, covariance, loop.way_m, question.drift));
 }
 
 // `poses` are those before; the result's those of the fit with the loop, which costs so much.
@@ -34,10 +34,15 @@ void answer(const FitJob::LoopQuestion& question, const RelationGraph& graph, st
   if (covariances.empty()) return;
   result.covariance = covariances.front();
   result.rests_on = closures_between(question.before, question.a, question.b);
-  const double max_log_odds = max_blamed_log_odds(question, poses, *result.covariance);
-  std::optional<Blame> found = blame({question.loop, question.before, poses, graph, cost, max_log_odds,
-                                      log_search_window(question.loop.way_m, question.drift), question.reach},
-                                     question.weak_links);
+  // Which of the links, or of the loops closed before, is wrong was not known before.
+  const double odds = log_odds_of_blame(question, poses, *result.covariance);
+  const double links = std::max(1.0, question.loop.way_m / question.link_spacing_m);
+  const auto loops = static_cast<double>(question.loop.closed_before.size());
+  std::optional<Blame> found =
+      blame({question.loop, question.before, poses, graph, cost, odds + std::log(links),
+             log_search_window(question.loop.way_m, question.drift), question.reach,
+             odds + std::log(question.may_have_slipped ? loops : links)},
+            question.weak_links);
   if (!found) return;
   result.blamed = std::move(found->wrong);
   result.blamed_closure = found->closure;
@@ -61,7 +66,7 @@ FitJob::Result fit_copy(const RelationGraph& graph, const std::vector<Pose>& pos
 FitJob::FitJob(const Map& map, IslandId island, std::int64_t now_utime, std::optional<LoopQuestion> question,
                const MapFitOptions& options)
     : island_(island) {
-  const auto patches = static_cast<std::int64_t>(map.manifold().size());
+  const std::int64_t patches = std::ranges::ssize(map.graph().patches_of(island));
   events_left_ = patches;
   due_utime_ = now_utime + patches * options.us_per_patch;
   std::vector<Pose> poses(map.manifold().poses().begin(), map.manifold().poses().end());

@@ -18,8 +18,8 @@
 namespace isthmus {
 
 /// A fit of a whole island on a copy of the map, in a thread of its own: begun at one event, and applied at a
-/// later one that a rule decides (after as many events as there are patches, or 20 ms a patch, so that it is
-/// hardly ever late). A caller who asks earlier waits.
+/// later one that a rule decides (after as many events as the island has patches, or 20 ms a patch, so that
+/// it is hardly ever late). A caller who asks earlier waits.
 class FitJob {
  public:
   struct Result {
@@ -49,6 +49,9 @@ class FitJob {
     WeakLinkOptions weak_links;
     PlaceCandidateOptions drift;  ///< how far the map may have drifted on the way between them
     double link_spacing_m = 1;    ///< between links on that way
+    /// The loop may be taken for one that is open because something slipped: nothing is to blame then that is
+    /// surer than that.
+    bool may_have_slipped = false;
   };
 
   FitJob() = default;  ///< to be read from a snapshot

@@ -175,7 +175,7 @@ LocalLoop find_local_loop(const Map& map, const Surroundings& near_surroundings,
                           PatchId new_patch, const EngineOptions& options) {
   Surroundings surroundings = near_surroundings;
   if (others_near(map, surroundings, local_from_robot, options)) {
-    surroundings.update(map, surroundings.reference(), options, Surroundings::By::all,
+    surroundings.update(map, surroundings.reference(), options, Surroundings::By::both,
                         options.surroundings.loop_patches);
   }
   LoopQuery query;

@@ -54,12 +54,13 @@ void Surroundings::update(const Map& map, PatchId reference, const EngineOptions
   looked_at_ = map.graph().nearest_in_graph(reference, max_patches);
   stamp_ = map.stamp(looked_at_);
   const Pose& map_from_reference = map.manifold().pose(reference);
-  const auto by_scans = local_relative_covariances(map.graph(), map.manifold().poses(), reference,
-                                                   max_patches, says_where_walls_are);
-  const auto covariances =
-      by == By::all && any_coarse(map.graph(), looked_at_)
-          ? local_relative_covariances(map.graph(), map.manifold().poses(), reference, max_patches)
-          : by_scans;
+  using Covariances = std::map<PatchId, Eigen::Matrix3d>;
+  const auto covariances_by = [&](const std::function<bool(const Relation&)>& counts) {
+    return local_relative_covariances(map.graph(), map.manifold().poses(), reference, max_patches, counts);
+  };
+  const Covariances by_scans = by == By::all ? Covariances{} : covariances_by(says_where_walls_are);
+  const bool are_alike = by == By::scans || (by == By::both && !any_coarse(map.graph(), looked_at_));
+  const Covariances covariances = are_alike ? by_scans : covariances_by({});
   patches_.push_back({reference, Pose{}, Eigen::Matrix3d::Zero(), true, true});
   const ConfidenceThreshold loop{options.surroundings.loop_position_m, options.surroundings.loop_yaw_rad};
   for (const auto& [id, covariance] : covariances) {

@@ -29,8 +29,9 @@ struct Determined {
 class Surroundings {
  public:
   /// By which relations patches are determined here. What scans and odometry say is all that localisation
-  /// needs; where loops may close, sightings tell where to look.
-  enum class By { scans, all };
+  /// needs; where loops may close, sightings tell where to look. By all, which of them make the local map is
+  /// left open; where that is asked too, it is by both, which costs twice as much.
+  enum class By { scans, all, both };
 
   /// Looks again if the reference, or the graph near it, has changed since.
   void update(const Map& map, PatchId reference, const EngineOptions& options, By by) {

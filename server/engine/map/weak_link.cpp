@@ -38,6 +38,19 @@ double cost_of_island(const RelationGraph& graph, IslandId island, std::span<con
   return sum;
 }
 
+// What relations cost by their noise alone, where the map had their patches before, and so much as three
+// degrees of freedom cost at most: whoever takes them away saves that, whether they were wrong or not.
+double cost_of_noise(const Contradiction& map, std::span<const RelationId> relations) {
+  constexpr double expected = 0.5 * 3;
+  double sum = 0;
+  for (const RelationId id : relations) {
+    const Relation& its = *map.before.find(id);
+    sum +=
+        std::min(expected, cost(its, ominus(map.poses_before[index(its.b)], map.poses_before[index(its.a)])));
+  }
+  return sum;
+}
+
 double misfit(const Relation& relation, std::span<const Pose> poses) {
   return chi_squared(relation.measurement, ominus(poses[index(relation.b)], poses[index(relation.a)]));
 }
@@ -100,7 +113,8 @@ std::optional<Blame> weakest_link(const Contradiction& map, const WeakLinkOption
   RelationGraph without = map.fitted;
   without.remove(link->relations);
   FitReport report = fit_island(without, island_of(map), poses);
-  if (!report.ok || map.cost - report.cost_after < link->log_odds) return std::nullopt;
+  if (!report.ok || map.cost - report.cost_after - cost_of_noise(map, link->relations) < link->log_odds)
+    return std::nullopt;
   std::vector<RelationId> wrong = link->relations;
   std::erase_if(wrong, [&](RelationId id) { return agrees(*map.fitted.find(id), poses, options); });
   if (wrong.size() < link->relations.size()) {
@@ -110,7 +124,8 @@ std::optional<Blame> weakest_link(const Contradiction& map, const WeakLinkOption
     if (!report.ok) return std::nullopt;
   }
   const double log_odds = link->log_odds;
-  return Blame{log_odds, *std::move(link), {}, std::move(wrong), report.cost_after, std::move(poses)};
+  const double cost = report.cost_after + cost_of_noise(map, wrong);
+  return Blame{log_odds, *std::move(link), {}, std::move(wrong), cost, std::move(poses)};
 }
 
 std::vector<RelationId> resting_on(const RelationGraph& graph, ClosureId closure) {
@@ -123,15 +138,16 @@ std::vector<RelationId> resting_on(const RelationGraph& graph, ClosureId closure
 
 // The way from where the earlier closure bent the map to may be long: the linear solution knows no way.
 std::optional<Blame> earlier_closure(const Contradiction& map, const UncertainClosure& earlier) {
-  if (earlier.log_odds > map.max_log_odds) return std::nullopt;
+  if (earlier.log_odds > std::min(map.max_log_odds, map.max_closure_log_odds)) return std::nullopt;
   std::vector<RelationId> wrong = resting_on(map.before, earlier.id);
   RelationGraph without = map.fitted;
   without.remove(wrong);
   if (wrong.empty() || without.islands().size() != map.fitted.islands().size()) return std::nullopt;
   std::vector<Pose> poses(map.poses_before.begin(), map.poses_before.end());
   const FitReport report = fit_island(without, island_of(map), poses, {.chordal_start = true});
-  if (!report.ok || map.cost - report.cost_after < earlier.log_odds) return std::nullopt;
-  return Blame{earlier.log_odds, {}, earlier.id, std::move(wrong), report.cost_after, std::move(poses)};
+  const double cost = report.cost_after + cost_of_noise(map, wrong);
+  if (!report.ok || map.cost - cost < earlier.log_odds) return std::nullopt;
+  return Blame{earlier.log_odds, {}, earlier.id, std::move(wrong), cost, std::move(poses)};
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -46,8 +47,8 @@ struct Blame {
   WeakestCut link;                ///< nothing in it: an earlier closure is to blame,
   ClosureId closure;              ///< this
   std::vector<RelationId> wrong;  ///< those that do not agree with the closure, by id
-  double cost = 0;                ///< of the fit with the closure and without those
-  std::vector<Pose> poses;        ///< of the island by that fit
+  double cost = 0;          ///< of the fit with the closure and without those, and of the noise of those
+  std::vector<Pose> poses;  ///< of the island by that fit
 };
 
 /// How far robots can have gone from one of their patches to another.
@@ -72,13 +73,15 @@ struct Contradiction {
   double log_window;  ///< logarithm of the volume (m² rad) that was searched: a place that looks alike is
                       ///< anywhere in it
   const Reach& reach;
+  /// The same of a loop that was closed before.
+  double max_closure_log_odds = std::numeric_limits<double>::infinity();
 };
 
 /// Whether the link that is weakest around a loop, or a loop that was closed before, was wrong, rather than
 /// all relations off by a little: where the island, fitted with the closure, costs more than without the
-/// culprit by more than the log-odds that it is right. (The costs are negative log-likelihoods.) Of several
-/// that which explains most. A link is the surer the farther off it would have to be, what slips does so by
-/// metres, and certain where no robot gets so far.
+/// culprit, beyond what its own noise costs in any case, by more than the log-odds that it is right. (The
+/// costs are negative log-likelihoods.) Of several that which explains most. A link is the surer the farther
+/// off it would have to be, what slips does so by metres, and certain where no robot gets so far.
 std::optional<Blame> blame(const Contradiction& map, const WeakLinkOptions& options);
 
 }  // namespace isthmus

@@ -9,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include "relations/confidence.hpp"
 #include "server/engine/map/ways.hpp"
 
 namespace isthmus {
@@ -105,9 +104,14 @@ bool narrow(double& centre, double& half, double most, const PlaceCandidateOptio
 }
 
 // Where the patch may be for all that its way may have drifted.
-std::vector<Rough> rough_places(const Map& map, PatchId query, std::span<const PlaceHint> hints,
+std::vector<Rough> rough_places(const Map& map, const PlaceQuestion& question,
                                 const PlaceCandidateOptions& options) {
   const Manifold& manifold = map.manifold();
+  const PatchId query = question.newest_first.front();
+  const auto may_lie_on = [&](PatchId id) {
+    return sees_walls(map, id) &&
+           std::ranges::find(question.not_of, manifold.patch(id).robot) == question.not_of.end();
+  };
   const Pose& here = manifold.pose(query);
   const IslandId island = map.graph().island(query);
   const std::vector<double> ways = ways_over_relations_m(map, std::span(&query, 1));
@@ -118,8 +122,8 @@ std::vector<Rough> rough_places(const Map& map, PatchId query, std::span<const P
     const Pose& its = manifold.pose(id);
     const double distance = std::hypot(its.x - here.x, its.y - here.y);
     const double drift = options.min_drift_m + options.drift_per_way * ways[i];
-    if (distance > options.reach_m + drift || !sees_walls(map, id)) continue;
-    rough.push_back({id, ways[i], hinted(its, island, hints, options).value_or(distance / drift)});
+    if (distance > options.reach_m + drift || !may_lie_on(id)) continue;
+    rough.push_back({id, ways[i], hinted(its, island, question.hints, options).value_or(distance / drift)});
   }
   return rough;
 }
@@ -151,15 +155,16 @@ std::optional<PlaceCandidate> candidate_at(const Map& map, PatchId query, const 
 
 }  // namespace
 
-std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
-                                                 std::span<const PlaceHint> hints,
+std::vector<PlaceCandidate> places_on_own_island(const Map& map, const PlaceQuestion& question,
+                                                 const IslandCovariances& island,
                                                  const PlaceCandidateOptions& options) {
-  std::vector<Rough> rough = rough_places(map, query, hints, options);
+  const PatchId query = question.newest_first.front();
+  std::vector<Rough> rough = rough_places(map, question, options);
   if (rough.empty()) return {};
   const std::vector<Rough> anchors = anchors_of(map, std::move(rough), query, options);
   std::vector<PatchId> others;
   for (const Rough& anchor : anchors) others.push_back(anchor.anchor);
-  const auto covariances = exact_relative_covariances(map.graph(), map.manifold().poses(), query, others);
+  const std::vector<Eigen::Matrix3d> covariances = island.relative_to(query, others);
   std::vector<PlaceCandidate> places;
   for (std::size_t i = 0; i < covariances.size(); ++i) {
     const auto place = candidate_at(map, query, anchors[i], covariances[i], options);

@@ -2,9 +2,11 @@
 
 #include <limits>
 #include <span>
+#include <string>
 #include <tuple>
 #include <vector>
 
+#include "relations/confidence.hpp"
 #include "scanmatch/correlative.hpp"
 #include "server/engine/input/engine_options.hpp"
 #include "server/engine/map/drift.hpp"
@@ -34,12 +36,21 @@ struct PlaceHint {
   auto members() { return std::tie(island, island_from_patch, drift_m); }
 };
 
+/// A piece of a robot's way whose places are asked for, with what waiting finds say of its newest patch.
+struct PlaceQuestion {
+  std::vector<PatchId> newest_first;
+  std::vector<PlaceHint> hints;
+  std::vector<std::string> not_of;  ///< by name: robots on whose patches it does not lie
+  bool on_other_islands = true;     ///< as well as on its own,
+  bool in_turn = false;             ///< on some of them (places_on_islands_in_turn)
+};
+
 /// Places of the patch's own island that are far from it over the map's relations, but whose projection could
 /// come to lie on it within the relative covariance. Those so well determined that a find could only be what
 /// the map says are left out: local loops are for local_loop.hpp. First those that hints name, then the
 /// likeliest; where there are more than are searched at once, others in turn from patch to patch.
-std::vector<PlaceCandidate> places_on_own_island(const Map& map, PatchId query,
-                                                 std::span<const PlaceHint> hints,
+std::vector<PlaceCandidate> places_on_own_island(const Map& map, const PlaceQuestion& question,
+                                                 const IslandCovariances& island,
                                                  const PlaceCandidateOptions& options);
 
 /// Places of all other islands that are worth a name: nothing but hints says where on them the patch lies.

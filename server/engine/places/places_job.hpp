@@ -10,14 +10,6 @@
 
 namespace isthmus {
 
-/// A piece of a robot's way whose places are asked for, with what waiting finds say of its newest patch.
-struct PlaceQuestion {
-  std::vector<PatchId> newest_first;
-  std::vector<PlaceHint> hints;
-  bool on_other_islands = true;  ///< as well as on its own,
-  bool in_turn = false;          ///< on some of them (places_on_islands_in_turn)
-};
-
 /// Looks up where some pieces of way may lie, on a copy of the map and in a thread of its own: what
 /// `places_on_own_island` asks of a whole island takes longer the larger it is, and so does the survey by
 /// which places of other islands are left out where a piece cannot lie with a score. Begun at one event, and

@@ -21,7 +21,7 @@ int contradicting_pairs(const RelationGraph& graph, std::span<const PatchPtr> pa
 
 LayersJob::LayersJob(const Map& map, IslandId island, RelationGraph graph_before,
                      std::vector<Pose> poses_before, std::int64_t now_utime, const MapFitOptions& options)
-    : due_utime_(now_utime + static_cast<std::int64_t>(map.manifold().size()) * options.us_per_patch) {
+    : due_utime_(now_utime + std::ranges::ssize(map.graph().patches_of(island)) * options.us_per_patch) {
   pairs_ = std::async(std::launch::async, [map, island, graph_before = std::move(graph_before),
                                            poses_before = std::move(poses_before)] {
     const std::vector<PatchId> patches = map.graph().patches_of(island);

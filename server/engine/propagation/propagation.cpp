@@ -93,14 +93,21 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   if (near.empty()) return false;
   Surroundings surroundings;
   surroundings.update(map, id, options, Surroundings::By::all);
-  const auto wanted = [&](const Determined& determined) {
+  const auto is_wanted = [&](const Determined& determined) {
     if (!std::ranges::binary_search(near, determined.patch)) return false;
     if (!before_ && !determined.by_all_relations) return false;
     return !determined.by_all_relations || shows(map, determined, patch.points, options);
   };
+  std::vector<PatchId> wanted;
+  for (const Determined& determined : surroundings.patches())
+    if (is_wanted(determined)) wanted.push_back(determined.patch);
+  if (wanted.empty()) return false;
+  std::ranges::sort(wanted);
   LoopQuery query;
   query.points = patch.points;
-  query.among = wanted;
+  query.among = [&](const Determined& determined) {
+    return std::ranges::binary_search(wanted, determined.patch);
+  };
   query.patch = id;
   query.origin = origin_;
   query.partly_known = true;

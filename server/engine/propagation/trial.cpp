@@ -57,7 +57,8 @@ void Trial::begin_fit(std::int64_t now_utime, bool with_gate) {
                              {{patches.begin(), patches.end()}, robots.max_speed_m_per_s, robots.slack_m},
                              options_.weak_links,
                              options_.place_candidates,
-                             options_.patch_spacing_m};
+                             options_.patch_spacing_m,
+                             proposal_.from_scans};
   }
   job_ = std::make_unique<FitJob>(map_, map_.graph().island(proposal_.relations.front().a), now_utime,
                                   std::move(question), options_.map_fit);
@@ -114,6 +115,8 @@ void Trial::end_fit() {
     stage_ = Stage::done;
     return;
   }
+  if (gate_before_ && !proposal_.from_scans)
+    proposal_.cautious = !blamed_.empty() || hardly_known(result.covariance);
   account_.rests_on = result.rests_on;
   if (proposal_.revisit)
     account_.revisit_log_odds = blamed_.empty() ? revisit_log_odds(result.covariance) : blamed_log_odds();
@@ -151,10 +154,14 @@ bool Trial::step(std::int64_t now_utime) {
   return true;
 }
 
-// Finds are as exact as matches: the fit that begins the trial brings what is near to its place. Where the
-// loop was open by much, or two maps are joined, what is farther off comes there only by what matches on the
-// way.
-bool Trial::refits() const { return !proposal_.from_scans || proposal_.merge || proposal_.cautious; }
+// The fit that begins the trial brings what is near to its place, by finds as exactly as by matches and by
+// sightings to some centimetres. Where the loop was open by much, or two maps are joined, what is farther off
+// comes there only by what matches on the way.
+bool Trial::refits() const { return proposal_.merge || proposal_.cautious; }
+
+bool Trial::hardly_known(const std::optional<Eigen::Matrix3d>& covariance) const {
+  return !covariance || std::sqrt(covariance->topLeftCorner<2, 2>().trace()) > options_.surroundings.reach_m;
+}
 
 // A few dozen places that match tell as much as a thousand: the rest is matched where robots come
 // (proximity_matching.hpp). But where either of two maps may lie in the other as a whole, only how much of

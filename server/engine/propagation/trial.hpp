@@ -45,7 +45,7 @@ struct Proposal {
   bool from_scans = false;  ///< relations are of scans that agree, nobody has seen anybody
   /// What the map may err by beyond its covariance, where the loop closes: variances of x, y, yaw.
   Eigen::Vector3d beyond_covariance = systematic_variance(0, {});
-  bool cautious = false;           ///< the map hardly knows how its ends lie: fitted as more matches
+  bool cautious = true;            ///< the map hardly knows how its ends lie: fitted as more matches
   int look_alikes = 1;             ///< places that look alike, of which this is one
   double prior_log_odds = 0;       ///< that it is true, before it is tried
   std::optional<Revisit> revisit;  ///< of a loop from scans
@@ -88,6 +88,7 @@ class Trial {
   int patches_touched() const { return static_cast<int>(propagation_.matched().size()); }
   /// Relations of the map that it takes out: wrong, if the closure is right.
   const std::vector<RelationId>& blamed() const { return blamed_; }
+  int fits() const { return fits_; }  ///< of whole islands
   int work_steps() const { return propagation_.steps() + fits_; }
 
   /// Takes what was accepted over into the map, which may have grown since.
@@ -114,6 +115,7 @@ class Trial {
   bool tells_enough() const;
   /// Whether the map is fitted anew while more and more of it matches.
   bool refits() const;
+  bool hardly_known(const std::optional<Eigen::Matrix3d>& covariance) const;
   void judge(std::int64_t now_utime);
   void judge_sightings();
   /// Why sightings are refused that `disagree` by more than their noise or do not; `none` if they are not.

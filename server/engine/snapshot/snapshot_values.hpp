@@ -19,6 +19,7 @@
 #include <string>
 #include <tuple>
 
+#include "relations/chunked_vector.hpp"
 #include "relations/relation.hpp"
 #include "server/engine/input/words.hpp"
 #include "server/engine/map/fit_job.hpp"
@@ -86,6 +87,21 @@ void serialize(Archive& archive, Id<Tag>& id) {
     const auto end = static_cast<std::int64_t>(archive.context.patches.size());
     if (id.value < -1 || id.value > end) throw std::runtime_error("it names a patch that it lacks");
   }
+}
+
+/// As a std::vector.
+template <class Archive, class T, std::size_t chunk_size>
+void save(Archive& archive, const ChunkedVector<T, chunk_size>& values) {
+  archive(cereal::make_size_tag(static_cast<cereal::size_type>(values.size())));
+  for (std::size_t i = 0; i < values.size(); ++i) archive(values[i]);
+}
+
+template <class Archive, class T, std::size_t chunk_size>
+void load(Archive& archive, ChunkedVector<T, chunk_size>& values) {
+  std::vector<T> read;
+  archive(read);
+  values = {};
+  for (T& value : read) values.push_back(std::move(value));
 }
 
 template <class Archive>

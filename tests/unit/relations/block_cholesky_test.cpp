@@ -80,6 +80,21 @@ TEST(BlockCholesky, SelectedInverseIsTheDiagonalOfTheDenseInverse) {
   }
 }
 
+TEST(BlockCholesky, AColumnOfTheInverseIsThatOfTheDenseInverse) {
+  std::mt19937 random(5);
+  for (const int springs_count : {0, 30, 300}) {
+    Springs<3> springs(random, 40, springs_count, 6);
+    springs.sparse->factor();
+    const Eigen::MatrixXd inverse = springs.dense.inverse();
+    for (const int j : {0, 17, 39}) {
+      const std::vector<Eigen::Matrix3d> column = springs.sparse->inverse_column(j);
+      ASSERT_EQ(column.size(), 40U);
+      for (int i = 0; i < 40; ++i)
+        EXPECT_TRUE((column[static_cast<std::size_t>(i)] - inverse.block<3, 3>(3 * i, 3 * j)).isZero(1e-9));
+    }
+  }
+}
+
 TEST(BlockCholesky, UsedAgainAfterClearIsAsNew) {
   std::mt19937 random(3);
   Springs<3> springs(random, 10, 20, 6);

@@ -50,6 +50,47 @@ TEST(RelativeCovariance, OfTheWholeIslandAgreesLocallyAndExactly) {
     EXPECT_TRUE(covariance.isApprox(exact[static_cast<std::size_t>(patch.value)], 1e-9));
 }
 
+// Whatever patch is held.
+TEST(IslandCovariances, AreTheExactOnesOfAnyTwoPatches) {
+  std::mt19937 random(2);
+  SmallMap map = random_map(random, 60, 150, 0.05);
+  for (Pose& pose : map.truth) pose = Pose{40, -7, 2} * pose;
+  const std::vector<PatchId> others = map.graph.patches_of(PatchId{0});
+  const IslandCovariances island(map.graph, map.truth, PatchId{0});
+  for (const PatchId a : {PatchId{0}, PatchId{11}, PatchId{59}}) {
+    const auto exact = exact_relative_covariances(map.graph, map.truth, a, others);
+    const auto found = island.relative_to(a, others);
+    ASSERT_EQ(found.size(), exact.size());
+    for (std::size_t i = 0; i < exact.size(); ++i)
+      EXPECT_TRUE((found[i] - exact[i]).isZero(1e-9)) << a.value << " " << i;
+  }
+}
+
+// A chain of 500 m whose oldest patch is far from both ends that are asked of.
+TEST(IslandCovariances, AreAsGoodToAMillimetreFarFromThePatchThatIsHeld) {
+  constexpr int count = 1000;
+  SmallMap map(count);
+  for (int i = 0; i < count; ++i) map.truth[static_cast<std::size_t>(i)] = {0.5 * i, 0, 0};
+  const Eigen::Matrix3d information = Eigen::Vector3d(1e5, 1e5, 1e6).asDiagonal();
+  for (int i = 1; i < count; ++i) map.graph.add(relation(i - 1, i, RelativePose{{0.5, 0, 0}, information}));
+  const std::vector<PatchId> others{PatchId{count - 2}, PatchId{count - 50}};
+  const PatchId last{count - 1};
+  const auto exact = exact_relative_covariances(map.graph, map.truth, last, others);
+  const auto found = IslandCovariances(map.graph, map.truth, PatchId{0}).relative_to(last, others);
+  ASSERT_EQ(found.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_TRUE((found[i] - exact[i]).isZero(1e-6)) << i;
+}
+
+TEST(IslandCovariances, HaveNothingWhereTheIslandIsNotDeterminedAndZeroOfOnePatchAlone) {
+  SmallMap map(3);
+  map.graph.add(relation(0, 1, Range{{0, 0}, {0, 0}, 3, 0.01}));
+  const std::vector<PatchId> both{PatchId{0}, PatchId{1}}, alone{PatchId{2}};
+  EXPECT_TRUE(IslandCovariances(map.graph, map.truth, PatchId{0}).relative_to(PatchId{0}, both).empty());
+  const auto of_itself = IslandCovariances(map.graph, map.truth, PatchId{2}).relative_to(PatchId{2}, alone);
+  ASSERT_EQ(of_itself.size(), 1U);
+  EXPECT_EQ(of_itself.front(), Eigen::Matrix3d::Zero());
+}
+
 TEST(RelativeCovariance, HasNothingForPatchesWithoutRelation) {
   SmallMap map(3);
   EXPECT_TRUE(local_relative_covariances(map.graph, map.truth, PatchId{0}).empty());

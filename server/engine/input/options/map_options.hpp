@@ -91,9 +91,8 @@ struct MapFitOptions {
   void visit_options(Visitor&& option) {
     option(window_patches, "window_patches", "count",
            "of patches, nearest in the graph, that are fitted when one is added");
-    option(
-        us_per_patch, "us_per_patch", "µs",
-        "of event time after which a whole island's fit is applied, per patch of the map: hardly ever late");
+    option(us_per_patch, "us_per_patch", "µs",
+           "of event time after which a whole island's fit is applied, per patch of it: hardly ever late");
   }
 };
 

@@ -103,6 +103,25 @@ TEST(ClosuresBetween, AreThoseOfTheWayThatAMapKnowsItBy) {
   EXPECT_TRUE(closures_between(graph, PatchId{9}, PatchId{12}).empty()) << "R2 knows that by itself";
 }
 
+// Those of one way are enough to find the closure without which two patches are parted.
+TEST(ClosuresBetween, HaveAmongThemWhicheverWouldPartTheTwo) {
+  RelationGraph graph = two_chains();
+  graph.add(relation(1, 9, sighting_of(4)));
+  graph.add(relation(8, 17, sighting_of(6)));
+  graph.add(relation(2, 10, by_match));
+  const Dependencies dependencies(graph);
+  for (int a = 0; a < 9; ++a) {
+    for (int b = 9; b < 18; ++b) {
+      const std::vector<ClosureId> between = closures_between(graph, dependencies, PatchId{a}, PatchId{b});
+      for (const ClosureId closure : {ClosureId{4}, ClosureId{6}}) {
+        const RelationGraph rest = without(graph, dependencies, closure);
+        if (rest.island(PatchId{a}) == rest.island(PatchId{b})) continue;
+        EXPECT_TRUE(std::ranges::binary_search(between, closure)) << a << " " << b;
+      }
+    }
+  }
+}
+
 TEST(KnownNear, IsByWallsForMatchesAndByAnythingForSightings) {
   RelationGraph graph = two_chains();
   graph.add(relation(0, 8, by_sighting));

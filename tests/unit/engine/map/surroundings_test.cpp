@@ -75,7 +75,7 @@ TEST(Surroundings, OfSightingsAreDeterminedByAllRelationsOnly) {
                                   RelationKind::relative_pose}) {
     const Map map = chain_of(kind, 0.01, 0.005);
     Surroundings surroundings;
-    surroundings.update(map, PatchId{0}, {}, Surroundings::By::all);
+    surroundings.update(map, PatchId{0}, {}, Surroundings::By::both);
     EXPECT_EQ(those(surroundings, &Determined::by_all_relations), all_four) << name(kind);
     EXPECT_EQ(those(surroundings, &Determined::well_determined), nobody_else) << name(kind);
     EXPECT_EQ(in_local_map(map, surroundings), nobody_else) << name(kind);
@@ -89,7 +89,7 @@ TEST(Surroundings, OfScansAndOdometryAreWellDetermined) {
                                   RelationKind::point_to_point, RelationKind::line_to_line}) {
     const Map map = chain_of(kind, 0.01, 0.005);
     Surroundings surroundings;
-    surroundings.update(map, PatchId{0}, {}, Surroundings::By::all);
+    surroundings.update(map, PatchId{0}, {}, Surroundings::By::both);
     EXPECT_EQ(those(surroundings, &Determined::well_determined), all_four) << name(kind);
     EXPECT_EQ(in_local_map(map, surroundings), all_four) << name(kind);
   }
@@ -100,9 +100,23 @@ TEST(Surroundings, ASightingMakesPoorlyKnownWallsNoBetterDetermined) {
   Map map = chain_of(RelationKind::odometry, 0.2, 0.02);
   map.relate(tie(0, 3, {}, RelationKind::range_bearing, 0.01, 0.005));
   Surroundings surroundings;
-  surroundings.update(map, PatchId{0}, {}, Surroundings::By::all);
+  surroundings.update(map, PatchId{0}, {}, Surroundings::By::both);
   EXPECT_EQ(those(surroundings, &Determined::by_all_relations), (std::vector<int>{0, 3}));
   EXPECT_EQ(those(surroundings, &Determined::well_determined), nobody_else);
+}
+
+TEST(Surroundings, ByAllRelationsAreAsByBothButForTheLocalMap) {
+  Map map = chain_of(RelationKind::odometry, 0.05, 0.005);
+  map.relate(tie(0, 3, {}, RelationKind::range_bearing, 0.01, 0.005));
+  Surroundings by_all, by_both;
+  by_all.update(map, PatchId{0}, {}, Surroundings::By::all);
+  by_both.update(map, PatchId{0}, {}, Surroundings::By::both);
+  ASSERT_EQ(by_all.patches().size(), by_both.patches().size());
+  for (std::size_t i = 0; i < by_all.patches().size(); ++i)
+    EXPECT_EQ(by_all.patches()[i].covariance, by_both.patches()[i].covariance);
+  EXPECT_EQ(those(by_all, &Determined::by_all_relations), all_four);
+  EXPECT_EQ(those(by_both, &Determined::well_determined), all_four);
+  EXPECT_EQ(those(by_all, &Determined::well_determined), nobody_else) << "left open";
 }
 
 TEST(Surroundings, LookAgainOnlyWhereTheGraphNearChanged) {

@@ -64,7 +64,8 @@ struct Square {
   }
   /// What is to blame if patch 15 lies by patch 0 where it truly does.
   std::optional<Blame> closed(double max_log_odds = 100, const WeakLinkOptions& options = {},
-                              const std::vector<UncertainClosure>& closed_before = {}) const {
+                              const std::vector<UncertainClosure>& closed_before = {},
+                              double max_closure_log_odds = 1e9) const {
     RelationGraph with = graph;
     Relation closure = odometry_relation(PatchId{0}, PatchId{15}, step(0, 15), {2500, 2500, 10000});
     closure.origin = {OriginKind::hypothesis, ClosureId{0}};
@@ -72,7 +73,9 @@ struct Square {
     std::vector<Pose> fitted = poses;
     const FitReport report = fit_island(with, IslandId{PatchId{0}}, fitted);
     const OpenLoop loop{{PatchId{0}}, {PatchId{15}}, truth[15] * inverse(poses[15]), 15, closed_before};
-    return blame({loop, graph, poses, with, report.cost_after, max_log_odds, std::log(1000), reach}, options);
+    return blame({loop, graph, poses, with, report.cost_after, max_log_odds, std::log(1000), reach,
+                  max_closure_log_odds},
+                 options);
   }
 
   static std::size_t at(int patch) { return static_cast<std::size_t>(patch); }
@@ -118,6 +121,31 @@ TEST(WeakLink, IsALoopThatWasClosedWronglyBeforeWhereThatExplainsMore) {
     const Pose off = ominus(found->poses[Square::at(i)], square.truth[Square::at(i)]);
     EXPECT_LT(std::hypot(off.x, off.y), 0.05) << i;
   }
+}
+
+// However many relations it has, each of which costs a little: a loop that was right has none of the blame
+// for a way that drifted.
+TEST(WeakLink, IsNoEarlierLoopForTheNoiseOfAllThatItSaid) {
+  const ClosureId right{7};
+  Square drifted(-1, {}, {0.01, 0.01, 0.01});
+  for (int i = 0; i < 200; ++i) {
+    Relation relation = odometry_relation(
+        PatchId{3}, PatchId{5},
+        ominus(drifted.poses[5], drifted.poses[3]) * Pose{i % 2 == 0 ? 0.015 : -0.015, 0, 0},
+        {2500, 2500, 10000});
+    relation.origin = {OriginKind::hypothesis, right};
+    drifted.graph.add(relation);
+  }
+  WeakLinkOptions no_link;
+  no_link.match_log_odds = no_link.odometry_log_odds = 1e6;
+  EXPECT_FALSE(drifted.closed(100, no_link, {{right, 8}}));
+}
+
+TEST(WeakLink, IsNoEarlierLoopThatIsSurerThanThatSomethingSlippedThatNobodyKnowsThePlaceOf) {
+  const ClosureId wrong{7};
+  EXPECT_TRUE(bent_by(wrong).closed(100, {}, {{wrong, 3}}, 3.5)->closure.valid());
+  const auto found = bent_by(wrong).closed(100, {}, {{wrong, 3}}, 2.5);
+  EXPECT_FALSE(found && found->closure.valid());
 }
 
 TEST(WeakLink, IsNoEarlierLoopThatIsSurerThanWhatItWouldExplain) {

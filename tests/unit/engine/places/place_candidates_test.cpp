@@ -34,9 +34,17 @@ Map round_a_block(double sigma_m = 0.05, double sigma_rad = 0.016) {
 
 constexpr PatchId last_of_block{39};
 
+std::vector<PlaceCandidate> of_last_patch(const Map& map, std::vector<PlaceHint> hints = {}) {
+  PlaceQuestion question;
+  question.newest_first = {last_of_block};
+  question.hints = std::move(hints);
+  return places_on_own_island(map, question,
+                              IslandCovariances(map.graph(), map.manifold().poses(), PatchId{0}), {});
+}
+
 TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
   const Map map = round_a_block();
-  const std::vector<PlaceCandidate> places = places_on_own_island(map, last_of_block, {}, {});
+  const std::vector<PlaceCandidate> places = of_last_patch(map);
   ASSERT_FALSE(places.empty());
   for (const PlaceCandidate& place : places) {
     const Pose r = map.relative_pose(place.anchor, last_of_block);
@@ -50,16 +58,15 @@ TEST(PlacesOnOwnIsland, AreFarOverTheMapAndNearInProjection) {
 // About where the map has the patch, as wide as 2.5 standard deviations of what map and sensors err by.
 TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
   const Map map = round_a_block();
-  const PlaceCandidate place = places_on_own_island(map, last_of_block, {}, {}).front();
+  const PlaceCandidate place = of_last_patch(map).front();
   const Pose truth = map.relative_pose(place.anchor, last_of_block);
   EXPECT_LE(std::abs(place.window.centre.x - truth.x), place.window.half_x_m);
   EXPECT_LE(std::abs(place.window.centre.y - truth.y), place.window.half_y_m);
   const double yaw_sigma = std::sqrt(39 * 0.016 * 0.016 + drift_variance(39, {}).z());
   EXPECT_NEAR(place.window.half_yaw_rad, CommonOptions{}.window_sigmas * yaw_sigma, 0.01);
   EXPECT_NEAR(place.window.half_x_m, 5, 1e-9) << "4 m and a margin: the next anchor has the rest";
-  EXPECT_LT(place.sigma_m, places_on_own_island(round_a_block(0.2), last_of_block, {}, {}).front().sigma_m)
-      << "worse odometry says less";
-  for (const PlaceCandidate& wide : places_on_own_island(round_a_block(1, 0.2), last_of_block, {}, {})) {
+  EXPECT_LT(place.sigma_m, of_last_patch(round_a_block(0.2)).front().sigma_m) << "worse odometry says less";
+  for (const PlaceCandidate& wide : of_last_patch(round_a_block(1, 0.2))) {
     EXPECT_LE(wide.window.half_x_m, 5);
     EXPECT_LE(wide.window.half_yaw_rad, std::numbers::pi);
   }
@@ -67,8 +74,7 @@ TEST(PlacesOnOwnIsland, AreSearchedAsFarAsTheMapCanBeOff) {
 
 // A slip leaves a relation as narrow as any other.
 TEST(PlacesOnOwnIsland, AreSearchedHoweverSureTheMapIs) {
-  const std::vector<PlaceCandidate> places =
-      places_on_own_island(round_a_block(0.001, 0.0001), last_of_block, {}, {});
+  const std::vector<PlaceCandidate> places = of_last_patch(round_a_block(0.001, 0.0001));
   ASSERT_FALSE(places.empty());
   EXPECT_GT(places.front().window.half_x_m, 2);
   EXPECT_GT(places.front().window.half_yaw_rad, 0.3);
@@ -82,7 +88,7 @@ TEST(PlacesOnOwnIsland, LeaveOutWhatSawNoWalls) {
     map.add(blind, round_a_block().manifold().pose(PatchId{i}));
     if (i > 0) map.relate(odometry_relation(PatchId{i - 1}, PatchId{i}, {1, 0, 0}, {400, 400, 4000}));
   }
-  EXPECT_TRUE(places_on_own_island(map, last_of_block, {}, {}).empty());
+  EXPECT_TRUE(of_last_patch(map).empty());
 }
 
 // Of `count` patches, a metre apart.
@@ -177,10 +183,39 @@ TEST(PlacesOnOtherIslands, AreFirstThoseThatHintsName) {
       << "a hint is of one island";
 }
 
+// They do not take the turns of others: of three places that are searched none is one of theirs.
+TEST(PlacesOnOwnIsland, AreNoneOfRobotsOnWhosePatchesItDoesNotLie) {
+  Map map;
+  const Map block = round_a_block();
+  for (const PatchPtr& patch : block.manifold().patches()) {
+    Patch named = *patch;
+    named.robot = named.id.value < 20 ? "R1" : "R2";
+    map.add(std::make_shared<const Patch>(std::move(named)), block.manifold().pose(patch->id));
+  }
+  for (const auto& [id, relation] : block.graph().relations()) map.relate(relation);
+  PlaceCandidateOptions options;
+  options.max_places = 3;
+  options.min_way_m = 5;
+  const auto anchors_without = [&](std::vector<std::string> not_of) {
+    PlaceQuestion question;
+    question.newest_first = {last_of_block};
+    question.not_of = std::move(not_of);
+    std::set<PatchId> anchors;
+    for (const PlaceCandidate& place : places_on_own_island(
+             map, question, IslandCovariances(map.graph(), map.manifold().poses(), PatchId{0}), options))
+      anchors.insert(place.anchor);
+    return anchors;
+  };
+  EXPECT_EQ(*anchors_without({}).begin(), PatchId{0});
+  const std::set<PatchId> of_others = anchors_without({"R1"});
+  ASSERT_FALSE(of_others.empty());
+  EXPECT_GE(of_others.begin()->value, 20);
+}
+
 TEST(PlacesOnOwnIsland, AreFirstThoseThatHintsName) {
   const Map map = round_a_block();
   const PlaceHint hint{map.graph().island(last_of_block), map.manifold().pose(PatchId{4}), 1};
-  const std::vector<PlaceCandidate> hinted = places_on_own_island(map, last_of_block, {&hint, 1}, {});
+  const std::vector<PlaceCandidate> hinted = of_last_patch(map, {hint});
   EXPECT_EQ(hinted.front().anchor, PatchId{4});
   std::set<PatchId> anchors;
   for (const PlaceCandidate& place : hinted) anchors.insert(place.anchor);

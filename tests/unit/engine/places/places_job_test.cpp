@@ -69,7 +69,8 @@ TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
   const std::vector<PlaceQuestion> asked = {question_of(38), question_of(5), question_of(36)};
   std::vector<std::vector<PlaceCandidate>> expected;
   for (const PlaceQuestion& one : asked)
-    expected.push_back(places_on_own_island(map, one.newest_first.front(), {}, {}));
+    expected.push_back(places_on_own_island(
+        map, one, IslandCovariances(map.graph(), map.manifold().poses(), PatchId{0}), {}));
   ASSERT_FALSE(expected.at(0).empty());
 
   const PlacesJob job(map, asked, 0, {}, any_score);

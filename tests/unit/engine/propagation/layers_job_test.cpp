@@ -28,7 +28,7 @@ TEST(LayersJob, CountsPairsThatContradictOneAnotherBeforeAndAfter) {
   EXPECT_EQ(broken.pairs().after, mended.pairs().before);
 }
 
-TEST(LayersJob, IsDueAfterAsLongAsAFitOfTheMap) {
+TEST(LayersJob, IsDueAfterAsLongAsAFitOfTheIsland) {
   const Map map = map_of_hall_driven_twice(on_top);
   const LayersJob begun = job(map, map);
   const std::int64_t due = 1'000'000 + 24 * MapFitOptions{}.us_per_patch;

@@ -23,6 +23,21 @@ TEST(TrialBySightings, OfWhatIsTrueIsAccepted) {
   EXPECT_EQ(its.map.graph().islands().size(), 1U);
 }
 
+// What is near comes to its place by the first fit, and by matches what is not.
+TEST(TrialBySightings, OfALoopFitsAgainAsMoreMatchesOnlyWhereItWasOpenByMuch) {
+  for (const double link_sigma_m : {1.0, 20.0}) {
+    Case its = loop_of(crooked_room(), outward, crooked_room(), homeward, link_sigma_m);
+    its.say(PatchId{1}, PatchId{4});
+    const Trial trial = its.tried();
+    EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
+    EXPECT_GE(trial.account().matched, 1);
+    if (link_sigma_m < SurroundingsOptions{}.reach_m)
+      EXPECT_EQ(trial.fits(), 1);
+    else
+      EXPECT_GT(trial.fits(), 1);
+  }
+}
+
 // The ways lie where they truly do, and one half of the sightings pulls against the other.
 TEST(TrialBySightings, ThatPullAtOneAnotherIsRefused) {
   for (const double off_m : {0.0, 0.06}) {

@@ -67,11 +67,11 @@ Case merge_of(const Seen& of_first, const std::vector<Pose>& first, const Seen& 
 /// A loop of one island that has lost its way between the two: a link that says next to nothing ties them.
 template <class Seen>
 Case loop_of(const Seen& of_first, const std::vector<Pose>& first, const Seen& of_second,
-             const std::vector<Pose>& second) {
+             const std::vector<Pose>& second, double link_sigma_m = 1) {
   Case made = merge_of(of_first, first, of_second, second);
   made.map.move_island(made.second.front(), inverse(second_from_world));
   const PatchId a = made.first.back(), b = made.second.front();
-  made.map.relate(sighting_tie(a, b, made.true_relative(a, b), 1, 0.5));
+  made.map.relate(sighting_tie(a, b, made.true_relative(a, b), link_sigma_m, 0.5));
   made.proposal.merge = false;
   return made;
 }
