@@ -3,6 +3,8 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <memory>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -34,8 +36,9 @@ class ChunkedVector {
   T& own(std::size_t at) { return own_chunk(at / chunk_size).values[at % chunk_size]; }
   void push_back(T value) {
     if (size_ % chunk_size == 0) {
-      chunks_.reserve(chunks_.size() + 1);
-      chunks_.push_back(new Chunk);
+      auto chunk = std::make_unique<Chunk>();
+      chunks_.push_back(chunk.get());
+      std::ignore = chunk.release();
     }
     own(size_) = std::move(value);
     ++size_;
