@@ -24,7 +24,9 @@ class FitPyramid {
   /// Index of the cell that a beam ends in; it moves by `step` for a shift in cells.
   std::ptrdiff_t cell(const Eigen::Vector2d& end) const { return index(cell_x(end.x()), cell_y(end.y())); }
   std::ptrdiff_t step(int x, int y) const { return static_cast<std::ptrdiff_t>(y) * width_ + x; }
-  const std::uint8_t* level(int level) const { return levels_[static_cast<std::size_t>(level)].data(); }
+  const std::uint8_t* level(int level) const { return all(level).data(); }
+  /// All of a level, row by row.
+  std::span<const std::uint8_t> all(int level) const { return levels_[static_cast<std::size_t>(level)]; }
 
  private:
   int cell_x(double x) const { return static_cast<int>(std::floor((x - origin_.x()) / cell_m_)); }

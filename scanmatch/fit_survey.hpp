@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "scanmatch/block_fits.hpp"
 #include "scanmatch/correlative.hpp"
 #include "scanmatch/fit_pyramid.hpp"
 
@@ -21,13 +22,16 @@ class FitSurvey {
 
  private:
   friend class SurveyedScan;
-  /// Shifts that are bounded together at first are a block of so many cells each way.
-  static constexpr int top = 4;
+  /// Shifts that are bounded together at first are a block of so many cells each way; and so many blocks,
+  /// side by side, are looked at at once.
+  static constexpr int top = 2;
   static constexpr int block = 1 << top;
+  static constexpr int strip = 16;
 
   Eigen::Vector2d low_;
   Eigen::Vector2d high_;
   FitPyramid pyramid_;
+  BlockFits top_fits_;
 };
 
 /// A scan on a surveyed map.
@@ -43,22 +47,37 @@ class SurveyedScan {
   bool may_fit(const Pose& map_from_place, const SearchWindow& window);
 
  private:
-  enum class Says : std::uint8_t { nothing, no, yes };
+  /// Blocks side by side, from the lowest bit on: where some shift may have the score.
+  struct Strip {
+    bool is_known = false;
+    std::uint32_t may_reach = 0;
+  };
+  /// Those of a strip that are in a window.
+  struct PartOfStrip {
+    int row = 0;
+    int first_column = 0;  ///< of the strip
+    std::uint32_t blocks = 0;
+  };
   struct Turned {
-    std::vector<std::ptrdiff_t> cells;  ///< in which beams end from the box's corner
-    std::vector<Says> blocks;           ///< empty: this yaw was not asked for yet
+    std::vector<std::ptrdiff_t> cells;    ///< in which beams end from the box's corner,
+    std::vector<std::ptrdiff_t> of_tops;  ///< and in which blocks
+    std::vector<Strip> strips;            ///< empty: this yaw was not asked for yet
   };
 
+  std::vector<PartOfStrip> parts_of(const Pose& map_from_place, const SearchWindow& window) const;
   Turned& turned(int yaw_step);
-  bool says(Turned& turned, int column, int row) const;
+  bool reaches(Turned& turned, const PartOfStrip& part) const;
+  Strip bounds(const Turned& turned, int first_column, int row) const;
   bool reaches(const Turned& turned, int level, int x, int y) const;
 
   const FitSurvey& survey_;
   double block_m_;
   std::vector<Eigen::Vector2d> beams_;
   int least_;  ///< sum of fits over the beams
+  double cell_m_;
   int columns_;
   int rows_;
+  int strips_;                  ///< of a row
   std::vector<Turned> turned_;  ///< evenly all around
 };
 

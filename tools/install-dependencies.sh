@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what building Isthmus needs on Debian 12; only what is missing. As root, or with sudo.
 #   tools/install-dependencies.sh [--ci | --browser]
-#     --ci       what checking needs besides (clang, libFuzzer, clang-format, clang-tidy)
+#     --ci       what checking needs besides (clang, libFuzzer, clang-format, clang-tidy, lld)
 #     --browser  what the test of the page needs besides (chromium, chromedriver, selenium: about 500 MB); without it
 #                that test is skipped
 set -euo pipefail
@@ -14,7 +14,7 @@ packages=(
   libgtest-dev libbenchmark-dev librapidcheck-dev python3 dpkg-dev file
 )
 if [[ "${1:-}" == "--ci" ]]; then
-  packages+=(clang clang-format clang-tidy libclang-rt-14-dev)
+  packages+=(clang clang-format clang-tidy libclang-rt-14-dev lld)
 elif [[ "${1:-}" == "--browser" ]]; then
   packages+=(chromium chromium-driver python3-selenium)
 elif [[ "${1:-}" == -h || "${1:-}" == --help ]]; then

@@ -138,7 +138,7 @@ void Hypotheses::look_up(World world) {
                          pool_.hints(world.map, query.newest_first.front(), world.options), query.not_of,
                          query.not_of.empty(), query.is_late()});
   looking_up_.emplace(world.map, std::move(questions), world.now_utime, world.options,
-                      terms_of(world.options).min_score_anywhere);
+                      terms_of(world.options).min_score_anywhere, tables_.of(world.map));
 }
 
 void Hypotheses::end_look_up() {
@@ -170,7 +170,7 @@ std::int64_t Hypotheses::step(World world) {
   if (const PlaceCandidate* next = query_->search.next()) {
     ++counts_.places_searched;
     const std::vector<PatchId> own = own_part(world.map, query_->search.piece());
-    return query_->search.search_next(place_around(world.map, next->anchor, own, world.options), terms,
+    return query_->search.search_next(places_.around(world.map, next->anchor, own, world.options), terms,
                                       world.options);
   }
   PlaceDecision decision = decide(world, *query_);

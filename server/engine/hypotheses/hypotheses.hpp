@@ -14,6 +14,8 @@
 #include "server/engine/hypotheses/hypothesis_pool.hpp"
 #include "server/engine/map/credit.hpp"
 #include "server/engine/places/answers_along_way.hpp"
+#include "server/engine/places/look_up_tables.hpp"
+#include "server/engine/places/place_memory.hpp"
 #include "server/engine/places/place_searcher.hpp"
 #include "server/engine/places/places_job.hpp"
 #include "server/engine/places/recent_way.hpp"
@@ -73,7 +75,7 @@ class Hypotheses {
 
   auto members() {
     return std::tie(ways_, newest_, queue_, late_, asked_, looking_up_, ready_, query_, pool_, counts_,
-                    found_, credit_, patches_);
+                    found_, credit_, patches_, places_, tables_);
   }
 
  private:
@@ -116,6 +118,8 @@ class Hypotheses {
   std::deque<FindRecord> found_;
   Credit credit_;
   std::size_t patches_ = 0;  ///< when last worked
+  PlaceMemory places_;       ///< what can be reckoned anew
+  KeptTables tables_;
 };
 
 }  // namespace isthmus

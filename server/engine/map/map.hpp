@@ -36,6 +36,8 @@ class Map {
   void refit_around(PatchId centre, std::size_t max_patches);
   void refit_island(IslandId island);
 
+  /// How often it was changed: two answers that are the same are of the same map.
+  std::int64_t changes() const { return changes_; }
   /// The newest stamp on any of these patches.
   std::int64_t stamp(std::span<const PatchId> patches) const;
 

@@ -8,9 +8,6 @@
 #include <numbers>
 #include <optional>
 #include <utility>
-
-#include "server/engine/map/ways.hpp"
-
 namespace isthmus {
 namespace {
 
@@ -104,7 +101,7 @@ bool narrow(double& centre, double& half, double most, const PlaceCandidateOptio
 }
 
 // Where the patch may be for all that its way may have drifted.
-std::vector<Rough> rough_places(const Map& map, const PlaceQuestion& question,
+std::vector<Rough> rough_places(const Map& map, const PlaceQuestion& question, const WayNetwork& network,
                                 const PlaceCandidateOptions& options) {
   const Manifold& manifold = map.manifold();
   const PatchId query = question.newest_first.front();
@@ -114,7 +111,7 @@ std::vector<Rough> rough_places(const Map& map, const PlaceQuestion& question,
   };
   const Pose& here = manifold.pose(query);
   const IslandId island = map.graph().island(query);
-  const std::vector<double> ways = ways_over_relations_m(map, std::span(&query, 1));
+  const std::vector<double> ways = network.ways_m(std::span(&query, 1));
   std::vector<Rough> rough;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     if (ways[i] < options.min_way_m || std::isinf(ways[i])) continue;
@@ -156,10 +153,10 @@ std::optional<PlaceCandidate> candidate_at(const Map& map, PatchId query, const 
 }  // namespace
 
 std::vector<PlaceCandidate> places_on_own_island(const Map& map, const PlaceQuestion& question,
-                                                 const IslandCovariances& island,
+                                                 const WayNetwork& network, const IslandCovariances& island,
                                                  const PlaceCandidateOptions& options) {
   const PatchId query = question.newest_first.front();
-  std::vector<Rough> rough = rough_places(map, question, options);
+  std::vector<Rough> rough = rough_places(map, question, network, options);
   if (rough.empty()) return {};
   const std::vector<Rough> anchors = anchors_of(map, std::move(rough), query, options);
   std::vector<PatchId> others;

@@ -11,6 +11,7 @@
 #include "server/engine/input/engine_options.hpp"
 #include "server/engine/map/drift.hpp"
 #include "server/engine/map/map.hpp"
+#include "server/engine/map/ways.hpp"
 
 namespace isthmus {
 
@@ -48,9 +49,10 @@ struct PlaceQuestion {
 /// Places of the patch's own island that are far from it over the map's relations, but whose projection could
 /// come to lie on it within the relative covariance. Those so well determined that a find could only be what
 /// the map says are left out: local loops are for local_loop.hpp. First those that hints name, then the
-/// likeliest; where there are more than are searched at once, others in turn from patch to patch.
+/// likeliest; where there are more than are searched at once, others in turn from patch to patch. The network
+/// and the covariances are those of the map and of the patch's island.
 std::vector<PlaceCandidate> places_on_own_island(const Map& map, const PlaceQuestion& question,
-                                                 const IslandCovariances& island,
+                                                 const WayNetwork& network, const IslandCovariances& island,
                                                  const PlaceCandidateOptions& options);
 
 /// Places of all other islands that are worth a name: nothing but hints says where on them the patch lies.

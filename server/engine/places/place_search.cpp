@@ -86,6 +86,11 @@ std::optional<Carrier> best_carrier(const RigidPiece& place, const RigidPiece& p
   return std::nullopt;
 }
 
+bool is_of_place(const Determined& determined, const PlaceSearchOptions& options) {
+  return determined.well_determined &&
+         std::hypot(determined.local_from_patch.x, determined.local_from_patch.y) < options.place_radius_m;
+}
+
 double log_odds_of(const PlaceAnswer& answer, double carrier_score, const FindEvidenceOptions& options) {
   const double by_scores =
       options.per_search_score * answer.score + options.per_carrier_score * carrier_score;
@@ -144,20 +149,30 @@ RigidPiece place_around(const Map& map, PatchId anchor, std::span<const PatchId>
                         const EngineOptions& options) {
   Surroundings surroundings;
   surroundings.update(map, anchor, options, Surroundings::By::scans);
-  const PlaceSearchOptions& its = options.place_search;
+  return place_of(map, surroundings, without, options.place_search);
+}
+
+RigidPiece place_of(const Map& map, const Surroundings& surroundings, std::span<const PatchId> without,
+                    const PlaceSearchOptions& options) {
   std::vector<const Determined*> near;
   for (const Determined& determined : surroundings.patches())
-    if (determined.well_determined && !std::ranges::binary_search(without, determined.patch) &&
-        std::hypot(determined.local_from_patch.x, determined.local_from_patch.y) < its.place_radius_m)
+    if (is_of_place(determined, options) && !std::ranges::binary_search(without, determined.patch))
       near.push_back(&determined);
   RigidPiece place;
-  place.local.reference = anchor;
+  place.local.reference = surroundings.reference();
   // Spread evenly over those there are.
-  const std::size_t stride = (near.size() + its.max_place_patches - 1) / its.max_place_patches;
+  const std::size_t stride = (near.size() + options.max_place_patches - 1) / options.max_place_patches;
   for (std::size_t i = 0; i < near.size(); i += std::max<std::size_t>(1, stride))
     place.local.patches.push_back({map.manifold().shared_patch(near[i]->patch), near[i]->local_from_patch});
-  place.points = thinned_points(place.local, its.thin_m);
+  place.points = thinned_points(place.local, options.thin_m);
   return place;
+}
+
+std::vector<PatchId> patches_of_place(const Surroundings& surroundings, const PlaceSearchOptions& options) {
+  std::vector<PatchId> patches;
+  for (const Determined& determined : surroundings.patches())
+    if (is_of_place(determined, options)) patches.push_back(determined.patch);
+  return patches;
 }
 
 RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first,

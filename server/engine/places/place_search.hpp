@@ -25,6 +25,10 @@ std::vector<Eigen::Vector2d> positions(std::span<const ScanPoint> points);
 /// id).
 RigidPiece place_around(const Map& map, PatchId anchor, std::span<const PatchId> without,
                         const EngineOptions& options);
+/// The same, where the surroundings (by scans) are known; and which patches it is chosen from.
+RigidPiece place_of(const Map& map, const Surroundings& surroundings, std::span<const PatchId> without,
+                    const PlaceSearchOptions& options);
+std::vector<PatchId> patches_of_place(const Surroundings& surroundings, const PlaceSearchOptions& options);
 
 /// What a robot saw on the last metres of its way, as seen from the newest of its patches there.
 RigidPiece piece_of_way(const Map& map, std::span<const PatchId> newest_first,

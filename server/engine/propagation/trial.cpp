@@ -168,7 +168,8 @@ bool Trial::hardly_known(const std::optional<Eigen::Matrix3d>& covariance) const
 // the building matches tells whether they are of one.
 bool Trial::tells_enough() const {
   const std::vector<PatchId>& matched = propagation_.matched();
-  if (!proposal_.from_scans || matched.size() < options_.trial.max_matched_scans) return false;
+  if (matched.size() < options_.trial.max_matched_scans) return false;
+  if (!proposal_.from_scans) return !refits();
   return !proposal_.merge || shared_log_odds(way_m(map_, matched, options_.shared_part),
                                              width_m(map_, matched)) >= options_.trial.min_whole_log_odds;
 }

@@ -4,6 +4,8 @@
 #include <string_view>
 
 #include "server/program/values.hpp"
+#include "server/wire/file/text_file.hpp"
+#include "server/wire/message/server_configuration.hpp"
 #include "tools/simulate/scenario/scenario_file.hpp"
 
 namespace isthmus {
@@ -42,6 +44,15 @@ void CampaignRuns::add_scenario(CLI::App& command) {
 
 void CampaignRuns::add_scenarios(CLI::App& command) {
   command.add_option("--scenario", scenarios, "Scenarios to run")->required()->allow_extra_args(false);
+}
+
+Configuration CampaignConfiguration::load() const {
+  if (file.empty()) return {};
+  return parse_server_configuration(read_text_file(file), file).engine;
+}
+
+void CampaignConfiguration::add_to(CLI::App& command) {
+  command.add_option("--config", file, "TOML configuration to map with; else the defaults");
 }
 
 }  // namespace isthmus

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/engine/input/configuration.hpp"
 #include "tools/simulate/scenario/scenario.hpp"
 
 namespace CLI {
@@ -28,6 +29,17 @@ struct CampaignRuns {
   void add_runs(CLI::App& command);       ///< those and --set
   void add_scenario(CLI::App& command);   ///< one --scenario, required
   void add_scenarios(CLI::App& command);  ///< one or more
+};
+
+/// What a campaign maps with.
+struct CampaignConfiguration {
+  std::string file;  ///< empty: the defaults
+
+  /// Throws as parse_server_configuration does, or where the file cannot be read.
+  Configuration load() const;
+
+  /// --config
+  void add_to(CLI::App& command);
 };
 
 /// Each adds a subcommand that runs its campaign and prints a row for each run as it ends.

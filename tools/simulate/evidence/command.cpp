@@ -5,6 +5,7 @@
 #include <iterator>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/program/command_line.hpp"
@@ -21,6 +22,7 @@ namespace {
 struct EvidenceArguments : CampaignRuns {
   bool wild = false;
   double false_share = 0;
+  CampaignConfiguration configuration;
   std::string output;
   std::string finds;
 };
@@ -28,12 +30,14 @@ struct EvidenceArguments : CampaignRuns {
 /// Maps runs as they come, and keeps what their closures were.
 class Labelling {
  public:
-  Labelling(std::string file, std::string finds_file)
-      : file_(std::move(file)), finds_file_(std::move(finds_file)) {}
+  Labelling(std::string file, std::string finds_file, Configuration configuration)
+      : file_(std::move(file)),
+        finds_file_(std::move(finds_file)),
+        configuration_(std::move(configuration)) {}
 
   void add(const std::string& name, std::uint64_t seed, const SimulatedRun& run) {
     const std::string label = name + " " + std::to_string(seed);
-    const MapCopy map = map_events(run.events);
+    const MapCopy map = map_events(run.events, configuration_);
     std::vector<LabelledClosure> found = label_closures(label, map, run.truth);
     const std::vector<LabelledFind> finds = label_finds(label, map, run.truth);
     std::size_t true_ones = 0;
@@ -50,13 +54,14 @@ class Labelling {
  private:
   std::string file_;
   std::string finds_file_;
+  Configuration configuration_;
   std::vector<LabelledClosure> closures_;
   std::vector<LabelledFind> finds_;
 };
 
 void evidence_campaign(const EvidenceArguments& arguments) {
   for (const std::string& file : {arguments.output, arguments.finds}) check_new_file(file, arguments.force);
-  Labelling labelling(arguments.output, arguments.finds);
+  Labelling labelling(arguments.output, arguments.finds, arguments.configuration.load());
   std::printf("%-28s %8s %6s\n", "run", "closures", "true");
   const std::uint64_t end = arguments.first_seed + arguments.seeds;
   for (const std::string& name : arguments.scenarios) {
@@ -85,6 +90,7 @@ void add_evidence_command(CLI::App& app) {
   evidence->add_flag("--wild", arguments->wild, "Run buildings drawn from the seeds, too");
   evidence->add_option("--false", arguments->false_share, "Share of false sightings in the scenarios")
       ->check(number_in(0.0, 0.95));
+  arguments->configuration.add_to(*evidence);
   evidence->add_option("-o,--output", arguments->output, "Table to write, a row for each closure")
       ->type_name("FILE")
       ->required();

@@ -11,8 +11,7 @@
 #include "server/program/command_line.hpp"
 #include "server/program/new_output.hpp"
 #include "server/program/values.hpp"
-#include "server/wire/file/text_file.hpp"
-#include "server/wire/message/server_configuration.hpp"
+#include "tools/simulate/campaigns/command.hpp"
 #include "tools/simulate/wild/campaign.hpp"
 #include "tools/simulate/wild/command.hpp"
 
@@ -23,7 +22,7 @@ struct WildArguments {
   std::uint64_t seeds = 100;
   std::uint64_t first_seed = 1;
   unsigned jobs = 1;
-  std::string config_file;
+  CampaignConfiguration configuration;
   std::string output;
   bool keep_failed = false;
   bool force = false;
@@ -85,10 +84,7 @@ void summarise(const std::vector<WildTrial>& trials) {
 }
 
 void wild_campaign(const WildArguments& arguments) {
-  Configuration configuration;
-  if (!arguments.config_file.empty())
-    configuration =
-        parse_server_configuration(read_text_file(arguments.config_file), arguments.config_file).engine;
+  const Configuration configuration = arguments.configuration.load();
   if (!arguments.output.empty()) {
     check_new_file(arguments.output + "/wild.csv", arguments.force);
     std::filesystem::create_directories(arguments.output);
@@ -126,7 +122,7 @@ void add_wild_command(CLI::App& app) {
   wild->add_option("--jobs", arguments->jobs, "Runs at a time")
       ->check(integer_from(1))
       ->capture_default_str();
-  wild->add_option("--config", arguments->config_file, "TOML configuration to map with; else the defaults");
+  arguments->configuration.add_to(*wild);
   CLI::Option* output =
       wild->add_option("-o,--output", arguments->output, "Where to write wild.csv, a row for each seed")
           ->type_name("DIR");

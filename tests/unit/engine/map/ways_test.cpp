@@ -25,7 +25,9 @@ Map map_of(const std::vector<Pose>& poses, const std::vector<std::pair<int, int>
 }
 
 std::vector<double> ways_from(const Map& map, const std::vector<PatchId>& from) {
-  return ways_over_relations_m(map, from);
+  std::vector<double> ways = ways_over_relations_m(map, from);
+  EXPECT_EQ(WayNetwork(map).ways_m(from), ways);
+  return ways;
 }
 
 //  0 - 1 - 2 - 3     4 (on another island)

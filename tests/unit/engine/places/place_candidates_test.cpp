@@ -38,7 +38,7 @@ std::vector<PlaceCandidate> of_last_patch(const Map& map, std::vector<PlaceHint>
   PlaceQuestion question;
   question.newest_first = {last_of_block};
   question.hints = std::move(hints);
-  return places_on_own_island(map, question,
+  return places_on_own_island(map, question, WayNetwork(map),
                               IslandCovariances(map.graph(), map.manifold().poses(), PatchId{0}), {});
 }
 
@@ -201,8 +201,9 @@ TEST(PlacesOnOwnIsland, AreNoneOfRobotsOnWhosePatchesItDoesNotLie) {
     question.newest_first = {last_of_block};
     question.not_of = std::move(not_of);
     std::set<PatchId> anchors;
-    for (const PlaceCandidate& place : places_on_own_island(
-             map, question, IslandCovariances(map.graph(), map.manifold().poses(), PatchId{0}), options))
+    for (const PlaceCandidate& place :
+         places_on_own_island(map, question, WayNetwork(map),
+                              IslandCovariances(map.graph(), map.manifold().poses(), PatchId{0}), options))
       anchors.insert(place.anchor);
     return anchors;
   };

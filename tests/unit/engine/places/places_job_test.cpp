@@ -70,7 +70,7 @@ TEST(PlacesJob, SaysWhatTheMapSaidWhenItWasBegunWhateverBecameOfTheMap) {
   std::vector<std::vector<PlaceCandidate>> expected;
   for (const PlaceQuestion& one : asked)
     expected.push_back(places_on_own_island(
-        map, one, IslandCovariances(map.graph(), map.manifold().poses(), PatchId{0}), {}));
+        map, one, WayNetwork(map), IslandCovariances(map.graph(), map.manifold().poses(), PatchId{0}), {}));
   ASSERT_FALSE(expected.at(0).empty());
 
   const PlacesJob job(map, asked, 0, {}, any_score);

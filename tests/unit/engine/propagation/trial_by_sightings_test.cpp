@@ -38,6 +38,22 @@ TEST(TrialBySightings, OfALoopFitsAgainAsMoreMatchesOnlyWhereItWasOpenByMuch) {
   }
 }
 
+// The rest is matched where robots come; but what was far from its place comes there by matches alone.
+TEST(TrialBySightings, OfALoopMatchesNoMoreThanTellsEnoughUnlessItWasOpenByMuch) {
+  EngineOptions options;
+  options.trial.max_matched_scans = 1;
+  for (const double link_sigma_m : {1.0, 20.0}) {
+    Case its = loop_of(crooked_room(), outward, crooked_room(), homeward, link_sigma_m);
+    its.say(PatchId{1}, PatchId{4});
+    const Trial trial = its.tried(options);
+    EXPECT_TRUE(trial.accepted()) << word(trial.refusal());
+    if (link_sigma_m < SurroundingsOptions{}.reach_m)
+      EXPECT_EQ(trial.account().matched, 1);
+    else
+      EXPECT_GT(trial.account().matched, 1);
+  }
+}
+
 // The ways lie where they truly do, and one half of the sightings pulls against the other.
 TEST(TrialBySightings, ThatPullAtOneAnotherIsRefused) {
   for (const double off_m : {0.0, 0.06}) {
