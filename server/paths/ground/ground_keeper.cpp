@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "server/paths/ground/scan_parts.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -30,7 +32,7 @@ TileRange tiles_of(const PatchRaster& raster) {
 
 bool same_patches(const std::vector<TilePatch>& a, const std::vector<TilePatch>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const TilePatch& one, const TilePatch& other) {
-    return one.id == other.id && one.raster == other.raster;
+    return one.id == other.id && one.raster == other.raster && one.part == other.part;
   });
 }
 
@@ -95,6 +97,7 @@ void GroundKeeper::cut_into_cells(const MapCopy& map) {
 
 std::map<IslandId, GroundKeeper::Patches> GroundKeeper::spread(const MapCopy& map) const {
   std::map<IslandId, Patches> islands;
+  const std::vector<PatchId> parts = scan_parts(map);
   for (std::size_t i = 0; i < rasters_.size(); ++i) {
     if (!rasters_[i]) continue;
     const PatchId id{static_cast<std::int32_t>(i)};
@@ -102,7 +105,7 @@ std::map<IslandId, GroundKeeper::Patches> GroundKeeper::spread(const MapCopy& ma
     const TileRange range = tiles_of(*rasters_[i]);
     for (std::int32_t row = range.low.first; row <= range.high.first; ++row)
       for (std::int32_t column = range.low.second; column <= range.high.second; ++column)
-        patches[{row, column}].push_back({id, rasters_[i]});
+        patches[{row, column}].push_back({id, rasters_[i], parts[i]});
   }
   return islands;
 }

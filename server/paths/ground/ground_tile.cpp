@@ -75,7 +75,7 @@ class Layering {
         return near_[leader * patches_.size() + Views::patch(view)] != 0;
       });
       const auto own = views.first(static_cast<std::size_t>(rest - views.begin()));
-      layers.push_back({patches_[leader].id, is_occupied(own), false});
+      layers.push_back({patches_[leader].id, is_occupied(own, patches_[leader].part), false});
       views = views.subspan(own.size());
     }
   }
@@ -95,9 +95,11 @@ class Layering {
     return best;
   }
 
-  static bool is_occupied(std::span<const std::uint32_t> views) {
+  /// Of another part a wall may lie some decimetres off: it bars nothing that this one has seen.
+  bool is_occupied(std::span<const std::uint32_t> views, PatchId part) const {
     int hit = 0, covering = 0;
     for (const std::uint32_t view : views) {
+      if (patches_[Views::patch(view)].part != part) continue;
       hit += Views::kind(view) == hits;
       covering += Views::kind(view) == covers;
     }

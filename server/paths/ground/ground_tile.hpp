@@ -28,8 +28,8 @@ using NodeId = std::int32_t;
 /// What one stretch of the map says of a cell.
 struct Layer {
   PatchId leader;  ///< of the patches of the stretch that see the cell, the one with the nearest origin
-  bool occupied = false;
-  bool is_gap = false;  ///< nobody has seen it, and it is free by what lies around it: see `find_gaps`
+  bool occupied = false;  ///< by what patches of the leader's part see
+  bool is_gap = false;    ///< nobody has seen it, and it is free by what lies around it: see `find_gaps`
 
   bool operator==(const Layer&) const = default;
 };
@@ -38,6 +38,7 @@ struct Layer {
 struct TilePatch {
   PatchId id;
   std::shared_ptr<const PatchRaster> raster;
+  PatchId part;  ///< of the map, that scans hold together (scan_parts.hpp)
 };
 
 /// The layers of a square of cells. `low` is its first cell.

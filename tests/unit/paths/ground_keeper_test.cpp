@@ -52,6 +52,32 @@ TEST(GroundKeeper, ARelationMakesLayersOneThoughNoPatchMoves) {
   EXPECT_EQ(layers(), 1);
 }
 
+// A sighting places the second robot's patch .15 rad askew: its walls cross what the first has seen to be
+// free.
+TEST(GroundKeeper, WallsOfAnotherRobotBarNothingThatOneHasSeenUntilScansJoinTheirMaps) {
+  Map map;
+  map.add(testing::round_patch(testing::furnished_room(), PatchId{0}, {}), {});
+  map.add(testing::round_patch(testing::furnished_room(), PatchId{1}, {1, 0, 0}), {1, 0, 0.15});
+  Relation relation = testing::odometry_relation(PatchId{0}, PatchId{1}, {1, 0, 0.15});
+  relation.kind = RelationKind::relative_pose;
+  map.relate(relation);
+  GroundKeeper keeper;
+  const auto barred = [&] {
+    keeper.update(testing::copy_of(map));
+    const auto ground = keeper.ground(IslandId{0});
+    int cells = 0;
+    for (double x = -3.8; x < -3.6; x += ground_cell_m)
+      for (double y = -2.7; y < -1.8; y += ground_cell_m)
+        for (auto [node, last] = ground->at(cell_of({x, y})); node != last; ++node)
+          cells += ground->layer(node).occupied ? 1 : 0;
+    return cells;
+  };
+  EXPECT_EQ(barred(), 0);
+  relation.kind = RelationKind::point_to_line;
+  map.relate(relation);
+  EXPECT_GT(barred(), 5) << "now they are of one part, and contradict one another";
+}
+
 /// Of where a robot began and came back to, after so many metres out and as many back.
 NodeId layers_after(int metres) {
   Map map;
