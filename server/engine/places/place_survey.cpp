@@ -46,7 +46,7 @@ struct PlaceOfPiece {
 
 }  // namespace
 
-// Island by island: one grid is held at a time.
+// Island by island, and piece by piece: one grid is held at a time, and one scan on it.
 void leave_possible(std::vector<std::vector<PlaceCandidate>>& places_by_piece,
                     std::span<const RigidPiece> pieces, const Map& map, double min_score,
                     const EngineOptions& options) {
@@ -58,11 +58,12 @@ void leave_possible(std::vector<std::vector<PlaceCandidate>>& places_by_piece,
   for (const auto& [island, places] : islands) {
     const std::optional<FitSurvey> survey = survey_of(map, island, options);
     if (!survey) continue;
-    std::map<std::size_t, SurveyedScan> scans;
-    for (const auto& [piece, place] : places) {
-      SurveyedScan& scan =
-          scans.try_emplace(piece, *survey, pieces[piece].points, min_score, search).first->second;
-      if (!scan.may_fit(map.manifold().pose(place->anchor), place->window)) place->anchor = {};
+    std::optional<SurveyedScan> scan;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const auto& [piece, place] = places[i];
+      if (i == 0 || places[i - 1].piece != piece)
+        scan.emplace(*survey, pieces[piece].points, min_score, search);
+      if (!scan->may_fit(map.manifold().pose(place->anchor), place->window)) place->anchor = {};
     }
   }
   for (std::vector<PlaceCandidate>& places : places_by_piece)
