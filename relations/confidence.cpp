@@ -84,7 +84,7 @@ std::vector<Eigen::Matrix3d> exact_relative_covariances(const RelationGraph& gra
 }
 
 IslandCovariances::IslandCovariances(const RelationGraph& graph, std::span<const Pose> poses, IslandId island)
-    : poses_(poses),
+    : poses_(poses.begin(), poses.end()),
       row_(graph.patch_count(), -1),
       information_(reduced_information(graph, poses, graph.patches_of(island))) {
   const std::vector<PatchId> patches = graph.patches_of(island);

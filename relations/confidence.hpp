@@ -41,14 +41,13 @@ std::vector<Eigen::Matrix3d> exact_relative_covariances(const RelationGraph& gra
 /// determined relative to the oldest patch: not for what lies near (local_relative_covariances).
 class IslandCovariances {
  public:
-  /// `poses` must live on.
   IslandCovariances(const RelationGraph& graph, std::span<const Pose> poses, IslandId island);
 
   /// Each of `others` relative to a; all on this island. Empty where its information is singular.
   std::vector<Eigen::Matrix3d> relative_to(PatchId a, std::span<const PatchId> others) const;
 
  private:
-  std::span<const Pose> poses_;
+  std::vector<Pose> poses_;
   std::vector<int> row_;  ///< by patch id; -1: held, or elsewhere
   BlockCholesky<3> information_;
 };

@@ -101,8 +101,8 @@ SurveyedScan::Turned& SurveyedScan::turned(int yaw_step) {
 }
 
 bool SurveyedScan::reaches(Turned& turned, const PartOfStrip& part) const {
-  Strip& strip =
-      turned.strips[static_cast<std::size_t>(part.row * strips_ + part.first_column / FitSurvey::strip)];
+  const std::ptrdiff_t before = std::ptrdiff_t{part.row} * strips_;
+  Strip& strip = turned.strips[static_cast<std::size_t>(before + part.first_column / FitSurvey::strip)];
   if (!strip.is_known) strip = bounds(turned, part.first_column, part.row);
   for (std::uint32_t left = strip.may_reach & part.blocks; left != 0; left &= left - 1) {
     const int column = part.first_column + std::countr_zero(left);

@@ -2,12 +2,30 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <vector>
+
 #include "tests/support/ways.hpp"
 
 namespace isthmus {
 namespace {
 
 using namespace isthmus::testing;
+
+// Each job looks up on a copy of the map, which ends with it.
+TEST(LookUpTables, OutliveTheMapThatTheyAreOf) {
+  Map map;
+  add_way(map, furnished_room(), {{-2, -1, 0}, {-1, -1, 0}, {0, -1, 0}, {1, -1, 0}}, Pose{});
+  LookUpTables tables;
+  const std::vector<PatchId> others = {PatchId{0}, PatchId{3}};
+  const auto of_map = [&] {
+    const auto copy = std::make_unique<Map>(map);
+    return tables.covariances(*copy, PatchId{0}).relative_to(PatchId{1}, others);
+  };
+  const std::vector<Eigen::Matrix3d> first = of_map(), again = of_map();
+  ASSERT_EQ(first.size(), 2U);
+  EXPECT_EQ(first, again);
+}
 
 TEST(KeptTables, AreThoseOfTheMapUntilItChanges) {
   Map map;

@@ -81,7 +81,7 @@ TEST(ExplorationRun, NarrowCorridorsThatRobotsSeeNoEndOfAreExplored) {
     EXPECT_EQ(score.touched_robots, 0U);
   };
   expect_explored(1, 1);
-  for (const std::uint64_t seed : {1, 2, 3}) expect_explored(2, seed);
+  for (const std::uint64_t seed : {1U, 2U, 3U}) expect_explored(2, seed);
 }
 
 double length_m(const Planner& planner, const std::vector<ManifoldPose>& way) {
