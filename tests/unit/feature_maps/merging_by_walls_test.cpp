@@ -47,8 +47,14 @@ const TwoWays& store() {
   return ways;
 }
 
+/// What comes of both ways, once for all tests.
+const FeatureEstimator& mapped() {
+  static const FeatureEstimator estimator = estimate(store().run);
+  return estimator;
+}
+
 TEST(MergingByWalls, RobotsThatNeverSeeOneAnotherComeToOneMap) {
-  const FeatureMaps maps = estimate(store().run).maps();
+  const FeatureMaps maps = mapped().maps();
   ASSERT_EQ(maps.teams.size(), 1U);
   ASSERT_EQ(maps.fusions.size(), 1U);
   EXPECT_EQ(maps.fusions[0].state, FusionState::accepted);
@@ -70,7 +76,7 @@ TEST(MergingByWalls, RobotsThatNeverSeeOneAnotherComeToOneMap) {
 }
 
 TEST(MergingByWalls, AFusionIsWithdrawnForbiddenAndReplayedWithout) {
-  FeatureEstimator live = estimate(store().run);
+  FeatureEstimator live = mapped();
   const std::string before = map_sha256(live.maps());
   ASSERT_EQ(live.maps().fusions.size(), 1U);
   const std::int32_t id = live.maps().fusions[0].id;
@@ -85,14 +91,16 @@ TEST(MergingByWalls, AFusionIsWithdrawnForbiddenAndReplayedWithout) {
 }
 
 TEST(MergingByWalls, WhatIsRestoredFromItsBytesComesToTheSameMap) {
-  const FeatureMaps whole = estimate(store().run).maps();
+  const FeatureMaps whole = mapped().maps();
+  const std::vector<Event>& events = store().run.events;
+  FeatureEstimator live(feature_map_options(FeatureMapKind::segments));
+  std::size_t handled = 0;
   for (const std::size_t share : {3U, 6U, 9U}) {
-    const std::size_t split = store().run.events.size() * share / 10;
-    FeatureEstimator live(feature_map_options(FeatureMapKind::segments));
-    for (std::size_t i = 0; i < split; ++i) live.handle(store().run.events[i]);
+    for (const std::size_t split = events.size() * share / 10; handled < split; ++handled)
+      live.handle(events[handled]);
     FeatureEstimator restored = FeatureEstimator::restore(FeatureMapKind::segments, live.save());
     EXPECT_EQ(restored.save(), live.save());
-    for (std::size_t i = split; i < store().run.events.size(); ++i) restored.handle(store().run.events[i]);
+    for (std::size_t i = handled; i < events.size(); ++i) restored.handle(events[i]);
     Outcome outcome;
     restored.finish_step(outcome);
     EXPECT_EQ(map_sha256(restored.maps()), map_sha256(whole));
@@ -102,9 +110,10 @@ TEST(MergingByWalls, WhatIsRestoredFromItsBytesComesToTheSameMap) {
 
 /// Robots that see one another elsewhere than the map has them, again and again.
 TEST(MergingByWalls, EncountersAfterwardsTakeItBack) {
+  ASSERT_EQ(mapped().maps().teams.size(), 1U);
   FeatureEvents run = store().run;
+  const std::size_t driven = run.events.size();
   const Pose one = store().start_1 * store().last, two = Pose{3, 2, 1} * store().start_2 * store().last;
-  ASSERT_EQ(estimate(run).maps().teams.size(), 1U);
   for (int i = 0; i < 12; ++i) {
     run.odometry("R1", store().last);
     run.odometry("R2", store().last);
@@ -112,7 +121,9 @@ TEST(MergingByWalls, EncountersAfterwardsTakeItBack) {
     run.sighting("R2", 101, position(ominus(one, two)));
     run.wait(3);
   }
-  const FeatureMaps maps = estimate(run).maps();
+  FeatureEstimator live = mapped();
+  for (std::size_t i = driven; i < run.events.size(); ++i) live.handle(run.events[i]);
+  const FeatureMaps maps = live.maps();
   EXPECT_GE(maps.counts.withdrawn, 1);
   for (const FusionRecord& fusion : maps.fusions)
     EXPECT_FALSE(fusion.placing && fusion.state == FusionState::accepted);
