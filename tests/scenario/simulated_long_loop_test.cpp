@@ -20,5 +20,18 @@ TEST(SimulatedLongLoop, ScansCloseItWhereItIsAndNowhereElse) {
   EXPECT_EQ(loop.map.graph.islands().size(), 1U);
 }
 
+// Nearly all that a laser sees from the middle of a street 26 m wide is more than 12 m away. The north street
+// is driven twice, the middle one either way.
+TEST(SimulatedCampus, IsMappedByWallsThatStandFarAway) {
+  const SimulatedMap campus = map_scenario("campus");
+  const TrajectoryError error = judge_trajectories(campus);
+  std::printf("campus: mean error %.4f m, %.5f rad, at most %.3f m\n", error.mean_m, error.mean_rad,
+              error.max_m);
+  EXPECT_EQ(error.missing, 0U);
+  EXPECT_LT(error.mean_m, 0.1);
+  EXPECT_LT(error.max_m, 3);
+  EXPECT_EQ(campus.map.graph.islands().size(), 1U);
+}
+
 }  // namespace
 }  // namespace isthmus

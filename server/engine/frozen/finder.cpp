@@ -28,6 +28,7 @@ void append_anchors(const Map& map, const std::vector<PatchId>& island, double s
 SearchTerms terms_of(const FinderOptions& options) {
   SearchTerms terms;
   terms.min_score = terms.min_score_anywhere = options.common.sure_score;
+  terms.min_carrier_score = options.common.doubtful_score;
   terms.min_half_window_rad = options.min_half_window_rad;
   return terms;
 }

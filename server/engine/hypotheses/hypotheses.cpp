@@ -4,13 +4,26 @@
 #include <cmath>
 #include <iterator>
 #include <set>
+#include <string>
 #include <utility>
 
 namespace isthmus {
 namespace {
 
-SearchTerms terms_of(const EngineOptions& options) {
+// Between trees and bicycles a robot's scans fit worse where they belong than they do between walls: what
+// tells nothing of the one may well be all that the other ever sees.
+double min_carrier_score(const World& world, const std::string& robot) {
+  const EngineOptions& options = world.options;
+  const auto found = world.robots.find(robot);
+  if (found == world.robots.end()) return options.common.doubtful_score;
+  return std::clamp(found->second.usual_misfit.least_score(options.usual_misfit), options.localise.min_score,
+                    options.common.doubtful_score);
+}
+
+SearchTerms terms_of(const World& world, const std::string& robot) {
+  const EngineOptions& options = world.options;
   SearchTerms terms;
+  terms.min_carrier_score = min_carrier_score(world, robot);
   terms.min_score = options.hypotheses.min_score;
   terms.min_score_anywhere = options.common.sure_score;
   terms.on_the_map = true;
@@ -138,7 +151,7 @@ void Hypotheses::look_up(World world) {
                          pool_.hints(world.map, query.newest_first.front(), world.options), query.not_of,
                          query.not_of.empty(), query.is_late()});
   looking_up_.emplace(world.map, std::move(questions), world.now_utime, world.options,
-                      terms_of(world.options).min_score_anywhere, tables_.of(world.map));
+                      world.options.common.sure_score, tables_.of(world.map));
 }
 
 void Hypotheses::end_look_up() {
@@ -166,7 +179,7 @@ std::int64_t Hypotheses::step(World world) {
     ready_.pop_front();
     return begin(world, *query_);
   }
-  const SearchTerms terms = terms_of(world.options);
+  const SearchTerms terms = terms_of(world, query_->robot);
   if (const PlaceCandidate* next = query_->search.next()) {
     ++counts_.places_searched;
     const std::vector<PatchId> own = own_part(world.map, query_->search.piece());
@@ -195,7 +208,7 @@ std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
 }
 
 PlaceDecision Hypotheses::decide(World world, PlaceQuery& query) {
-  const SearchTerms terms = terms_of(world.options);
+  const SearchTerms terms = terms_of(world, query.robot);
   if (query.is_late()) {
     PlaceDecision decision = query.search.decide(world.map, terms, world.options);
     counts_.ambiguous += decision.ambiguous ? 1 : 0;

@@ -27,7 +27,6 @@ struct Cell {
 
 CorrelativeOptions in_place(const CorrelativeOptions& correlative, const PlaceSearchOptions& options) {
   CorrelativeOptions search = correlative;
-  search.reach_m = options.reach_m;
   search.apart_m = options.common.apart_m;
   search.apart_rad = options.common.yaw_rad(options.common.apart_m);
   return search;
@@ -69,14 +68,15 @@ bool holds_all_directions(const RigidPiece& place, Carrier& carrier, const Engin
 // The newest patches may look where the place does not reach, or along a bare corridor: the one that fits
 // best of those that hold all directions.
 std::optional<Carrier> best_carrier(const RigidPiece& place, const RigidPiece& piece,
-                                    const Pose& place_from_piece, const EngineOptions& options) {
+                                    const Pose& place_from_piece, double min_score,
+                                    const EngineOptions& options) {
   const PlaceSearchOptions& its = options.place_search;
   std::vector<Carrier> carriers;
   for (std::size_t i = 0; i < std::min(its.max_carriers, piece.local.patches.size()); ++i) {
     const LocalPatch& seen = piece.local.patches[i];
     Match match =
         match_at(place, seen.patch->points, place_from_piece * seen.local_from_patch, options.match, options);
-    if (match.ok && match.quality.score >= options.common.doubtful_score)
+    if (match.ok && match.quality.score >= min_score)
       carriers.push_back({seen.patch.get(), std::move(match)});
   }
   std::ranges::stable_sort(carriers, std::ranges::greater{},
@@ -233,12 +233,13 @@ int look_alikes(const Map& map, const std::vector<PlaceAnswer>& best_first, cons
 double Find::probability() const { return 1 / (1 + std::exp(-log_odds)); }
 
 std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, const PlaceAnswer& answer,
-                           const EngineOptions& options) {
+                           double min_carrier_score, const EngineOptions& options) {
   MatchOptions match_options = options.match;
   match_options.kernel_m = options.weak_direction.start_kernels * options.match.kernel_m;
   const Match whole = match_at(place, piece.points, answer.anchor_from_piece, match_options, options);
   if (!whole.ok) return std::nullopt;
-  const std::optional<Carrier> best = best_carrier(place, piece, whole.local_from_robot, options);
+  const std::optional<Carrier> best =
+      best_carrier(place, piece, whole.local_from_robot, min_carrier_score, options);
   if (!best) return std::nullopt;
   Find find;
   find.query = best->patch->id;

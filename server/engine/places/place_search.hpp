@@ -88,8 +88,8 @@ struct Find {
 };
 
 /// Fits the piece to the place in full, and the scan of one of its patches for the relations. Nothing where
-/// none of its scans fits, or each leaves a direction open.
+/// none of its scans fits by that score, or each leaves a direction open.
 std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, const PlaceAnswer& answer,
-                           const EngineOptions& options);
+                           double min_carrier_score, const EngineOptions& options);
 
 }  // namespace isthmus

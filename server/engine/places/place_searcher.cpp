@@ -61,7 +61,7 @@ PlaceDecision PlaceSearcher::decide_on(const PlaceAnswer& answer, const Map& map
       map, answer.anchor, terms.on_the_map ? own_part(map, piece_) : std::vector<PatchId>{}, options);
   // While the piece waited, all that is there may have been matched with it.
   if (place.local.patches.empty()) return decision;
-  decision.find = refine(place, piece_, answer, options);
+  decision.find = refine(place, piece_, answer, terms.min_carrier_score, options);
   decision.price_us = options.propagation.step_price_us;  // as that, it matches two patches or more
   return decision;
 }

@@ -17,6 +17,7 @@ namespace isthmus {
 struct SearchTerms {
   double min_score = 0;           ///< of an answer at a place that the map says something of
   double min_score_anywhere = 0;  ///< and at one of which it says nothing
+  double min_carrier_score = 0;   ///< of the scan that carries the relations
   /// A window that is too much for one step is searched in halves of its yaw, down to this; π: it is not.
   double min_half_window_rad = std::numbers::pi;
   bool on_the_map =

@@ -25,11 +25,27 @@ TEST(SearchWindow, FindsAPoseFarFromTheCentreToWithinACell) {
   EXPECT_FALSE(found.exhausted);
 }
 
+// As far as the walls are seen from both: where a view of one ends, the end tells.
 TEST(SearchWindow, ACorridorHasASecondAnswerAsGoodAsTheFirst) {
   const auto points = to_points(scan_from(corridor(), {0.3, 0, 0}), laser_of(), {});
+  CorrelativeOptions near;
+  near.reach_m = 12;
   const CorrelativeResult found =
-      search_window(view_of(corridor(), {0, 0, 0}), points, {{0, 0, 0}, 2, 0.5, 0.3}, {});
+      search_window(view_of(corridor(), {0, 0, 0}), points, {{0, 0, 0}, 2, 0.5, 0.3}, near);
   EXPECT_GT(found.second_score, 0.9 * found.score);
+}
+
+// On a wide street nothing else is near enough.
+TEST(SearchWindow, TakesWallsThatStandThirteenMetresAway) {
+  Walls street;
+  add_box(street, -30, -13, 16, 13);
+  const Pose truth{0.4, -0.2, 0.05};
+  const auto points = to_points(scan_from(street, truth), laser_of(), {});
+  const CorrelativeResult found =
+      search_window(view_of(street, {0, 0, 0}), points, {{0, 0, 0}, 1, 1, 0.2}, {});
+  EXPECT_GT(found.score, 0.5);
+  EXPECT_NEAR(found.local_from_robot.x, truth.x, 0.11);
+  EXPECT_NEAR(found.local_from_robot.y, truth.y, 0.11);
 }
 
 TEST(SearchWindow, AFurnishedRoomHasNoSecondAnswer) {

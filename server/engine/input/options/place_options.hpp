@@ -56,7 +56,6 @@ struct PlaceSearchOptions {
   double place_radius_m = 8;
   std::size_t max_place_patches = 30;
   double thin_m = 0.15;
-  double reach_m = 14;
   double coarse = 2;
   long coarse_evaluations = 60'000;
   double fine_second_share = 0.95;
@@ -70,7 +69,6 @@ struct PlaceSearchOptions {
     option(place_radius_m, "place_radius_m", "m", "around its anchor");
     option(max_place_patches, "max_place_patches", "count", "of a place");
     option(thin_m, "thin_m", "m", "side of the cells that keep one point each");
-    option(reach_m, "reach_m", "m", "points of the piece farther from its newest patch are not searched for");
     option(coarse, "coarse", "factor",
            "on the cells, the blur and the steps of yaw of the first search, in the whole window");
     option(coarse_evaluations, "coarse_evaluations", "count", "correlative.max_evaluations of that");

@@ -47,7 +47,7 @@ TEST(SearchPlace, FindsWhereAWayLiesWhateverItsYaw) {
   EXPECT_LT(std::hypot(off.x, off.y), 0.15);
   EXPECT_LT(std::abs(off.yaw), 0.04);
 
-  const auto find = refine(place, piece, search.answers.front(), {});
+  const auto find = refine(place, piece, search.answers.front(), 0, {});
   ASSERT_TRUE(find);
   EXPECT_FALSE(find->relations.empty());
   const auto query = static_cast<std::size_t>(find->query.value) - way_there.size();
@@ -61,12 +61,23 @@ TEST(Refine, IsSurerOfWhatFitsBetterAndOfWhatTheMapSaysSomethingOf) {
   const RigidPiece place = place_around(ways.map, PatchId{1}, {}, {});
   const RigidPiece piece = piece_of_way(ways.map, ways.second_newest_first, {});
   PlaceAnswer answer = search_place(place, piece, {Pose{}, 4, 4, std::numbers::pi}, 0.5, {}).answers.front();
-  const double elsewhere = refine(place, piece, answer, {})->log_odds;
+  const double elsewhere = refine(place, piece, answer, 0, {})->log_odds;
   EXPECT_GT(elsewhere, 5) << "it is the very place";
   answer.way_m = 30;
-  EXPECT_NEAR(refine(place, piece, answer, {})->log_odds, elsewhere + 1.9, 1e-9);
+  EXPECT_NEAR(refine(place, piece, answer, 0, {})->log_odds, elsewhere + 1.9, 1e-9);
   answer.score -= 0.1;
-  EXPECT_NEAR(refine(place, piece, answer, {})->log_odds, elsewhere + 1.9 - 1.94, 1e-9);
+  EXPECT_NEAR(refine(place, piece, answer, 0, {})->log_odds, elsewhere + 1.9 - 1.94, 1e-9);
+}
+
+TEST(Refine, FindsNothingByScansThatFitWorseThanIsAsked) {
+  const SeparateWays ways = separate_ways(crooked_room(), way_there, way_back);
+  const RigidPiece place = place_around(ways.map, PatchId{1}, {}, {});
+  const RigidPiece piece = piece_of_way(ways.map, ways.second_newest_first, {});
+  const PlaceAnswer answer =
+      search_place(place, piece, {Pose{}, 4, 4, std::numbers::pi}, 0.5, {}).answers.front();
+  const double score = refine(place, piece, answer, 0, {})->carrier_score;
+  EXPECT_TRUE(refine(place, piece, answer, score - 1e-9, {}));
+  EXPECT_FALSE(refine(place, piece, answer, score + 1e-9, {}));
 }
 
 TEST(SearchPlace, FindsNothingElsewhere) {
@@ -114,7 +125,7 @@ TEST(Refine, ACorridorTellsNotHowFarAlong) {
       separate_ways(corridor(), {{0, 0, 0}, {2, 0, 0}, {4, 0, 0}}, {{1, 0.1, 0}, {3, 0, 0}});
   const PlaceAnswer answer{PatchId{1}, Pose{1, 0, 0}, 1, 0, 0};
   EXPECT_FALSE(refine(place_around(ways.map, PatchId{1}, {}, {}),
-                      piece_of_way(ways.map, ways.second_newest_first, {}), answer, {}));
+                      piece_of_way(ways.map, ways.second_newest_first, {}), answer, 0, {}));
 }
 
 // One door frame: few beams hold the direction along the corridor, but there is no other such place near.
@@ -124,7 +135,7 @@ TEST(Refine, ADoorFrameTellsHowFarAlongACorridor) {
   const SeparateWays ways = separate_ways(walls, {{0, 0, 0}, {2, 0, 0}, {4, 0, 0}}, {{1, 0.1, 0}, {3, 0, 0}});
   const PlaceAnswer answer{PatchId{1}, Pose{1.05, 0, 0}, 1, 0, 0};
   const auto find = refine(place_around(ways.map, PatchId{1}, {}, {}),
-                           piece_of_way(ways.map, ways.second_newest_first, {}), answer, {});
+                           piece_of_way(ways.map, ways.second_newest_first, {}), answer, 0, {});
   ASSERT_TRUE(find);
   const double truth_m = find->query == PatchId{4} ? 1 : -1;
   EXPECT_NEAR(find->anchor_from_query.x, truth_m, 0.06);
