@@ -20,10 +20,8 @@ double min_carrier_score(const World& world, const std::string& robot) {
                     options.common.doubtful_score);
 }
 
-SearchTerms terms_of(const World& world, const std::string& robot) {
-  const EngineOptions& options = world.options;
+SearchTerms terms_of(const EngineOptions& options) {
   SearchTerms terms;
-  terms.min_carrier_score = min_carrier_score(world, robot);
   terms.min_score = options.hypotheses.min_score;
   terms.min_score_anywhere = options.common.sure_score;
   terms.on_the_map = true;
@@ -151,7 +149,7 @@ void Hypotheses::look_up(World world) {
                          pool_.hints(world.map, query.newest_first.front(), world.options), query.not_of,
                          query.not_of.empty(), query.is_late()});
   looking_up_.emplace(world.map, std::move(questions), world.now_utime, world.options,
-                      world.options.common.sure_score, tables_.of(world.map));
+                      terms_of(world.options).min_score_anywhere, tables_.of(world.map));
 }
 
 void Hypotheses::end_look_up() {
@@ -179,7 +177,7 @@ std::int64_t Hypotheses::step(World world) {
     ready_.pop_front();
     return begin(world, *query_);
   }
-  const SearchTerms terms = terms_of(world, query_->robot);
+  const SearchTerms terms = terms_of(world.options);
   if (const PlaceCandidate* next = query_->search.next()) {
     ++counts_.places_searched;
     const std::vector<PatchId> own = own_part(world.map, query_->search.piece());
@@ -208,7 +206,8 @@ std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
 }
 
 PlaceDecision Hypotheses::decide(World world, PlaceQuery& query) {
-  const SearchTerms terms = terms_of(world, query.robot);
+  SearchTerms terms = terms_of(world.options);
+  terms.min_carrier_score = min_carrier_score(world, query.robot);
   if (query.is_late()) {
     PlaceDecision decision = query.search.decide(world.map, terms, world.options);
     counts_.ambiguous += decision.ambiguous ? 1 : 0;
