@@ -31,7 +31,7 @@ def main():
         with Server(options.build, url, directory) as server:
             server.start("--config", configuration, "--output", output, "--status-period", "0.25")
             drive = subprocess.run([f"{programs}/isthmus-simulate", "--scenario", "meeting", "--live", "--lcm-url", url,
-                                    "--speed", "4", "--max-time", str(4 * LIMIT_S), "--pictures", pictures],
+                                    "--speed", "8", "--max-time", str(8 * LIMIT_S), "--pictures", pictures],
                                    capture_output=True, text=True, timeout=3 * LIMIT_S, check=False)
         print(drive.stdout, drive.stderr)
         wrong = []

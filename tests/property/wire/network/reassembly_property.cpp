@@ -50,12 +50,12 @@ struct Travelling {
 
 /// Three senders' messages in rounds of at most as many as a sender may have under assembly, so that all of a
 /// round may be mixed; in each round some datagrams are lost and some doubled.
-struct Traffic {
+struct Arrivals {
   std::vector<Sent> messages;
   std::vector<Travelling> order;
   std::set<std::size_t> lost;  ///< messages that miss a datagram
 
-  explicit Traffic(std::uint32_t seed) {
+  explicit Arrivals(std::uint32_t seed) {
     Random random{std::mt19937(seed)};
     std::uint32_t sequence = random();  // it may wrap
     for (int round = 0; round < 4; ++round) add_round(sequence, random);
@@ -81,7 +81,7 @@ struct Traffic {
 };
 
 RC_GTEST_PROP(Reassembly, HandsOnEachWholeMessageOnceAndNothingElse, (std::uint32_t seed)) {
-  const Traffic traffic(seed);
+  const Arrivals arrivals(seed);
   std::map<std::pair<std::string, Bytes>, int> heard;
   std::size_t drops = 0;
   Reassembly reassembly({[](std::string_view) { return true; },
@@ -89,16 +89,16 @@ RC_GTEST_PROP(Reassembly, HandsOnEachWholeMessageOnceAndNothingElse, (std::uint3
                            heard[{std::string(channel), {bytes.begin(), bytes.end()}}] += 1;
                          },
                          [&](std::string_view, DropReason) { ++drops; }});
-  for (const auto& [message, fragment] : traffic.order) {
-    const Sent& sent = traffic.messages[message];
+  for (const auto& [message, fragment] : arrivals.order) {
+    const Sent& sent = arrivals.messages[message];
     reassembly.take(sent.sender, sent.datagrams[fragment], 1, 1);
   }
   std::map<std::pair<std::string, Bytes>, int> expected;
-  for (std::size_t i = 0; i < traffic.messages.size(); ++i) {
-    if (!traffic.lost.contains(i)) expected[{traffic.messages[i].channel, traffic.messages[i].bytes}] += 1;
+  for (std::size_t i = 0; i < arrivals.messages.size(); ++i) {
+    if (!arrivals.lost.contains(i)) expected[{arrivals.messages[i].channel, arrivals.messages[i].bytes}] += 1;
   }
   RC_ASSERT(heard == expected);
-  RC_ASSERT(drops <= traffic.lost.size());
+  RC_ASSERT(drops <= arrivals.lost.size());
 }
 
 /// Anything: heads that are right and wrong, of a few senders and messages.
