@@ -5,7 +5,8 @@
     tools/fit_evidence.py finds.csv
 
 Logistic regression (Newton's method) of whether the robot was there on the score of the search, on that of the scan that
-carries the relations, and on whether anything said where to look. Finds at one of several places that look alike are left
+carries the relations, on how much of what way and place show one another both saw, and on whether anything said where to
+look. Finds at one of several places that look alike are left
 out: the way before them tells which it is. Each run is also predicted by a fit to all the others, and the table says how
 many finds of what log-odds are true.
 """
@@ -15,8 +16,8 @@ import csv
 import math
 import sys
 
-NAMES = ("against_no_score", "per_search_score", "per_carrier_score", "against_anywhere")
-SIGNS = (-1, 1, 1, -1)
+NAMES = ("against_no_score", "per_search_score", "per_carrier_score", "per_seen_again", "against_anywhere")
+SIGNS = (-1, 1, 1, 1, -1)
 EDGES = (-math.inf, -2, -1, 0, 1, 2, 3, 5, math.inf)
 
 
@@ -69,7 +70,8 @@ def load(files):
                     continue
                 anywhere = 1.0 if float(row["way_m"]) == 0 else 0.0
                 runs.append((name, row["run"]))
-                features.append([1.0, float(row["search_score"]), float(row["carrier_score"]), anywhere])
+                shown = [float(row[name]) for name in ("search_score", "carrier_score", "seen_again")]
+                features.append([1.0, *shown, anywhere])
                 labels.append(int(row["true"]))
     return runs, features, labels
 

@@ -31,12 +31,12 @@ def main():
     fitted = run(sys.executable, FIT, TABLE)
     listed = run(os.path.join(arguments.build, "bin", "isthmus-replay"), "--list-tuning")
     failures = []
-    if fitted.returncode != 0 or len(settings(fitted.stdout)) != 4:
+    if fitted.returncode != 0 or len(settings(fitted.stdout)) != 5:
         failures.append(f"no fit: {fitted.stdout}{fitted.stderr}")
     if settings(fitted.stdout) != settings(listed.stdout):
         failures.append(f"fitted {settings(fitted.stdout)}, listed {settings(listed.stdout)}")
     with tempfile.NamedTemporaryFile("w", suffix=".csv") as alike:
-        alike.write("run,true,way_m,search_score,carrier_score,look_alikes\nwild 1,1,30,0.7,0.8,1\n")
+        alike.write("run,true,way_m,search_score,carrier_score,seen_again,look_alikes\nwild 1,1,30,0.7,0.8,0.9,1\n")
         alike.flush()
         refused = run(sys.executable, FIT, alike.name)
         if refused.returncode != 1 or "true finds and false ones" not in refused.stderr:

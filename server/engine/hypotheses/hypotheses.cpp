@@ -10,20 +10,11 @@
 namespace isthmus {
 namespace {
 
-// Between trees and bicycles a robot's scans fit worse where they belong than they do between walls: what
-// tells nothing of the one may well be all that the other ever sees.
-double min_carrier_score(const World& world, const std::string& robot) {
-  const EngineOptions& options = world.options;
-  const auto found = world.robots.find(robot);
-  if (found == world.robots.end()) return options.common.doubtful_score;
-  return std::clamp(found->second.usual_misfit.least_score(options.usual_misfit), options.localise.min_score,
-                    options.common.doubtful_score);
-}
-
 SearchTerms terms_of(const EngineOptions& options) {
   SearchTerms terms;
   terms.min_score = options.hypotheses.min_score;
   terms.min_score_anywhere = options.common.sure_score;
+  terms.min_carrier_score = options.localise.min_score;
   terms.on_the_map = true;
   return terms;
 }
@@ -194,7 +185,7 @@ void Hypotheses::take(World world, const std::string& robot, Find find) {
   const HypothesisOptions& options = world.options.hypotheses;
   const bool waits = find.probability() >= options.min_find_probability;
   found_.push_back({robot, find.query, find.anchor, find.anchor_from_query, find.way_m, find.search_score,
-                    find.carrier_score, find.look_alikes, find.log_odds, waits});
+                    find.carrier_score, find.seen_again, find.look_alikes, find.log_odds, waits});
   if (found_.size() > options.max_recorded_finds) found_.pop_front();
   if (waits) pool_.take(world, robot, std::move(find), counts_);
 }
@@ -206,8 +197,7 @@ std::int64_t Hypotheses::begin(World world, PlaceQuery& query) {
 }
 
 PlaceDecision Hypotheses::decide(World world, PlaceQuery& query) {
-  SearchTerms terms = terms_of(world.options);
-  terms.min_carrier_score = min_carrier_score(world, query.robot);
+  const SearchTerms terms = terms_of(world.options);
   if (query.is_late()) {
     PlaceDecision decision = query.search.decide(world.map, terms, world.options);
     counts_.ambiguous += decision.ambiguous ? 1 : 0;

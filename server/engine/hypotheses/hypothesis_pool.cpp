@@ -45,11 +45,11 @@ struct Bound {
   double log_odds = 0;
 };
 
+// A loop is tried out where it is more likely true than not: its trial sees more. Two islands may well be two
+// buildings that look alike.
 Bound bound_of(const Map& map, const Find& find, const EngineOptions& options) {
-  const HypothesisOptions& its = options.hypotheses;
-  return on_one_island(map, find)
-             ? Bound{1, its.min_log_odds}
-             : Bound{static_cast<std::size_t>(options.common.agreeing), its.min_merge_log_odds};
+  if (on_one_island(map, find)) return {1, 0};
+  return {static_cast<std::size_t>(options.common.agreeing), options.hypotheses.min_merge_log_odds};
 }
 
 /// Among how many places that look alike this is one: so few finds as agree could be of those that are found

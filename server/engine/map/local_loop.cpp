@@ -12,6 +12,7 @@
 #include "scanmatch/match_relations.hpp"
 #include "scanmatch/score_profile.hpp"
 #include "server/engine/map/drift.hpp"
+#include "server/engine/map/in_view.hpp"
 
 namespace isthmus {
 namespace {
@@ -159,7 +160,11 @@ LocalLoop match_loop(const Map& map, const Surroundings& surroundings, const Loo
   found.compared = true;
   const std::optional<Match> match =
       match_in_window(local, query, window, information, found.unambiguous, options);
-  if (!match) return found;
+  if (!match) {
+    const InView view = in_view(local, query.points, anchor_from_robot, options.contradiction);
+    found.would_show = view.share() >= its.min_paired;
+    return found;
+  }
 
   const Pose map_from_anchor = map.manifold().pose(anchor->patch);
   const Pose before = map_from_anchor * anchor_from_robot;

@@ -17,8 +17,11 @@ struct LocalLoop {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of the new patch before it
   bool unambiguous = false;  ///< the window was narrow: nothing else could have been meant
   bool compared = false;     ///< there was something to compare the scan with
+  bool would_show = false;   ///< which had in view enough of what the scan sees that it should fit
 
-  auto members() { return std::tie(patch, relations, map_from_map, position, unambiguous, compared); }
+  auto members() {
+    return std::tie(patch, relations, map_from_map, position, unambiguous, compared, would_show);
+  }
 };
 
 /// What is being looked for: a scan, placed in the frame of the reference of its surroundings, among some of

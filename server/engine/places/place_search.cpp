@@ -8,6 +8,7 @@
 
 #include "scanmatch/match_relations.hpp"
 #include "scanmatch/score_profile.hpp"
+#include "server/engine/map/in_view.hpp"
 
 namespace isthmus {
 namespace {
@@ -51,6 +52,7 @@ Match match_at(const RigidPiece& place, std::span<const ScanPoint> points, const
 /// The scan of a patch of the way that says in full where the way lies.
 struct Carrier {
   const Patch* patch = nullptr;
+  Pose piece_from_patch;
   Match match;
 };
 
@@ -77,7 +79,7 @@ std::optional<Carrier> best_carrier(const RigidPiece& place, const RigidPiece& p
     Match match =
         match_at(place, seen.patch->points, place_from_piece * seen.local_from_patch, options.match, options);
     if (match.ok && match.quality.score >= min_score)
-      carriers.push_back({seen.patch.get(), std::move(match)});
+      carriers.push_back({seen.patch.get(), seen.local_from_patch, std::move(match)});
   }
   std::ranges::stable_sort(carriers, std::ranges::greater{},
                            [](const Carrier& carrier) { return carrier.match.quality.score; });
@@ -91,10 +93,11 @@ bool is_of_place(const Determined& determined, const PlaceSearchOptions& options
          std::hypot(determined.local_from_patch.x, determined.local_from_patch.y) < options.place_radius_m;
 }
 
-double log_odds_of(const PlaceAnswer& answer, double carrier_score, const FindEvidenceOptions& options) {
-  const double by_scores =
-      options.per_search_score * answer.score + options.per_carrier_score * carrier_score;
-  return by_scores - options.against_no_score - (answer.way_m > 0 ? 0 : options.against_anywhere);
+double log_odds_of(const Find& find, const FindEvidenceOptions& options) {
+  const double speaks_for_it = options.per_search_score * find.search_score +
+                               options.per_carrier_score * find.carrier_score +
+                               options.per_seen_again * find.seen_again;
+  return speaks_for_it - options.against_no_score - (find.way_m > 0 ? 0 : options.against_anywhere);
 }
 
 }  // namespace
@@ -230,6 +233,12 @@ int look_alikes(const Map& map, const std::vector<PlaceAnswer>& best_first, cons
   return static_cast<int>(places.size());
 }
 
+double seen_again(const RigidPiece& place, const RigidPiece& piece, const Pose& place_from_piece,
+                  const ContradictionOptions& options) {
+  return in_view(place.local, piece.points, place_from_piece, options).share_seen() *
+         in_view(piece.local, place.points, inverse(place_from_piece), options).share_seen();
+}
+
 double Find::probability() const { return 1 / (1 + std::exp(-log_odds)); }
 
 std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, const PlaceAnswer& answer,
@@ -249,7 +258,9 @@ std::optional<Find> refine(const RigidPiece& place, const RigidPiece& piece, con
   find.sigma_m = answer.sigma_m;
   find.search_score = answer.score;
   find.carrier_score = best->match.quality.score;
-  find.log_odds = log_odds_of(answer, find.carrier_score, options.find_evidence);
+  find.seen_again = seen_again(place, piece, best->match.local_from_robot * inverse(best->piece_from_patch),
+                               options.contradiction);
+  find.log_odds = log_odds_of(find, options.find_evidence);
   find.relations = match_relations(place.local, best->patch->points, best->match, find.query,
                                    {OriginKind::hypothesis, {}}, options.relations);
   if (find.relations.empty()) return std::nullopt;

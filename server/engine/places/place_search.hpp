@@ -66,6 +66,11 @@ PlaceSearch search_place(const RigidPiece& place, const RigidPiece& piece, const
 /// only one.
 int look_alikes(const Map& map, const std::vector<PlaceAnswer>& best_first, const EngineOptions& options);
 
+/// Of what a piece and a place each had in view of the other, the shares that they saw too, multiplied. Ways
+/// that cross or lead back show one another little, and all of that again.
+double seen_again(const RigidPiece& place, const RigidPiece& piece, const Pose& place_from_piece,
+                  const ContradictionOptions& options);
+
 /// How a robot's patch lies at a place, as scans say in full.
 struct Find {
   PatchId query;   ///< the robot's patch
@@ -77,13 +82,14 @@ struct Find {
   int look_alikes = 1;              ///< places that look alike: the way before it tells which
   double search_score = 0;
   double carrier_score = 0;  ///< of the match of the query's scan
+  double seen_again = 0;     ///< see seen_again
   double log_odds = 0;       ///< that the piece was there, by these
 
   double probability() const;
 
   auto members() {
     return std::tie(query, anchor, anchor_from_query, way_m, sigma_m, relations, look_alikes, search_score,
-                    carrier_score, log_odds);
+                    carrier_score, seen_again, log_odds);
   }
 };
 

@@ -115,8 +115,8 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
   if (found.relations.empty() || (!before_ && !found.unambiguous)) {
     if (found.compared && found.unambiguous && !visits(id).matched && !visits(id).unmatched &&
         !is_joined(map, id)) {
-      visits(id).unmatched = true;
-      unmatched_.push_back(id);
+      visits(id).unmatched = found.would_show;
+      (found.would_show ? unmatched_ : untold_).push_back(id);
     }
     return false;
   }
@@ -134,6 +134,8 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
 
 void Propagation::retry(const PropagationOptions& options) {
   for (const PatchId id : std::vector<PatchId>(unmatched_)) enqueue(id, options);
+  for (const PatchId id : std::exchange(untold_, {}))
+    if (!visits(id).matched) enqueue(id, options);
 }
 
 }  // namespace isthmus

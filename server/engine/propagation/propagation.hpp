@@ -53,7 +53,9 @@ class Propagation {
     return unmatched_;
   }  ///< compared where they must fit, and did not
 
-  auto members() { return std::tie(before_, origin_, queue_, visits_, matched_, unmatched_, steps_); }
+  auto members() {
+    return std::tie(before_, origin_, queue_, visits_, matched_, unmatched_, untold_, steps_);
+  }
 
  private:
   struct Visits {
@@ -75,6 +77,7 @@ class Propagation {
   std::vector<Visits> visits_;  // by patch id
   std::vector<PatchId> matched_;
   std::vector<PatchId> unmatched_;
+  std::vector<PatchId> untold_;  // that look where what they were compared with does not: that tells nothing
   int steps_ = 0;
 };
 

@@ -83,14 +83,15 @@ void write_sightings(const MapCopy& map, const std::string& path) {
 }
 
 void write_finds(const MapCopy& map, const std::string& path) {
-  CsvFile csv(path,
-              "utime_us,robot,query,anchor,x_m,y_m,yaw_rad,way_m,search_score,carrier_score,look_alikes,"
-              "log_odds,waits");
+  CsvFile csv(
+      path,
+      "utime_us,robot,query,anchor,x_m,y_m,yaw_rad,way_m,search_score,carrier_score,seen_again,look_alikes,"
+      "log_odds,waits");
   for (const FindRecord& find : map.finds) {
     const Pose& pose = find.anchor_from_query;
     csv.row(map.patches[static_cast<std::size_t>(find.query.value)]->utime, find.robot, find.query,
             find.anchor, pose.x, pose.y, pose.yaw, find.way_m, find.search_score, find.carrier_score,
-            find.look_alikes, find.log_odds, find.waits ? 1 : 0);
+            find.seen_again, find.look_alikes, find.log_odds, find.waits ? 1 : 0);
   }
   csv.commit();
 }

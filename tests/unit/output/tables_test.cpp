@@ -206,13 +206,13 @@ TEST(Tables, FindsSayWhereAndWhatSpeaksForThem) {
     patch->utime = 7 + i;
     map.patches.push_back(patch);
   }
-  map.finds.push_back({"R1", PatchId{1}, PatchId{0}, {2, -1, 0.5}, 30, 0.75, 0.5, 2, 2.625, true});
+  map.finds.push_back({"R1", PatchId{1}, PatchId{0}, {2, -1, 0.5}, 30, 0.75, 0.5, 0.875, 2, 2.625, true});
   const TemporaryDirectory directory;
   write_finds(map, directory.file("finds.csv"));
   EXPECT_EQ(lines(directory.file("finds.csv")),
             (std::vector<std::string>{"utime_us,robot,query,anchor,x_m,y_m,yaw_rad,way_m,search_score,"
-                                      "carrier_score,look_alikes,log_odds,waits",
-                                      "8,R1,1,0,2,-1,0.5,30,0.75,0.5,2,2.625,1"}));
+                                      "carrier_score,seen_again,look_alikes,log_odds,waits",
+                                      "8,R1,1,0,2,-1,0.5,30,0.75,0.5,0.875,2,2.625,1"}));
 }
 
 }  // namespace

@@ -56,10 +56,10 @@ std::vector<LabelledFind> label_finds(const std::string& run, const MapCopy& map
 }
 
 void write_labelled_finds(const std::vector<LabelledFind>& finds, const std::string& file) {
-  CsvFile csv(file, "run,true,way_m,search_score,carrier_score,look_alikes,log_odds");
+  CsvFile csv(file, "run,true,way_m,search_score,carrier_score,seen_again,look_alikes,log_odds");
   for (const auto& [run, find, is_true] : finds)
-    csv.row(run, is_true ? 1 : 0, find.way_m, find.search_score, find.carrier_score, find.look_alikes,
-            find.log_odds);
+    csv.row(run, is_true ? 1 : 0, find.way_m, find.search_score, find.carrier_score, find.seen_again,
+            find.look_alikes, find.log_odds);
   csv.commit();
 }
 

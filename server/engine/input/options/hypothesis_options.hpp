@@ -12,11 +12,10 @@ struct HypothesisOptions {
   double max_piece_way_m = 8;
   double min_piece_way_m = 5;
   std::size_t max_queries = 8;
-  double min_score = 0.5;
+  double min_score = 0.3;
   double work_share = 0.02;
   std::size_t max_recorded_finds = 10'000;
   double min_find_probability = 0.12;
-  double min_log_odds = 1;
   double min_merge_log_odds = 3;
   double hint_way_m = 40;
 
@@ -31,10 +30,8 @@ struct HypothesisOptions {
     option(max_recorded_finds, "max_recorded_finds", "count", "that are told; the oldest goes");
     option(min_find_probability, "min_find_probability", "probability",
            "of a find that waits for others that agree");
-    option(min_log_odds, "min_log_odds", "log-odds",
-           "that finds come to that are proposed, those that agree together; of two islands");
     option(min_merge_log_odds, "min_merge_log_odds", "log-odds",
-           "and come to so much, as they may well be two buildings that look alike");
+           "that finds of two islands come to that are proposed, those that agree together");
     option(hint_way_m, "hint_way_m", "m", "of way over which a find that waits says where to look next");
   }
 };

@@ -175,23 +175,6 @@ TEST(Hypotheses, ThatFitAnotherIslandSeveralTimesAreToldApartByTheWayThere) {
   EXPECT_GE(among_look_alikes, 2);
 }
 
-// Where scans of a robot fit badly even where they belong, those that carry what is found may do so too.
-TEST(Hypotheses, RestOnScansThatFitAsWellAsTheRobotsUsuallyDo) {
-  const auto finds = [](double rare_share) {
-    EngineOptions options;
-    options.common.doubtful_score = 1;
-    options.share_common();
-    options.usual_misfit.rare_share = rare_share;
-    InAHall hall(options);
-    hall.drive("R1", 16);
-    hall.drive("R2", 16);
-    hall.engine.finish();
-    return hall.engine.copy().hypotheses.finds;
-  };
-  EXPECT_EQ(finds(0.999), 0) << "none is as good as the mean of all";
-  EXPECT_GE(finds(1e-9), 3);
-}
-
 /// Two robots that drove along the hall, R2 half a metre beside R1, and whose maps have become one where they
 /// began: how they lie to one another is known to a metre or so, and all of R2's is off by that.
 struct JoinedAtOneEnd {

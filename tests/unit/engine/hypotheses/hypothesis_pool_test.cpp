@@ -34,7 +34,8 @@ struct Pooling {
     const PatchId anchor = scene.first[i];
     const Relation relation = odometry_relation(anchor, query, first_from_second);
     pool.take(world(), "R2",
-              {query, anchor, first_from_second, 0, 1, {relation}, look_alikes, 0.7, 0.7, log_odds}, counts);
+              {query, anchor, first_from_second, 0, 1, {relation}, look_alikes, 0.7, 0.7, 0.9, log_odds},
+              counts);
   }
   bool propose() { return pool.propose(world(), closures, counts); }
   /// What is on trial is tried out, and heard of.
@@ -59,15 +60,15 @@ TEST(HypothesisPool, ProposesFindsThatAgree) {
 }
 
 TEST(HypothesisPool, ProposesOnOneIslandWhatIsSureEnoughWhetherOneFindOrTwo) {
-  for (const double log_odds : {0.9, 1.1}) {
+  for (const double log_odds : {-0.1, 0.1}) {
     Pooling its;
     its.scene.join();
     its.find(0, {0, 1.5, 0}, 1, log_odds);
-    EXPECT_EQ(its.propose(), log_odds > 1);
+    EXPECT_EQ(its.propose(), log_odds > 0);
   }
   Pooling its;
   its.scene.join();
-  for (const std::size_t i : {0U, 4U}) its.find(i, {0, 1.5, 0}, 1, 0.5);
+  for (const std::size_t i : {0U, 4U}) its.find(i, {0, 1.5, 0}, 1, -0.5);
   EXPECT_TRUE(its.propose()) << "the second is worth log(0.9 / 0.5)";
 }
 
@@ -181,7 +182,7 @@ TEST(HypothesisPool, ProposesNothingThatASurerFindContradictsOfTheOtherRobot) {
   for (const std::size_t i : {0U, 2U, 4U}) its.find(i);
   const PatchId query = its.scene.first[1], anchor = its.scene.second[1];
   const Relation relation = odometry_relation(anchor, query, {3, -1.5, 1});
-  its.pool.take(its.world(), "R1", {query, anchor, {3, -1.5, 1}, 0, 1, {relation}, 1, 0.7, 0.7, 5},
+  its.pool.take(its.world(), "R1", {query, anchor, {3, -1.5, 1}, 0, 1, {relation}, 1, 0.7, 0.7, 0.9, 5},
                 its.counts);
   EXPECT_FALSE(its.propose());
 }

@@ -70,14 +70,14 @@ TEST(PlaceSearchOptions, FindCoarselyWhatIsThenSearchedFinely) { EXPECT_GT(Place
 TEST(FindEvidenceOptions, LetWaitWhatFitsWellAndNotWhatFitsJustWellEnoughToBeLookedAt) {
   const EngineOptions its;
   const FindEvidenceOptions& odds = its.find_evidence;
-  const auto log_odds = [&](double search_score, double carrier_score) {
-    return odds.per_search_score * search_score + odds.per_carrier_score * carrier_score -
-           odds.against_no_score;
+  const auto log_odds = [&](double search_score, double carrier_score, double seen_again) {
+    return odds.per_search_score * search_score + odds.per_carrier_score * carrier_score +
+           odds.per_seen_again * seen_again - odds.against_no_score;
   };
   const double waits =
       std::log(its.hypotheses.min_find_probability / (1 - its.hypotheses.min_find_probability));
-  EXPECT_LT(log_odds(its.hypotheses.min_score, its.common.doubtful_score), waits);
-  EXPECT_GT(log_odds(0.7, 0.8), its.hypotheses.min_log_odds) << "as most true ones do";
+  EXPECT_LT(log_odds(its.hypotheses.min_score, its.common.doubtful_score, 0.5), waits);
+  EXPECT_GT(log_odds(0.6, 0.6, 0.95), 0) << "as most true ones do";
   EXPECT_GT(its.finder.min_find_probability, its.hypotheses.min_find_probability)
       << "a robot is put there at once";
 }

@@ -56,6 +56,17 @@ TEST(FindLocalLoop, RelatesAScanToTheLooselyKnownPatchThatItCameBackTo) {
   EXPECT_NEAR(found.map_from_map.yaw, truth.yaw, 0.006);
 }
 
+TEST(FindLocalLoop, TellsWhetherThePlaceWouldShowWhatTheScanSees) {
+  const LocalLoop in_free_space = CameBack(box(4), loose_sigma).found(box(2), {});
+  EXPECT_TRUE(in_free_space.relations.empty());
+  EXPECT_TRUE(in_free_space.compared);
+  EXPECT_TRUE(in_free_space.would_show);
+  const LocalLoop hidden = CameBack(box(2), loose_sigma).found(box(4), {});
+  EXPECT_TRUE(hidden.relations.empty());
+  EXPECT_TRUE(hidden.compared);
+  EXPECT_FALSE(hidden.would_show) << "behind its walls";
+}
+
 // Firm patches are the local map's, with which every scan is matched; here, only where it was not found.
 TEST(FindLocalLoop, LooksForWellDeterminedPatchesOnlyWhereTheScanWasNotPairedWithThem) {
   const CameBack back(furnished_room(), well_known_sigma);

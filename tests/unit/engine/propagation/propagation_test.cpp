@@ -219,6 +219,23 @@ TEST(Propagation, RemembersWhatMustFitAndDoesNot) {
   EXPECT_FALSE(propagation.done()) << "once more, when poses are better";
 }
 
+// One wall stands where the others saw it, all else is behind their walls: that it does not match says
+// nothing.
+TEST(Propagation, HoldsNothingAgainstAPatchThatSeesWhatTheOthersDoNot) {
+  Walls hall;
+  add_box(hall, -9, -9, 9, 3);
+  TwoWays ways(hall, first_drive, furnished_room(), second_drive);
+  ways.tell_sharply();
+  ways.options.surroundings.min_overlap = 0;
+  Propagation propagation = ways.begun();
+  propagation.enqueue(PatchId{1}, {});
+  EXPECT_FALSE(ways.stepped(propagation));
+  EXPECT_TRUE(propagation.unmatched().empty());
+  EXPECT_TRUE(propagation.done());
+  propagation.retry({});
+  EXPECT_FALSE(propagation.done()) << "once more, when poses are better";
+}
+
 // Whichever of the two was matched: what is left then to compare the other with lies at the edge of its view.
 TEST(Propagation, DoesNotHoldAgainstAPatchThatAnotherFoundThatItFindsNoMore) {
   TwoWays ways;
