@@ -42,6 +42,9 @@ TEST(InView, LooksFromWhereThePointsLie) {
   EXPECT_GT(moved.looked_through, 20);
   EXPECT_GT(moved.out_of_view, 10);
   EXPECT_GT(moved.seen, 20) << "along the walls on either side";
+  const int in_view = moved.seen + moved.looked_through;
+  EXPECT_EQ(moved.share_seen(), static_cast<double>(moved.seen) / in_view) << "of what is in view";
+  EXPECT_EQ(moved.share(), static_cast<double>(in_view) / (in_view + moved.out_of_view)) << "of all";
 }
 
 TEST(InView, IsByAnyOfThePatches) {
