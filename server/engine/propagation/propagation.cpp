@@ -116,7 +116,10 @@ bool Propagation::step(Map& map, const EngineOptions& options) {
     if (found.compared && found.unambiguous && !visits(id).matched && !visits(id).unmatched &&
         !is_joined(map, id)) {
       visits(id).unmatched = found.would_show;
-      (found.would_show ? unmatched_ : untold_).push_back(id);
+      if (found.would_show)
+        unmatched_.push_back(id);
+      else if (before_)  // on trial: nobody else looks again, and without an end they would add up
+        untold_.push_back(id);
     }
     return false;
   }
