@@ -14,8 +14,9 @@ namespace {
 
 constexpr int max_levels = 5;  // of the pyramid, above the cells: says how fast it is, not what it finds
 
-Eigen::Vector2d corner(const SearchWindow& window, double side, const CorrelativeOptions& options) {
-  const double half_m = options.reach_m + std::max(window.half_x_m, window.half_y_m);
+// Beams end no farther out, wherever in the window the robot is.
+Eigen::Vector2d corner(const SearchWindow& window, double side, double reach_m) {
+  const double half_m = reach_m + std::max(window.half_x_m, window.half_y_m);
   return {window.centre.x + side * half_m, window.centre.y + side * half_m};
 }
 
@@ -35,8 +36,9 @@ class Search {
         half_x_(static_cast<int>(std::ceil(window.half_x_m / options.cell_m))),
         half_y_(static_cast<int>(std::ceil(window.half_y_m / options.cell_m))),
         top_(std::clamp(static_cast<int>(std::log2(std::max(half_x_, half_y_) + 1)), 0, max_levels)),
-        pyramid_(map, corner(window, -1, options), corner(window, 1, options), options, top_),
-        beams_(searched_beams(points, options)) {}
+        beams_(searched_beams(points, options)),
+        reach_m_(reach_of(beams_, options)),
+        pyramid_(map, corner(window, -1, reach_m_), corner(window, 1, reach_m_), options, top_) {}
 
   CorrelativeResult run() {
     CorrelativeResult result;
@@ -165,8 +167,9 @@ class Search {
   int half_x_;
   int half_y_;
   int top_;
-  FitPyramid pyramid_;
   std::vector<Eigen::Vector2d> beams_;
+  double reach_m_;
+  FitPyramid pyramid_;
   std::vector<Turned> turned_;
   std::vector<Answer> answers_;
   int best_score_ = 0;
@@ -184,6 +187,12 @@ std::vector<Eigen::Vector2d> searched_beams(std::span<const ScanPoint> points,
   for (std::size_t i = stride / 2; i < points.size(); i += stride)
     if (points[i].position.norm() <= options.reach_m) beams.push_back(points[i].position);
   return beams;
+}
+
+double reach_of(std::span<const Eigen::Vector2d> beams, const CorrelativeOptions& options) {
+  double squared = 0;
+  for (const Eigen::Vector2d& beam : beams) squared = std::max(squared, beam.squaredNorm());
+  return options.cell_m * std::ceil(std::sqrt(squared) / options.cell_m);
 }
 
 CorrelativeResult search_window(const LocalMap& local_map, std::span<const ScanPoint> points,

@@ -75,6 +75,10 @@ struct CorrelativeResult {
 std::vector<Eigen::Vector2d> searched_beams(std::span<const ScanPoint> points,
                                             const CorrelativeOptions& options);
 
+/// How far they reach, in metres: no grid need reach farther. Whole cells, so that grids about one place have
+/// their cells in the same places for all scans.
+double reach_of(std::span<const Eigen::Vector2d> beams, const CorrelativeOptions& options);
+
 /// Correlative search by branch and bound over a pyramid of maximum grids: the pose of the window at which
 /// the beams' ends fall best on the local map's points. For predictions too uncertain for match_scan to start
 /// from.

@@ -1,9 +1,29 @@
 #include "scanmatch/fit_pyramid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 
 namespace isthmus {
+namespace {
+
+// Each of the first cells becomes the larger of itself and the other; the others may lie further on among
+// the same cells. So many at once that a compiler does them as vectors.
+void take_larger(std::span<std::uint8_t> cells, std::span<const std::uint8_t> others) {
+  constexpr std::size_t at_once = 64;
+  std::size_t i = 0;
+  for (; i + at_once <= others.size(); i += at_once) {
+    std::array<std::uint8_t, at_once> mine, theirs;
+    std::memcpy(mine.data(), &cells[i], at_once);
+    std::memcpy(theirs.data(), &others[i], at_once);
+    for (std::size_t k = 0; k < at_once; ++k) mine[k] = std::max(mine[k], theirs[k]);
+    std::memcpy(&cells[i], mine.data(), at_once);
+  }
+  for (; i < others.size(); ++i) cells[i] = std::max(cells[i], others[i]);
+}
+
+}  // namespace
 
 FitPyramid::FitPyramid(std::span<const Eigen::Vector2d> map, const Eigen::Vector2d& low,
                        const Eigen::Vector2d& high, const CorrelativeOptions& options, int levels)
@@ -41,13 +61,13 @@ void FitPyramid::stamp(const Eigen::Vector2d& position, int blur, double blur_m)
   }
 }
 
-// The maximum with what lies `shift` to the right, then with what lies `shift` above.
+// The maximum of each cell and those `shift` to the right, above, and both.
 std::vector<std::uint8_t> FitPyramid::widened(const std::vector<std::uint8_t>& below, int shift) const {
   std::vector<std::uint8_t> level = below;
   const auto right = static_cast<std::size_t>(shift);
-  for (std::size_t i = 0; i + right < level.size(); ++i) level[i] = std::max(below[i], below[i + right]);
+  take_larger(level, std::span(below).subspan(right));
   const std::size_t up = right * static_cast<std::size_t>(width_);
-  for (std::size_t i = 0; i + up < level.size(); ++i) level[i] = std::max(level[i], level[i + up]);
+  take_larger(level, std::span(level).subspan(up));
   return level;
 }
 

@@ -1,5 +1,6 @@
 #include "server/engine/places/place_survey.hpp"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <utility>
@@ -22,7 +23,8 @@ struct Box {
 };
 
 // Nothing: it is too wide.
-std::optional<FitSurvey> survey_of(const Map& map, IslandId island, const EngineOptions& options) {
+std::optional<FitSurvey> survey_of(const Map& map, IslandId island, const CorrelativeOptions& search,
+                                   const EngineOptions& options) {
   const Manifold& manifold = map.manifold();
   LocalMap whole;
   Box box{position(manifold.pose(island)), position(manifold.pose(island))};
@@ -30,13 +32,22 @@ std::optional<FitSurvey> survey_of(const Map& map, IslandId island, const Engine
     whole.patches.push_back({manifold.shared_patch(id), manifold.pose(id)});
     box.take_in(position(manifold.pose(id)));
   }
-  const CorrelativeOptions search = coarse_search(options);
   const PlaceCandidateOptions& its = options.place_candidates;
   const Eigen::Vector2d window = Eigen::Vector2d::Constant(2 * (its.spacing_m + its.window_margin_m));
   const Eigen::Array2d side_m = (box.high - box.low + 2 * window).array() + 2 * search.reach_m;
   if (side_m.prod() > max_cells * search.cell_m * search.cell_m) return std::nullopt;
   return FitSurvey(positions(thinned_points(whole, options.place_search.thin_m)), box.low - window,
                    box.high + window, search);
+}
+
+// A grid need reach no farther than beams do.
+CorrelativeOptions search_for(std::span<const RigidPiece> pieces, const EngineOptions& options) {
+  CorrelativeOptions search = coarse_search(options);
+  double reach_m = 0;
+  for (const RigidPiece& piece : pieces)
+    reach_m = std::max(reach_m, reach_of(searched_beams(piece.points, search), search));
+  search.reach_m = reach_m;
+  return search;
 }
 
 struct PlaceOfPiece {
@@ -54,9 +65,10 @@ void leave_possible(std::vector<std::vector<PlaceCandidate>>& places_by_piece,
   for (std::size_t i = 0; i < places_by_piece.size(); ++i)
     for (PlaceCandidate& place : places_by_piece[i])
       if (place.is_on_other_island()) islands[map.graph().island(place.anchor)].push_back({i, &place});
-  const CorrelativeOptions search = coarse_search(options);
+  if (islands.empty()) return;
+  const CorrelativeOptions search = search_for(pieces, options);
   for (const auto& [island, places] : islands) {
-    const std::optional<FitSurvey> survey = survey_of(map, island, options);
+    const std::optional<FitSurvey> survey = survey_of(map, island, search, options);
     if (!survey) continue;
     std::optional<SurveyedScan> scan;
     for (std::size_t i = 0; i < places.size(); ++i) {

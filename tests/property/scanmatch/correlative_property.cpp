@@ -47,12 +47,20 @@ Scene random_scene() {
   return scene;
 }
 
+/// Of those in reach, in whole cells.
+double longest_beam_m(const Scene& scene) {
+  double longest = 0;
+  for (const ScanPoint& point : scene.points)
+    if (point.position.norm() <= scene.options.reach_m) longest = std::max(longest, point.position.norm());
+  return scene.options.cell_m * std::ceil(longest / scene.options.cell_m);
+}
+
 /// The same search by trying every pose of the window.
 class EveryPose {
  public:
   explicit EveryPose(const Scene& scene)
       : scene_(scene),
-        half_extent_m_(scene.options.reach_m + std::max(scene.window.half_x_m, scene.window.half_y_m)) {
+        half_extent_m_(longest_beam_m(scene) + std::max(scene.window.half_x_m, scene.window.half_y_m)) {
     const double cell_m = scene.options.cell_m;
     size_ = static_cast<int>(2 * half_extent_m_ / cell_m) + 1;
     const int blur = static_cast<int>(std::ceil(2.5 * scene.options.blur_m / cell_m));
