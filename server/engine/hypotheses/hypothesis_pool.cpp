@@ -179,7 +179,7 @@ bool HypothesisPool::propose(World world, Closures& closures, const std::vector<
   ScanProposal proposal = proposal_of(world.map, first, finds, world.options);
   proposal.id = id;
   const TrialOptions& its = world.options.trial;
-  proposal.log_odds = set.size() > 1 ? its.agreed_log_odds : std::min(sure, its.lone_log_odds);
+  proposal.log_odds = std::min(sure, set.size() > 1 ? its.agreed_log_odds : its.lone_log_odds);
   id = closures.propose_from_scans(world, proposal);
   for (Waiting& waiting : pool_)  // an earlier trial of it may have been of others
     if (waiting.hypothesis == id) waiting.hypothesis = {};

@@ -134,9 +134,10 @@ struct TrialOptions {
     option(max_layers_log_odds, "max_layers_log_odds", "log-odds",
            "of that at most, and from how near to enough it is asked for: a false loop near the true one may "
            "end them as well");
-    option(agreed_log_odds, "agreed_log_odds", "log-odds",
-           "that what several finds, or sightings, say alike is true, before it is tried: 95 in 100 (281 of "
-           "296 loops in simulated and recorded buildings)");
+    option(
+        agreed_log_odds, "agreed_log_odds", "log-odds",
+        "that what sightings say alike is true, before it is tried, and the most that several finds say: 95 "
+        "in 100 (281 of 296 loops in simulated and recorded buildings)");
     option(lone_log_odds, "lone_log_odds", "log-odds",
            "the most that a find says by itself: buildings repeat themselves more often than it can know");
     option(min_loop_log_odds, "min_loop_log_odds", "log-odds",

@@ -74,18 +74,19 @@ TEST(HypothesisPool, ProposesOnOneIslandWhatIsSureEnoughWhetherOneFindOrTwo) {
 
 // More of the building must match then; and which of two places it is, if it is one of two, only the map
 // tells.
-TEST(HypothesisPool, OfOneFindIsAsSureAsItSaysUpToABoundAndOnePlaceOfTwo) {
+TEST(HypothesisPool, IsAsSureAsFindsSayUpToABoundAndOfOneFindOnePlaceOfTwo) {
   const TrialOptions its_trial;
   for (const auto& [finds, log_odds, prior] : {std::tuple{1U, 1.25, 1.25},
                                                {1U, 9.0, its_trial.lone_log_odds},
-                                               {2U, 1.25, its_trial.agreed_log_odds}}) {
+                                               {2U, 1.25, 1.25 + std::log(0.9 / 0.5)},
+                                               {2U, 9.0, its_trial.agreed_log_odds}}) {
     Pooling its;
     its.scene.join();
     for (std::size_t i = 0; i < finds; ++i) its.find(4 * i, {0, 1.5, 0}, 1, log_odds);
     ASSERT_TRUE(its.propose());
     its.take_outcomes();
     const TrialAccount account = its.closures.closures().at(0).account;
-    EXPECT_EQ(account.prior_log_odds, prior);
+    EXPECT_DOUBLE_EQ(account.prior_log_odds, prior);
     EXPECT_EQ(account.look_alikes, finds == 1 ? 2 : 1);
   }
 }
