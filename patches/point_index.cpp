@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "patches/surface.hpp"
-
 namespace isthmus {
 namespace {
 
@@ -91,9 +89,6 @@ PointIndex::PointIndex(std::span<const ScanPoint> points) {
   const std::size_t count = std::min<std::size_t>(points.size(), std::numeric_limits<std::int16_t>::max());
   for (std::size_t i = 0; i < count; ++i)
     if (is_indexed(points[i])) filler.add(static_cast<std::int16_t>(i), points[i].position - origin_);
-  for (const SurfacePoint& between : between_beams(points.first(count), reach_m / 2))
-    if (is_indexed(points[between.point]))
-      filler.add(static_cast<std::int16_t>(between.point), between.position - origin_);
   cells_.shrink_to_fit();
 }
 

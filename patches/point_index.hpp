@@ -10,8 +10,7 @@ namespace isthmus {
 
 /// Nearest scan point in constant time: a sparse grid of tiles around the points, each cell holding the point
 /// nearest to its centre. The answer is nearest to within half a cell's diagonal, which point-to-line
-/// matching does not notice. Only points with a normal are in it. Where a surface goes on between two beams
-/// (between_beams), the nearer one's end stands for what is there.
+/// matching does not notice. Only points with a normal are in it.
 class PointIndex {
  public:
   static constexpr double cell_m = 0.1;
