@@ -35,7 +35,7 @@ struct CorrelativeOptions {
   double yaw_step_rad = 0.0175;
   double blur_m = 0.1;
   double blur_sigmas = 2.5;
-  double reach_m = 48;
+  double reach_m = 24;
   int max_points = 90;
   double apart_m = 0.5;
   double apart_rad = 0.26;
@@ -50,8 +50,8 @@ struct CorrelativeOptions {
     option(blur_sigmas, "blur_sigmas", "sigmas", "beyond which the fit counts as 0");
     option(
         reach_m, "reach_m", "m",
-        "beams that end farther away are left out, which bounds the work; squares have their walls 25 m away "
-        "and more, and by no beams nothing is found");
+        "beams that end farther away are left out; wide streets have their walls 13 m away, and by no beams "
+        "nothing is found");
     option(max_points, "max_points", "count", "of the scan that are used; more are thinned evenly");
     option(apart_m, "apart_m", "m", "a second answer is at least so far from the best in position,");
     option(apart_rad, "apart_rad", "rad", "or so far in yaw");
