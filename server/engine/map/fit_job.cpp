@@ -34,19 +34,14 @@ void answer(const FitJob::LoopQuestion& question, const RelationGraph& graph, st
   if (covariances.empty()) return;
   result.covariance = covariances.front();
   result.rests_on = closures_between(question.before, question.a, question.b);
-  // Which of the links, or of the loops closed before, is wrong was not known before.
-  const double odds = log_odds_of_blame(question, poses, *result.covariance);
-  const double links = std::max(1.0, question.loop.way_m / question.link_spacing_m);
-  const auto loops = static_cast<double>(question.loop.closed_before.size());
-  std::optional<Blame> found =
-      blame({question.loop, question.before, poses, graph, cost, odds + std::log(links),
-             log_search_window(question.loop.way_m, question.drift), question.reach,
-             odds + std::log(question.may_have_slipped ? loops : links)},
-            question.weak_links);
+  std::optional<Blame> found = blame({question.loop, question.before, poses, graph, cost,
+                                      log_odds_of_blame(question, poses, *result.covariance),
+                                      log_search_window(question.loop.way_m, question.drift), question.reach},
+                                     question.weak_links);
   if (!found) return;
   result.blamed = std::move(found->wrong);
   result.blamed_closure = found->closure;
-  result.blamed_log_odds = found->log_odds;
+  result.blamed_log_odds = found->none_log_odds;
   result.poses = std::move(found->poses);
 }
 

@@ -32,7 +32,7 @@ class FitJob {
     /// Of a loop: relations that were wrong if it is right. The poses are those without them.
     std::vector<RelationId> blamed;
     ClosureId blamed_closure;    ///< that they rest on, where it is what was wrong
-    double blamed_log_odds = 0;  ///< that they are right, but for the loop
+    double blamed_log_odds = 0;  ///< that nothing of the kind is wrong, but for the loop
 
     auto members() {
       return std::tie(patches, poses, ok, covariance, rests_on, blamed, blamed_closure, blamed_log_odds);
@@ -48,7 +48,6 @@ class FitJob {
     Reach reach;
     WeakLinkOptions weak_links;
     PlaceCandidateOptions drift;  ///< how far the map may have drifted on the way between them
-    double link_spacing_m = 1;    ///< between links on that way
     /// The loop may be taken for one that is open because something slipped: nothing is to blame then that is
     /// surer than that.
     bool may_have_slipped = false;

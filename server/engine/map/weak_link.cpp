@@ -86,28 +86,78 @@ double against_slip(const Contradiction& map, const Relation& link, const WeakLi
          std::max(log_density(ominus(moves * b, a)), log_density(ominus(b, moves * a)));
 }
 
-// The links that are least sure by where they are and by how far they would have to be off. Against the
-// closure there is only that another place looks alike just there: nothing for small slips, as what looks
-// alike is often near, too.
-std::optional<WeakestCut> least_sure(const Contradiction& map, const WeakLinkOptions& options) {
-  std::vector<UncertainLink> links = uncertain_links(map.before, island_of(map), map.poses_before, options);
-  std::vector<double> slips;
-  for (UncertainLink& link : links) {
-    slips.push_back(against_slip(map, *map.before.find(link.relation), options));
-    link.log_odds += slips.back();
-  }
-  std::optional<WeakestCut> cut = weakest_cut(links, map.loop.first, map.loop.second);
-  if (!cut) return std::nullopt;
-  const double look_alike = std::max(0.0, map.log_window + log_density_of_no_slip(options));
-  for (std::size_t i = 0; i < links.size(); ++i)
-    if (std::ranges::binary_search(cut->relations, links[i].relation))
-      links[i].log_odds -= std::min(slips[i], look_alike);
-  return weakest_cut(links, map.loop.first, map.loop.second);
+// That all are right, of two log-odds: what is wrong is the one or the other.
+double log_odds_of_both(double one, double other) {
+  const double less = std::min(one, other);
+  return less - std::log1p(std::exp(less - std::max(one, other)));
 }
 
-std::optional<Blame> weakest_link(const Contradiction& map, const WeakLinkOptions& options) {
-  std::optional<WeakestCut> link = least_sure(map, options);
-  if (!link || link->log_odds > map.max_log_odds) return std::nullopt;
+/// The links that may have been off by so much as the loop has it.
+class Suspects {
+ public:
+  Suspects(const Contradiction& map, const WeakLinkOptions& options)
+      : map_(map),
+        links_(uncertain_links(map.before, island_of(map), map.poses_before, options)),
+        look_alike_(std::max(0.0, map.log_window + log_density_of_no_slip(options))) {
+    for (UncertainLink& link : links_) {
+      slips_.push_back(against_slip(map, *map.before.find(link.relation), options));
+      link.log_odds += slips_.back();
+    }
+  }
+
+  /// Those that are least sure by where they are and by how far they would have to be off. Against the
+  /// closure there is only that another place looks alike just there: nothing for small slips, as what looks
+  /// alike is often near, too.
+  std::optional<WeakestCut> least_sure() const {
+    const std::optional<WeakestCut> cut = weakest_cut(links_, map_.loop.first, map_.loop.second);
+    if (!cut || cut->log_odds >= certain_log_odds) return std::nullopt;
+    std::vector<UncertainLink> links = links_;
+    for (std::size_t i = 0; i < links.size(); ++i)
+      if (std::ranges::binary_search(cut->relations, links[i].relation))
+        links[i].log_odds -= std::min(slips_[i], look_alike_);
+    return weakest_cut(links, map_.loop.first, map_.loop.second);
+  }
+
+  /// A step of a robot's way is not to blame, whatever else spans it; where no robot made it, none of them.
+  void acquit(const WeakestCut& step) {
+    std::vector<UncertainLink*> its_links, driven;
+    for (UncertainLink& link : links_) {
+      if (!std::ranges::binary_search(step.relations, link.relation)) continue;
+      its_links.push_back(&link);
+      if (map_.before.find(link.relation)->origin.kind == OriginKind::odometry) driven.push_back(&link);
+    }
+    for (UncertainLink* link : driven.empty() ? its_links : driven) link->log_odds = certain_log_odds;
+  }
+
+ private:
+  const Contradiction& map_;
+  std::vector<UncertainLink> links_;
+  std::vector<double> slips_;
+  double look_alike_;
+};
+
+// Which of the steps of a way is wrong is not known before: the log-odds that none is, by each one's own. Few
+// of hundreds could be off by so much.
+double log_odds_that_none_is_wrong(Suspects suspects, WeakestCut link) {
+  constexpr int max_suspects = 100;
+  constexpr double negligible = 5;  // log-odds beyond those of all before it: adds less than 1 %
+  double all_right = link.log_odds;
+  for (int i = 1; i < max_suspects; ++i) {
+    suspects.acquit(link);
+    std::optional<WeakestCut> next = suspects.least_sure();
+    if (!next || next->log_odds > all_right + negligible) break;
+    all_right = log_odds_of_both(all_right, next->log_odds);
+    link = *std::move(next);
+  }
+  return all_right;
+}
+
+std::optional<Blame> weakest_link(const Contradiction& map, double bent_by, const WeakLinkOptions& options) {
+  const Suspects suspects(map, options);
+  std::optional<WeakestCut> link = suspects.least_sure();
+  if (!link || link->log_odds > bent_by) return std::nullopt;
+  const double none_log_odds = log_odds_that_none_is_wrong(suspects, *link);
+  if (none_log_odds > map.max_log_odds) return std::nullopt;
   std::vector<Pose> poses(map.poses_before.begin(), map.poses_before.end());
   for (const PatchId id : link->beyond) poses[index(id)] = map.loop.first_from_second * poses[index(id)];
   RelationGraph without = map.fitted;
@@ -125,7 +175,7 @@ std::optional<Blame> weakest_link(const Contradiction& map, const WeakLinkOption
   }
   const double log_odds = link->log_odds;
   const double cost = report.cost_after + cost_of_noise(map, wrong);
-  return Blame{log_odds, *std::move(link), {}, std::move(wrong), cost, std::move(poses)};
+  return Blame{log_odds, none_log_odds, *std::move(link), {}, std::move(wrong), cost, std::move(poses)};
 }
 
 std::vector<RelationId> resting_on(const RelationGraph& graph, ClosureId closure) {
@@ -137,8 +187,8 @@ std::vector<RelationId> resting_on(const RelationGraph& graph, ClosureId closure
 }
 
 // The way from where the earlier closure bent the map to may be long: the linear solution knows no way.
-std::optional<Blame> earlier_closure(const Contradiction& map, const UncertainClosure& earlier) {
-  if (earlier.log_odds > std::min(map.max_log_odds, map.max_closure_log_odds)) return std::nullopt;
+std::optional<Blame> earlier_closure(const Contradiction& map, const UncertainClosure& earlier,
+                                     double none_log_odds) {
   std::vector<RelationId> wrong = resting_on(map.before, earlier.id);
   RelationGraph without = map.fitted;
   without.remove(wrong);
@@ -147,7 +197,13 @@ std::optional<Blame> earlier_closure(const Contradiction& map, const UncertainCl
   const FitReport report = fit_island(without, island_of(map), poses, {.chordal_start = true});
   const double cost = report.cost_after + cost_of_noise(map, wrong);
   if (!report.ok || map.cost - cost < earlier.log_odds) return std::nullopt;
-  return Blame{earlier.log_odds, {}, earlier.id, std::move(wrong), cost, std::move(poses)};
+  return Blame{earlier.log_odds, none_log_odds, {}, earlier.id, std::move(wrong), cost, std::move(poses)};
+}
+
+double log_odds_that_none_is_wrong(std::span<const UncertainClosure> closures) {
+  double all_right = std::numeric_limits<double>::infinity();
+  for (const UncertainClosure& closure : closures) all_right = log_odds_of_both(all_right, closure.log_odds);
+  return all_right;
 }
 
 }  // namespace
@@ -174,15 +230,16 @@ double Reach::between_m(PatchId a, PatchId b) const {
   return slack_m + max_speed_m_per_s * static_cast<double>(std::abs(one.utime - other.utime)) * 1e-6;
 }
 
-std::optional<Blame> blame(const Contradiction& contradiction, const WeakLinkOptions& options) {
-  Contradiction map = contradiction;
+std::optional<Blame> blame(const Contradiction& map, const WeakLinkOptions& options) {
   if (map.loop.first.empty() || map.loop.second.empty()) return std::nullopt;
   const double bent_by = map.cost - cost_of_island(map.before, island_of(map), map.poses_before);
-  map.max_log_odds = std::min(map.max_log_odds, bent_by);
-  if (map.max_log_odds <= 0) return std::nullopt;
-  std::optional<Blame> found = weakest_link(map, options);
+  if (bent_by <= 0 || map.max_log_odds <= 0) return std::nullopt;
+  std::optional<Blame> found = weakest_link(map, bent_by, options);
+  const double none_log_odds = log_odds_that_none_is_wrong(map.loop.closed_before);
+  if (none_log_odds > map.max_log_odds) return found;
   for (const UncertainClosure& earlier : map.loop.closed_before) {
-    std::optional<Blame> other = earlier_closure(map, earlier);
+    if (earlier.log_odds > bent_by) continue;
+    std::optional<Blame> other = earlier_closure(map, earlier, none_log_odds);
     if (other && (!found || other->log_odds + other->cost < found->log_odds + found->cost))
       found = std::move(other);
   }

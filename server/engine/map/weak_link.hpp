@@ -43,9 +43,10 @@ struct OpenLoop {
 /// What the relations of a map were wrong in, if a closure is right that they are at odds with: a link, or a
 /// closure that was accepted before, with all that rests on it.
 struct Blame {
-  double log_odds = 0;            ///< that it is right, but for the closure
-  WeakestCut link;                ///< nothing in it: an earlier closure is to blame,
-  ClosureId closure;              ///< this
+  double log_odds = 0;       ///< that it is right, but for the closure,
+  double none_log_odds = 0;  ///< and that all are that might be wrong in its stead, each as sure as it is
+  WeakestCut link;           ///< nothing in it: an earlier closure is to blame,
+  ClosureId closure;         ///< this
   std::vector<RelationId> wrong;  ///< those that do not agree with the closure, by id
   double cost = 0;          ///< of the fit with the closure and without those, and of the noise of those
   std::vector<Pose> poses;  ///< of the island by that fit
@@ -69,19 +70,18 @@ struct Contradiction {
   std::span<const Pose> poses_before;
   const RelationGraph& fitted;  ///< and with it,
   double cost;                  ///< which its fit costs
-  double max_log_odds;          ///< what is surer is not to blame
+  double max_log_odds;          ///< where it is surer that no link, or no closure, is wrong, none is to blame
   double log_window;  ///< logarithm of the volume (m² rad) that was searched: a place that looks alike is
                       ///< anywhere in it
   const Reach& reach;
-  /// The same of a loop that was closed before.
-  double max_closure_log_odds = std::numeric_limits<double>::infinity();
 };
 
 /// Whether the link that is weakest around a loop, or a loop that was closed before, was wrong, rather than
 /// all relations off by a little: where the island, fitted with the closure, costs more than without the
 /// culprit, beyond what its own noise costs in any case, by more than the log-odds that it is right. (The
 /// costs are negative log-likelihoods.) Of several that which explains most. A link is the surer the farther
-/// off it would have to be, what slips does so by metres, and certain where no robot gets so far.
+/// off it would have to be, what slips does so by metres, and certain where no robot gets so far. That it is
+/// that link and none of the others was not known before: each adds to the odds that one is wrong by its own.
 std::optional<Blame> blame(const Contradiction& map, const WeakLinkOptions& options);
 
 }  // namespace isthmus

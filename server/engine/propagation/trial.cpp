@@ -57,7 +57,6 @@ void Trial::begin_fit(std::int64_t now_utime, bool with_gate) {
                              {{patches.begin(), patches.end()}, robots.max_speed_m_per_s, robots.slack_m},
                              options_.weak_links,
                              options_.place_candidates,
-                             options_.patch_spacing_m,
                              proposal_.from_scans};
   }
   job_ = std::make_unique<FitJob>(map_, map_.graph().island(proposal_.relations.front().a), now_utime,
@@ -78,23 +77,15 @@ bool Trial::jumps_too_far(const Eigen::Matrix3d& before) const {
 }
 
 // By what the map knows now, and not when it was found: then the two may have been on two islands still. Of
-// places that look alike each is as likely as the others, but for where the map has them.
+// places that look alike each is as likely as the others, but for where the map has them. How likely it is
+// that something was wrong is in the account already.
 double Trial::revisit_log_odds(const std::optional<Eigen::Matrix3d>& before) const {
   const PlaceCandidateOptions& its = options_.place_candidates;
   const double one_of_them = -std::log(proposal_.look_alikes);
+  if (!blamed_.empty()) return one_of_them;
   if (!before) return std::log(its.slip_probability) + one_of_them;
   const auto& [anchor, query, found, way_m] = *proposal_.revisit;
   return isthmus::revisit_log_odds(found, *gate_before_, *before, way_m, its) + one_of_them;
-}
-
-// Which of the links around the loop is wrong is not known before: as many could be as there are patches on
-// the way, or loops that were closed before. What the one that is blamed has against it is in the account
-// already.
-double Trial::blamed_log_odds() const {
-  const double links = std::max(1.0, proposal_.revisit->way_m / options_.patch_spacing_m);
-  const double culprits =
-      account_.blamed_closure.valid() ? static_cast<double>(proposal_.loop.closed_before.size()) : links;
-  return std::log(culprits) - std::log(proposal_.look_alikes);
 }
 
 void Trial::end_fit() {
@@ -118,8 +109,7 @@ void Trial::end_fit() {
   if (gate_before_ && !proposal_.from_scans)
     proposal_.cautious = !blamed_.empty() || hardly_known(result.covariance);
   account_.rests_on = result.rests_on;
-  if (proposal_.revisit)
-    account_.revisit_log_odds = blamed_.empty() ? revisit_log_odds(result.covariance) : blamed_log_odds();
+  if (proposal_.revisit) account_.revisit_log_odds = revisit_log_odds(result.covariance);
   for (const Relation& relation : proposal_.relations) {
     propagation_.enqueue(relation.a, options_.propagation);
     propagation_.enqueue(relation.b, options_.propagation);

@@ -133,7 +133,6 @@ class Trial {
   void judge_shared_part();
   void leave_undecided(Reason why);
   bool scans_disagree() const;
-  double blamed_log_odds() const;
   double shared_log_odds(double way_m, double width_m) const;
   /// Against the closure, by walls of one side in the other's free space beyond what each does itself.
   double log_odds_by_walls() const;

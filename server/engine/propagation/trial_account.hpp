@@ -36,7 +36,7 @@ struct TrialAccount {
       rests_on;                ///< loops closed before by which the map had its ends where they were found
   int blamed = 0;              ///< relations of the map that are wrong if it is true,
   ClosureId blamed_closure;    ///< the closure that they rest on, if that is what was wrong,
-  double blamed_log_odds = 0;  ///< and that they are right, but for it
+  double blamed_log_odds = 0;  ///< and that nothing of the kind is wrong, but for it
 
   /// That these are true, as the map that they made was right where the ends were found.
   double confirmed_log_odds() const { return blamed > 0 || revisit_log_odds < 0 ? 0 : revisit_log_odds; }

@@ -92,8 +92,7 @@ TEST(FitJob, BlamesALoopThatWasClosedBeforeUnlessASlipIsLikelier) {
   const auto blamed = [&](bool may_have_slipped) {
     const OpenLoop loop{{PatchId{0}}, {PatchId{9}}, moved, 9, {{wrong, 5}}};
     FitJob job(map, PatchId{0}, 0,
-               FitJob::LoopQuestion{before, PatchId{0}, PatchId{9}, loop, {}, {}, {}, 1, may_have_slipped},
-               {});
+               FitJob::LoopQuestion{before, PatchId{0}, PatchId{9}, loop, {}, {}, {}, may_have_slipped}, {});
     return job.take().blamed_closure;
   };
   EXPECT_EQ(blamed(false), wrong);

@@ -64,8 +64,7 @@ struct Square {
   }
   /// What is to blame if patch 15 lies by patch 0 where it truly does.
   std::optional<Blame> closed(double max_log_odds = 100, const WeakLinkOptions& options = {},
-                              const std::vector<UncertainClosure>& closed_before = {},
-                              double max_closure_log_odds = 1e9) const {
+                              const std::vector<UncertainClosure>& closed_before = {}) const {
     RelationGraph with = graph;
     Relation closure = odometry_relation(PatchId{0}, PatchId{15}, step(0, 15), {2500, 2500, 10000});
     closure.origin = {OriginKind::hypothesis, ClosureId{0}};
@@ -73,9 +72,7 @@ struct Square {
     std::vector<Pose> fitted = poses;
     const FitReport report = fit_island(with, IslandId{PatchId{0}}, fitted);
     const OpenLoop loop{{PatchId{0}}, {PatchId{15}}, truth[15] * inverse(poses[15]), 15, closed_before};
-    return blame({loop, graph, poses, with, report.cost_after, max_log_odds, std::log(1000), reach,
-                  max_closure_log_odds},
-                 options);
+    return blame({loop, graph, poses, with, report.cost_after, max_log_odds, std::log(1000), reach}, options);
   }
 
   static std::size_t at(int patch) { return static_cast<std::size_t>(patch); }
@@ -143,9 +140,20 @@ TEST(WeakLink, IsNoEarlierLoopForTheNoiseOfAllThatItSaid) {
 
 TEST(WeakLink, IsNoEarlierLoopThatIsSurerThanThatSomethingSlippedThatNobodyKnowsThePlaceOf) {
   const ClosureId wrong{7};
-  EXPECT_TRUE(bent_by(wrong).closed(100, {}, {{wrong, 3}}, 3.5)->closure.valid());
-  const auto found = bent_by(wrong).closed(100, {}, {{wrong, 3}}, 2.5);
+  EXPECT_TRUE(bent_by(wrong).closed(3.5, {}, {{wrong, 3}})->closure.valid());
+  const auto found = bent_by(wrong).closed(2.5, {}, {{wrong, 3}});
   EXPECT_FALSE(found && found->closure.valid());
+}
+
+// That one of four is wrong is as likely as all of them together.
+TEST(WeakLink, IsNoEarlierLoopForCertainWhereAnyOfThemMayBeWrong) {
+  const ClosureId wrong{7};
+  const auto found =
+      bent_by(wrong).closed(100, {}, {{wrong, 3}, {ClosureId{8}, 3}, {ClosureId{9}, 3}, {ClosureId{10}, 20}});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->closure, wrong);
+  EXPECT_EQ(found->log_odds, 3);
+  EXPECT_NEAR(found->none_log_odds, 3 - std::log(3), 1e-6);
 }
 
 TEST(WeakLink, IsNoEarlierLoopThatIsSurerThanWhatItWouldExplain) {
@@ -186,6 +194,45 @@ TEST(WeakLink, IsTheSurerTheFartherOffItWouldHaveToBe) {
   EXPECT_NEAR(far->log_odds, options.match_log_odds - std::log(1000 * in_plane * of_yaw), 0.01)
       << "odometry, which would be right then, says nothing against it";
   EXPECT_FALSE(square.closed(options.match_log_odds + 1)) << "though the link by itself is no surer";
+}
+
+// Five patches in a row, and the last lies half a metre beside where the map has it. Any of the four links
+// may be off by so much, or only that in whose time a robot gets so far.
+TEST(WeakLink, IsAsLikelyAsThatAnyLinkIsOffBySoMuch) {
+  RelationGraph graph;
+  std::vector<Pose> poses;
+  Reach reach{{}, 0.1, 0.3};
+  for (int i = 0; i < 5; ++i) {
+    graph.add_patch(PatchId{i});
+    poses.push_back({1.0 * i, 0, 0});
+    if (i == 0) continue;
+    for (const OriginKind kind : {OriginKind::odometry, OriginKind::match}) {
+      Relation link = odometry_relation(PatchId{i - 1}, PatchId{i}, {1, 0, 0}, {2500, 2500, 10000});
+      link.origin = {kind, {}};
+      graph.add(link);
+    }
+  }
+  RelationGraph with = graph;
+  with.add(odometry_relation(PatchId{0}, PatchId{4}, {4, 0.5, 0}, {2500, 2500, 10000}));
+  std::vector<Pose> fitted = poses;
+  const FitReport report = fit_island(with, IslandId{PatchId{0}}, fitted);
+  const OpenLoop loop{{PatchId{0}}, {PatchId{4}}, {0, 0.5, 0}, 4};
+  const auto blamed = [&] {
+    return blame({loop, graph, poses, with, report.cost_after, 1e9, std::log(1000), reach}, {});
+  };
+  const auto any = blamed();
+  ASSERT_TRUE(any);
+  EXPECT_NEAR(any->none_log_odds, any->log_odds - std::log(4), 0.01);
+  for (const int after_s : {0, 1, 100, 101, 102}) {
+    auto patch = std::make_shared<Patch>();
+    patch->robot = "R1";
+    patch->utime = after_s * 1'000'000;
+    reach.patches.push_back(std::move(patch));
+  }
+  const auto one = blamed();
+  ASSERT_TRUE(one);
+  EXPECT_EQ(one->link.beyond.front(), PatchId{2});
+  EXPECT_EQ(one->none_log_odds, one->log_odds);
 }
 
 // A place that looks alike lies 50 m from where the robot is: what it left no link may be wrong by.
