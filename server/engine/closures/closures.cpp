@@ -42,6 +42,9 @@ void Closures::advance(World world) {
     propose(world);
   }
   if (trials_.work(world)) end_trial(world);
+  // What is on trial began with the map as it is: merges may go only between trials.
+  if (!on_trial() && !doubts_.empty() && doubts_.front().partings.is_due(world.now_utime))
+    settle_doubt(world);
   observations_.refit_next(world);
 }
 
@@ -53,6 +56,10 @@ void Closures::begin_finish(World world) {
 
 bool Closures::try_waiting(World world) {
   if (step_trial(world)) return true;
+  if (!doubts_.empty()) {
+    settle_doubt(world);
+    return true;
+  }
   if (observations_.is_judging_again()) {
     observations_.judge_again(world);
     return true;
@@ -143,13 +150,12 @@ void Closures::end_trial(World world) {
   closure.record.end_utime = world.now_utime;
   if (trial->undecided()) {
     ledger_.decide(closure, ClosureState::waiting, trial->refusal(), trial->patches_touched());
-    return withdraw_what_it_rivals(world, closure);
+    return doubt_merges(world, closure);
   }
   if (!trial->accepted()) {
     ledger_.decide(closure, ClosureState::refused, trial->refusal());
     observations_.put_back(closure.evidence, trial->refusal(), closure.record.id);
-    withdraw_what_it_contradicts(world, closure);
-    withdraw_what_it_rivals(world, closure);
+    doubt_merges(world, closure);
   } else if (trial->proposal().measured || !refuse_if_forbidden(world, closure, trial->map())) {
     accept(world, *trial, closure);
   }
@@ -163,7 +169,10 @@ void Closures::accept(World world, const Trial& trial, Entry& closure) {
     for (const RelationId id : trial.blamed())
       if (const Relation* relation = world.map.graph().find(id)) closure.blamed.push_back(*relation);
   }
-  if (trial.proposal().merge) merged_.push_back(smaller_side(world.map.graph(), trial.proposal()));
+  if (trial.proposal().merge) {
+    merged_.push_back(smaller_side(world.map.graph(), trial.proposal()));
+    doubt_anew();
+  }
   trial.commit(world.map);
   changed_.push_back(trial.proposal().older);
   ledger_.decide(closure, ClosureState::accepted,
@@ -180,14 +189,40 @@ void Closures::withdraw(World world, ClosureId contradicted) {
                     std::back_inserter(changed_));
   ledger_.decide(wrong, ClosureState::withdrawn, Reason::contradicted);
   observations_.put_back(std::exchange(wrong.evidence, {}), Reason::unsupported);
+  doubt_anew();
+}
+
+void Closures::doubt_merges(World world, const Entry& closure) {
+  std::optional<PartingQuestion> question = closure.record.from_scans
+                                                ? doubted_by_scans(ledger_, closure, world.options.trial)
+                                                : doubted_by_sightings(ledger_, closure);
+  if (!question) return;
+  doubts_.push_back(
+      {closure.record.id, PartingsJob(world.map, *std::move(question), world.now_utime, world.options)});
+}
+
+// Their answers are of a map that is no more.
+void Closures::doubt_anew() {
+  for (Doubt& doubt : doubts_) doubt.is_of_another_map = true;
+}
+
+void Closures::settle_doubt(World world) {
+  const Doubt doubt = std::move(doubts_.front());
+  doubts_.erase(doubts_.begin());
+  const Entry* closure = ledger_.find(doubt.by);
+  if (closure == nullptr) return;
+  if (doubt.is_of_another_map) return doubt_merges(world, *closure);
+  const std::vector<Parting>& partings = doubt.partings.partings();
+  closure->record.from_scans ? withdraw_what_it_rivals(world, *closure, partings)
+                             : withdraw_what_it_contradicts(world, partings);
 }
 
 // Of what the map believes and what sightings say instead, one is wrong: where they are more than speak for
 // the merge that parts the two, it goes, and all is looked at anew without it. It may come again by what
 // speaks for it.
-void Closures::withdraw_what_it_contradicts(World world, const Entry& refused) {
+void Closures::withdraw_what_it_contradicts(World world, std::span<const Parting> partings) {
   const std::optional<MergeAccount> account =
-      contradicted_merge(world, tags_.patches(), ledger_, observations_, refused);
+      contradicted_merge(world, tags_.patches(), ledger_, observations_, partings);
   if (!account) return;
   withdraw(world, account->merge);
   observations_.reopen(world, tags_.patches(), account->agreed);
@@ -197,8 +232,9 @@ void Closures::withdraw_what_it_contradicts(World world, const Entry& refused) {
 }
 
 // Of two ways in which scans lay two maps over one another, one is wrong.
-void Closures::withdraw_what_it_rivals(World world, const Entry& closure) {
-  if (const auto rivalled = rivalled_merge(world, ledger_, closure)) withdraw(world, rivalled->merge);
+void Closures::withdraw_what_it_rivals(World world, const Entry& closure, std::span<const Parting> partings) {
+  if (const auto rivalled = rivalled_merge(ledger_, closure, partings, world.options.trial))
+    withdraw(world, rivalled->merge);
 }
 
 // Neither accepted nor refused: as if it had not been proposed yet. Its sightings wait for more.
@@ -242,6 +278,7 @@ DropReason Closures::forbid(World world, ClosureId id, bool must_be_accepted) {
   if (accepted) {
     put_off_trial();  // it was begun on a map that will no longer be
     std::ranges::copy(take_back(world, id, ledger_, observations_, tags_), std::back_inserter(changed_));
+    doubt_anew();
   }
   ledger_.decide(*closure, accepted ? ClosureState::withdrawn : ClosureState::refused, Reason::forbidden);
   observations_.set_verdict(closure->evidence, Verdict::refused, Reason::forbidden, id);
@@ -294,6 +331,7 @@ bool Closures::refuse_as_forbidden(World world, Entry& closure, const Map& tried
 void Closures::forget_robot(const std::string& robot) {
   if (const std::unique_ptr<Trial> trial = trials_.take()) put_off(ledger_.at(trial->proposal().id));
   observations_.forget_robot(robot);
+  doubt_anew();
 }
 
 }  // namespace isthmus

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "server/engine/closures/closure_ledger.hpp"
+#include "server/engine/closures/parting.hpp"
 #include "server/engine/closures/scan_proposal.hpp"
 #include "server/engine/closures/sighting_proposer.hpp"
 #include "server/engine/closures/trial_runner.hpp"
@@ -47,7 +49,7 @@ class Closures {
   void refuse_from_scans(ClosureId id, Reason reason);
   std::vector<ClosureOutcome> take_outcomes() { return ledger_.take_outcomes(); }
 
-  bool has_work() const { return observations_.has_work() || on_trial(); }
+  bool has_work() const { return observations_.has_work() || on_trial() || !doubts_.empty(); }
 
   /// Operators: no closure of this id, or like it, from now on; an accepted one is taken back. Returns why
   /// not, or `none`.
@@ -70,10 +72,21 @@ class Closures {
   /// Of each merge since this was last asked: the patches of the smaller of the two islands.
   std::vector<std::vector<PatchId>> take_merged() { return std::exchange(merged_, {}); }
 
-  auto members() { return std::tie(observations_, tags_, proposer_, ledger_, trials_, changed_, merged_); }
+  auto members() {
+    return std::tie(observations_, tags_, proposer_, ledger_, trials_, doubts_, changed_, merged_);
+  }
 
  private:
   using Entry = ClosureLedger::Entry;
+
+  /// Whether a merge is wrong, by a closure that was not accepted.
+  struct Doubt {
+    ClosureId by;
+    PartingsJob partings;
+    bool is_of_another_map = false;  ///< relations have gone since, or islands become one
+
+    auto members() { return std::tie(by, partings, is_of_another_map); }
+  };
 
   void propose(World world);
   void propose(World world, const SightingGroup& group, const GroupAgreement& agreement);
@@ -81,8 +94,12 @@ class Closures {
   void end_trial(World world);
   void accept(World world, const Trial& trial, Entry& closure);
   void withdraw(World world, ClosureId contradicted);
-  void withdraw_what_it_contradicts(World world, const Entry& refused);
-  void withdraw_what_it_rivals(World world, const Entry& closure);
+  /// Asks which merges are wrong if a closure that was not accepted is right.
+  void doubt_merges(World world, const Entry& closure);
+  void doubt_anew();
+  void settle_doubt(World world);
+  void withdraw_what_it_contradicts(World world, std::span<const Parting> partings);
+  void withdraw_what_it_rivals(World world, const Entry& closure, std::span<const Parting> partings);
   void put_off(Entry& closure);
   void put_off_trial();
   bool refuse_if_forbidden(World world, Entry& closure, const Map& tried);
@@ -94,6 +111,7 @@ class Closures {
   SightingProposer proposer_;
   ClosureLedger ledger_;
   TrialRunner trials_;
+  std::vector<Doubt> doubts_;  ///< in the order in which they arose
   std::vector<PatchId> changed_;
   std::vector<std::vector<PatchId>> merged_;
 };

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <set>
 
-#include "server/engine/map/dependencies.hpp"
 #include "server/engine/propagation/trial.hpp"
 
 namespace isthmus {
@@ -18,22 +17,19 @@ bool is_refused_by_trial(const Entry& entry, ClosureKind kind) {
          !entry.record.from_scans && is_refusal_by_trial(entry.record.reason);
 }
 
-bool is_contradiction(const Entry& entry) { return is_refused_by_trial(entry, ClosureKind::loop); }
-
-bool parted(const RelationGraph& graph, PatchId a, PatchId b) { return graph.island(a) != graph.island(b); }
-
-bool parted(const RelationGraph& graph, const Evidence& evidence) {
-  return evidence.target_place &&
-         parted(graph, evidence.observer.pose.patch, evidence.target_place->pose.patch);
+bool is_accepted_merge(const Entry& entry) {
+  return entry.record.kind == ClosureKind::merge && entry.record.state == ClosureState::accepted;
 }
 
-std::size_t contradicting(const ClosureLedger& ledger, const RelationGraph& rest) {
+bool is_contradiction(const Entry& entry) { return is_refused_by_trial(entry, ClosureKind::loop); }
+
+std::size_t contradicting(const ClosureLedger& ledger, const RelationGraph& graph, const Parting& parting) {
   std::set<std::size_t> records;
   std::set<std::size_t> wrong;
   for (const auto& [id, entry] : ledger.entries()) {
     const bool as_merge = is_refused_by_trial(entry, ClosureKind::merge);
     if (!as_merge && !is_contradiction(entry)) continue;
-    if (!parted(rest, entry.record.joining.first, entry.record.joining.second)) continue;
+    if (!parting.has_apart(graph, entry.record.joining.first, entry.record.joining.second)) continue;
     for (const Evidence& evidence : entry.evidence) (as_merge ? wrong : records).insert(evidence.record);
   }
   return static_cast<std::size_t>(
@@ -41,13 +37,16 @@ std::size_t contradicting(const ClosureLedger& ledger, const RelationGraph& rest
 }
 
 std::vector<std::size_t> agreed(const World& world, const TagPatches& tags,
-                                const MutualObservations& observations, const RelationGraph& rest) {
+                                const MutualObservations& observations, const Parting& parting) {
   std::vector<std::size_t> records;
   for (std::size_t i = 0; i < observations.log().size(); ++i) {
     const SightingRecord record = observations.log()[i];
     if (record.verdict != Verdict::accepted || record.reason != Reason::agrees_with_map) continue;
     const std::optional<Evidence> evidence = observations.placed_again(world, tags, i);
-    if (evidence && parted(rest, *evidence)) records.push_back(i);
+    if (evidence && evidence->target_place &&
+        parting.has_apart(world.map.graph(), evidence->observer.pose.patch,
+                          evidence->target_place->pose.patch))
+      records.push_back(i);
   }
   return records;
 }
@@ -60,29 +59,31 @@ double by_what_matches(const TrialAccount& account, const TrialOptions& its) {
 
 }  // namespace
 
+std::optional<PartingQuestion> doubted_by_sightings(const ClosureLedger& ledger, const Entry& refused) {
+  if (!is_contradiction(refused)) return std::nullopt;
+  PartingQuestion question{refused.record.joining, {}};
+  for (const auto& [id, entry] : ledger.entries())
+    if (is_accepted_merge(entry)) question.merges.insert(id);
+  if (question.merges.empty()) return std::nullopt;
+  return question;
+}
+
 std::optional<MergeAccount> contradicted_merge(const World& world, const TagPatches& tags,
                                                const ClosureLedger& ledger,
-                                               const MutualObservations& observations, const Entry& refused) {
-  if (!is_contradiction(refused)) return std::nullopt;
-  const RelationGraph& graph = world.map.graph();
+                                               const MutualObservations& observations,
+                                               std::span<const Parting> partings) {
   const TrialOptions& its = world.options.trial;
-  const Dependencies dependencies(graph);
   std::optional<MergeAccount> worst;
-  const PatchId first = refused.record.joining.first, second = refused.record.joining.second;
-  for (const ClosureId id : closures_between(graph, dependencies, first, second)) {
-    const Entry* merge = ledger.find(id);
-    if (merge == nullptr || merge->record.kind != ClosureKind::merge ||
-        merge->record.state != ClosureState::accepted)
-      continue;
-    const RelationGraph rest = without(graph, dependencies, id);
-    if (!parted(rest, first, second)) continue;
+  for (const Parting& parting : partings) {
+    const Entry* merge = ledger.find(parting.merge);
+    if (merge == nullptr || !is_accepted_merge(*merge)) continue;
     MergeAccount account{
-        id,
+        parting.merge,
         log_odds_of_agreeing(merge->evidence.size(), its) + by_what_matches(merge->record.account, its),
-        log_odds_of_agreeing(contradicting(ledger, rest), its),
+        log_odds_of_agreeing(contradicting(ledger, world.map.graph(), parting), its),
         {}};
     if (account.contradicting <= account.supporting) continue;
-    account.agreed = agreed(world, tags, observations, rest);
+    account.agreed = agreed(world, tags, observations, parting);
     account.supporting = log_odds_of_agreeing(merge->evidence.size() + account.agreed.size(), its) +
                          by_what_matches(merge->record.account, its);
     if (account.contradicting <= account.supporting) continue;

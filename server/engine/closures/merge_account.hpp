@@ -2,9 +2,11 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "server/engine/closures/closure_ledger.hpp"
+#include "server/engine/closures/parting.hpp"
 #include "server/engine/robot/world.hpp"
 #include "server/engine/sightings/mutual_observations.hpp"
 
@@ -26,11 +28,16 @@ struct MergeAccount {
   std::vector<std::size_t> agreed;
 };
 
-/// After a trial has refused a loop that sightings propose: the account of the merge that is contradicted
+/// What to ask of the map after a trial has refused a loop that sightings propose; nothing where no merge can
+/// be wrong by it.
+std::optional<PartingQuestion> doubted_by_sightings(const ClosureLedger& ledger,
+                                                    const ClosureLedger::Entry& refused);
+
+/// Of the merges without which its ends were on two islands: the account of the one that is contradicted
 /// most, if one is contradicted more than supported.
 std::optional<MergeAccount> contradicted_merge(const World& world, const TagPatches& tags,
                                                const ClosureLedger& ledger,
                                                const MutualObservations& observations,
-                                               const ClosureLedger::Entry& refused);
+                                               std::span<const Parting> partings);
 
 }  // namespace isthmus

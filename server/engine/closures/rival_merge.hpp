@@ -1,9 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "server/engine/closures/closure_ledger.hpp"
-#include "server/engine/robot/world.hpp"
+#include "server/engine/closures/parting.hpp"
 
 namespace isthmus {
 
@@ -16,11 +17,16 @@ struct RivalledMerge {
   double as_rival = 0;
 };
 
-/// After a trial has not accepted a loop that scans propose: the merge that brought its ends to one island
-/// and that has them elsewhere than drift explains, if the loop would have so much more for it as a merge
-/// of the two maps (`trial.min_loop_log_odds`), or so much at all where the merge has it no more. Of several
-/// the one that has least. Measured starts stay.
-std::optional<RivalledMerge> rivalled_merge(const World& world, const ClosureLedger& ledger,
-                                            const ClosureLedger::Entry& rival);
+/// What to ask of the map after a trial has not accepted a loop that scans propose; nothing where no merge
+/// can be wrong by it. Measured starts are not.
+std::optional<PartingQuestion> doubted_by_scans(const ClosureLedger& ledger,
+                                                const ClosureLedger::Entry& rival,
+                                                const TrialOptions& options);
+
+/// Of the merges that brought its ends to one island, and that have them elsewhere than drift explains: the
+/// one that has least for it, if the loop would have so much more as a merge of the two maps
+/// (`trial.min_loop_log_odds`), or so much at all where the merge has it no more.
+std::optional<RivalledMerge> rivalled_merge(const ClosureLedger& ledger, const ClosureLedger::Entry& rival,
+                                            std::span<const Parting> partings, const TrialOptions& options);
 
 }  // namespace isthmus

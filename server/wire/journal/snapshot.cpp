@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// To be raised with every change of what is written: a test holds a file of each version.
-constexpr FileForm snapshot_form{"isthmus-snapshot", 18};
+constexpr FileForm snapshot_form{"isthmus-snapshot", 19};
 constexpr FileForm trajectory_form{"isthmus-rows", 1};
 
 constexpr std::size_t rows_at_once = 4096;

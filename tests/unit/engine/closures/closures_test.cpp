@@ -269,5 +269,63 @@ TEST(Closures, FromScansAreRefusedByWhatRefutesThem) {
   EXPECT_EQ(scene.map.graph().islands().size(), 2U);
 }
 
+/// A merge by misread barcodes, and a loop that says otherwise and was refused just now.
+struct Doubted : MisreadBarcodes {
+  double now_s = 20;
+
+  Doubted() {
+    for (const double s : {10.0, 12.0, 14.0, 15.0}) see_one_another(s, {1, 3});
+    work(16);
+    for (double s = 10.25; s < 15; s += 0.25) see_one_another(s);
+    while (closures.closures().size() < 2 || closures.on_trial()) advance();
+  }
+  void advance() {
+    now_s += 0.01;
+    closures.advance(scene.world(now_s));
+  }
+  ClosureRecord merge() const { return closures.closures().at(0); }
+};
+
+TEST(Closures, KeepAMergeThatIsDoubtedUntilWhatHangsOnItIsKnown) {
+  Doubted met;
+  EXPECT_EQ(met.merge().state, ClosureState::accepted) << "what would go with it is looked for in a thread";
+  EXPECT_TRUE(met.closures.has_work());
+  met.now_s += 1;
+  met.advance();
+  EXPECT_EQ(met.merge().state, ClosureState::withdrawn);
+}
+
+TEST(Closures, KeepAMergeThatIsDoubtedWhileAnythingIsOnTrial) {
+  Doubted met;
+  met.closures.propose_from_scans(met.scene.world(met.now_s), from_scans(met.scene));
+  met.now_s += 1;
+  int advanced = 0;
+  for (met.advance(); met.closures.on_trial(); met.advance(), ++advanced)
+    ASSERT_EQ(met.merge().state, ClosureState::accepted);
+  EXPECT_GT(advanced, 0);
+  EXPECT_EQ(met.merge().state, ClosureState::withdrawn);
+}
+
+TEST(Closures, AskAnewWhatHangsOnADoubtedMergeOnceTheMapIsAnother) {
+  Doubted met;
+  met.closures.forget_robot("R3");
+  met.now_s += 1;
+  met.advance();
+  EXPECT_EQ(met.merge().state, ClosureState::accepted);
+  EXPECT_TRUE(met.closures.has_work());
+  met.now_s += 1;
+  met.advance();
+  EXPECT_EQ(met.merge().state, ClosureState::withdrawn);
+}
+
+TEST(Closures, SettleAtTheEndWhatIsDoubted) {
+  Doubted met;
+  met.closures.begin_finish(met.scene.world(met.now_s));
+  while (met.closures.try_waiting(met.scene.world(met.now_s))) {
+  }
+  EXPECT_EQ(met.merge().state, ClosureState::withdrawn);
+  EXPECT_NEAR(met.apart_y(), 1.5, 0.1);
+}
+
 }  // namespace
 }  // namespace isthmus

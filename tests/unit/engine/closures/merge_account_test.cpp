@@ -48,7 +48,9 @@ struct Merged {
     return entry;
   }
   std::optional<MergeAccount> account(const ClosureLedger::Entry& refused) {
-    return contradicted_merge(scene.world(20), {}, ledger, {}, refused);
+    const auto question = doubted_by_sightings(ledger, refused);
+    if (!question) return std::nullopt;
+    return contradicted_merge(scene.world(20), {}, ledger, {}, partings(scene.map, *question, scene.options));
   }
 
   SideBySide scene;

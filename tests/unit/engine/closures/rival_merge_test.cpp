@@ -50,7 +50,12 @@ struct Rivalled {
     record.account.unmatched_m = unmatched_m;
     return record;
   }
-  std::optional<RivalledMerge> found() { return rivalled_merge(scene.world(20), ledger, ledger.at(rival)); }
+  std::optional<RivalledMerge> found() {
+    const TrialOptions& its = scene.options.trial;
+    const auto question = doubted_by_scans(ledger, ledger.at(rival), its);
+    if (!question) return std::nullopt;
+    return rivalled_merge(ledger, ledger.at(rival), partings(scene.map, *question, scene.options), its);
+  }
 
   static constexpr Pose elsewhere{15, 2, 0};
   SideBySide scene;

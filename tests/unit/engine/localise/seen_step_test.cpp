@@ -12,9 +12,9 @@ namespace {
 
 using namespace isthmus::testing;
 
-constexpr std::int64_t scan_period_us = 200'000;
+constexpr std::int64_t between_scans_us = 200'000;
 constexpr std::int64_t before_us = 1'000'000;
-constexpr std::int64_t now_us = before_us + scan_period_us;
+constexpr std::int64_t now_us = before_us + between_scans_us;
 
 // A robot that stood at `truth` among the walls when it scanned last, by its map at r, by its odometry at 0.
 Robot robot_that_saw(const Walls& walls, const Pose& truth, const Pose& r = {1, 2, 0.7}) {
@@ -101,7 +101,7 @@ TEST(ExpectAsSeen, IsNothingWhereTheScanBeforeShowsAnotherPlace) {
 TEST(ExpectAsSeen, IsNothingWhereTheScanBeforeIsNotTheOneThatTheRobotWasPlacedBy) {
   Robot robot = robot_that_saw(furnished_room(), {});
   EXPECT_TRUE(expected(robot, {0.1, 0, 0}, furnished_room(), {0.1, 0, 0}));
-  robot.place->utime -= scan_period_us;
+  robot.place->utime -= between_scans_us;
   EXPECT_FALSE(expected(robot, {0.1, 0, 0}, furnished_room(), {0.1, 0, 0}));
   robot.place->utime = 0;
   robot.last_scan = {};

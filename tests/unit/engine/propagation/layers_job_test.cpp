@@ -9,8 +9,8 @@ namespace {
 
 using namespace isthmus::testing;
 
-constexpr Pose on_top{};
-constexpr Pose turned_aside{9, -9, 1.57};
+constexpr Pose lies_on_top{};
+constexpr Pose lies_aside{9, -9, 1.57};
 
 LayersJob job(const Map& before, const Map& after) {
   return {after,          PatchId{0},
@@ -19,7 +19,7 @@ LayersJob job(const Map& before, const Map& after) {
 }
 
 TEST(LayersJob, CountsPairsThatContradictOneAnotherBeforeAndAfter) {
-  const Map wrong = map_of_hall_driven_twice(turned_aside), right = map_of_hall_driven_twice(on_top);
+  const Map wrong = map_of_hall_driven_twice(lies_aside), right = map_of_hall_driven_twice(lies_on_top);
   const LayersJob mended = job(wrong, right);
   EXPECT_GE(mended.pairs().before, 10);
   EXPECT_EQ(mended.pairs().after, 0);
@@ -29,7 +29,7 @@ TEST(LayersJob, CountsPairsThatContradictOneAnotherBeforeAndAfter) {
 }
 
 TEST(LayersJob, IsDueAfterAsLongAsAFitOfTheIsland) {
-  const Map map = map_of_hall_driven_twice(on_top);
+  const Map map = map_of_hall_driven_twice(lies_on_top);
   const LayersJob begun = job(map, map);
   const std::int64_t due = 1'000'000 + 24 * MapFitOptions{}.us_per_patch;
   EXPECT_FALSE(begun.is_due(due - 1));

@@ -236,8 +236,8 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
   const std::string journal = write_team_journal(directory, 60);
   update_snapshots(journal);
   const std::string newest = list_journal(journal).snapshots.rbegin()->second;
-  std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(19);
-  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 19; this program reads version 18");
+  std::fstream(newest, std::ios::binary | std::ios::in | std::ios::out).seekp(16).put(20);
+  EXPECT_EQ(why_unreadable(newest), newest + ": is of version 20; this program reads version 19");
   EXPECT_TRUE(is_snapshot(newest));
   EXPECT_FALSE(is_snapshot(segment_path(journal, 1)));
 }
@@ -245,26 +245,26 @@ TEST(Snapshots, OfAnotherVersionAreRefusedByWord) {
 /// Of each version that there ever was there is a file. A change of what is written needs a new version
 /// (server/wire/journal/snapshot.cpp), and the old file must then be refused by word, or migrated.
 TEST(Snapshots, OfEveryEarlierVersionAreRefusedByWord) {
-  for (int version = 1; version < 18; ++version) {
+  for (int version = 1; version < 19; ++version) {
     const std::string name = "version " + std::to_string(version);
     const std::string directory = "tests/unit/wire/snapshots/version-" + std::to_string(version);
     const JournalFiles files = list_journal(directory);
     ASSERT_EQ(files.snapshots.size(), 1U) << name;
     const std::string why = why_unreadable(files.snapshots.begin()->second);
-    EXPECT_NE(why.find("is of " + name + "; this program reads version 18"), std::string::npos) << why;
+    EXPECT_NE(why.find("is of " + name + "; this program reads version 19"), std::string::npos) << why;
   }
 }
 
-TEST(Snapshots, OfVersion18AreRead) {
-  const std::string path = "tests/unit/wire/snapshots/version-18/snapshot-000001.isthmus";
+TEST(Snapshots, OfVersion19AreRead) {
+  const std::string path = "tests/unit/wire/snapshots/version-19/snapshot-000001.isthmus";
   const Snapshot snapshot = read_snapshot(path);
   const MapCopy map = snapshot.map.engine.copy();
-  EXPECT_EQ(snapshot.map.events, 1352);
-  EXPECT_EQ(map.patches.size(), 35U);
+  EXPECT_EQ(snapshot.map.events, 1351);
+  EXPECT_EQ(map.patches.size(), 34U);
   EXPECT_EQ(map.trajectory_rows, 216U);
   EXPECT_EQ(map.sightings.size(), 44U);
-  EXPECT_EQ(map.closures.size(), 1U);
-  EXPECT_EQ(map_sha256(map), "87bbf2a8f52d8a82b0dcdfae8781df4c53df593861902899b7dcefffdba1e6de");
+  EXPECT_EQ(map.closures.size(), 2U);
+  EXPECT_EQ(map_sha256(map), "c0c91c64f568ba58fa090b44f7528a3effa15de63ba6d3846c28c761f3692053");
 }
 
 }  // namespace
