@@ -54,6 +54,16 @@ void project_on_manifold(const Map& map, Robot& robot, const Placement& placemen
   place.tracking_covariance = turn * placement.tracking_covariance * turn.transpose();
 }
 
+// How much farther ahead odometry would have the robot by the step to a stamp, were scans stamped later by a
+// usual delay: what it said so much earlier, less what it says.
+double farther_if_late_m(const Robot& robot, std::int64_t utime, const Pose& claimed_step,
+                         const ScanDelayOptions& options) {
+  const auto delay_us = static_cast<std::int64_t>(1e6 * options.sigma_s);
+  const auto from = robot.odometry.at_nearest(robot.place->utime - delay_us);
+  const auto to = robot.odometry.at_nearest(utime - delay_us);
+  return from && to ? ominus(*to, *from).x - claimed_step.x : 0;
+}
+
 }  // namespace
 
 void choose_local_map(const Map& map, Robot& robot, const Pose& local_from_robot,
@@ -100,9 +110,10 @@ void move_on(Robot& robot, const Expectation& expectation, const Placement& plac
     const Eigen::Matrix2d trust =
         local_from_step.transpose() * placement.match.direction_trust * local_from_step;
     robot.noise.learn(told, matched_step, trust, options.odometry_noise, options.odometry_learning);
-    robot.bias.learn(expectation.claimed_step, matched_step,
-                     robot.noise.covariance(told, options.odometry_noise), trust, options.odometry_bias,
-                     options.odometry_learning);
+    robot.bias.learn(expectation.claimed_step,
+                     farther_if_late_m(robot, utime, expectation.claimed_step, options.scan_delay),
+                     matched_step, robot.noise.covariance(told, options.odometry_noise), trust,
+                     options.odometry_bias, options.odometry_learning);
   }
   if (placement.matched) {
     robot.health.matched(expectation.claimed_step, matched_step,

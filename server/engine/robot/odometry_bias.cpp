@@ -5,6 +5,11 @@
 #include <cmath>
 
 namespace isthmus {
+namespace {
+
+constexpr double usual_delay = 1;  // in standard deviations of robots at large
+
+}  // namespace
 
 Eigen::Matrix2d OdometryBias::Estimate::covariance(const Eigen::Vector2d& prior_sigmas) const {
   const Eigen::Matrix2d prior = prior_sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -29,13 +34,13 @@ double OdometryBias::path_yaw_variance(const Pose& path, const OdometryBiasOptio
 
 Pose OdometryBias::corrected(const Pose& step) const {
   const Eigen::Vector2d regressor(step.x, step.yaw);
-  return {step.x + regressor.dot(way_.value), step.y + regressor.dot(aside_.value),
+  return {step.x + way_.value(0) * step.x, step.y + regressor.dot(aside_.value),
           wrap_angle(step.yaw + regressor.dot(yaw_.value))};
 }
 
-void OdometryBias::learn(const Pose& odometry_step, const Pose& matched_step, const Eigen::Matrix3d& noise,
-                         const Eigen::Matrix2d& direction_trust, const OdometryBiasOptions& options,
-                         const OdometryLearningOptions& learning) {
+void OdometryBias::learn(const Pose& odometry_step, double farther_if_late_m, const Pose& matched_step,
+                         const Eigen::Matrix3d& noise, const Eigen::Matrix2d& direction_trust,
+                         const OdometryBiasOptions& options, const OdometryLearningOptions& learning) {
   const double way_m = std::abs(odometry_step.x);
   const double turn_rad = std::abs(odometry_step.yaw);
   // A robot at rest tells only how matching trembles.
@@ -52,8 +57,9 @@ void OdometryBias::learn(const Pose& odometry_step, const Pose& matched_step, co
     aside_.learn(regressor, matched_step.y - odometry_step.y, noise(1, 1) + match_variance, kept,
                  {options.share_sigma, options.share_sigma}, options.outlier_sigmas);
   if (direction_trust(0, 0) > learning.well_known)
-    way_.learn({odometry_step.x, 0}, matched_step.x - odometry_step.x, noise(0, 0) + match_variance, kept,
-               {options.share_sigma, options.share_sigma}, options.outlier_sigmas);
+    way_.learn({odometry_step.x, farther_if_late_m}, matched_step.x - odometry_step.x,
+               noise(0, 0) + match_variance, kept, {options.share_sigma, usual_delay},
+               options.outlier_sigmas);
 }
 
 }  // namespace isthmus

@@ -17,18 +17,24 @@ namespace isthmus {
 ///
 ///     yaw error     = turn_per_m x + turn_share φ
 ///     sideways error = aside_share x + aside_per_rad φ
-///     forward error  = way_share x
+///     forward error  = way_share x + late x'
+///
+/// where x' is how much farther odometry would have it if the scans were stamped later by a usual delay
+/// (ScanDelay, which takes out what turns tell of one). As a robot sets off, late scans have it drive less
+/// far than odometry does: as if its way were counted too long, by all that its speed has grown. Along a
+/// corridor that shows nothing of how far a robot went that would not be corrected before its end.
 class OdometryBias {
  public:
   /// The step as it most probably was.
   Pose corrected(const Pose& odometry_step) const;
 
-  /// One matched step against odometry's account of it, which errs by so much at random. `direction_trust`
-  /// says in which directions of the step's own frame matching knows better (1) and in which it merely
-  /// repeats odometry (0).
-  void learn(const Pose& odometry_step, const Pose& matched_step, const Eigen::Matrix3d& noise,
-             const Eigen::Matrix2d& direction_trust, const OdometryBiasOptions& options,
-             const OdometryLearningOptions& learning);
+  /// One matched step against odometry's account of it, which errs by so much at random, and would have it so
+  /// much farther ahead were the scans late by `scan_delay.sigma_s`. `direction_trust` says in which
+  /// directions of the step's own frame matching knows better (1) and in which it merely repeats odometry
+  /// (0).
+  void learn(const Pose& odometry_step, double farther_if_late_m, const Pose& matched_step,
+             const Eigen::Matrix3d& noise, const Eigen::Matrix2d& direction_trust,
+             const OdometryBiasOptions& options, const OdometryLearningOptions& learning);
 
   /// What a path may be turned off by (rad²) for what is not known of the bias, which goes on from path to
   /// path: of an error that is the same over so much way as the estimate remembers, and another after that,
@@ -47,7 +53,7 @@ class OdometryBias {
   auto members() { return std::tie(yaw_, aside_, way_, remembered_m_, remembered_rad_); }
 
  private:
-  /// An error that is linear in way and turn, by recursive least squares that forgets.
+  /// An error that is linear in two amounts, by recursive least squares that forgets.
   struct Estimate {
     Eigen::Matrix2d information = Eigen::Matrix2d::Zero();  ///< beyond the prior's
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();

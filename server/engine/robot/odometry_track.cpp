@@ -22,6 +22,12 @@ std::optional<Pose> OdometryTrack::newest() const {
   return samples_.back().odom_from_robot;
 }
 
+std::optional<Pose> OdometryTrack::at_nearest(std::int64_t utime) const {
+  if (samples_.empty()) return std::nullopt;
+  if (const std::optional<Pose> found = at(utime)) return found;
+  return (utime < newest_utime() ? samples_.front() : samples_.back()).odom_from_robot;
+}
+
 std::optional<Pose> OdometryTrack::at_own(std::int64_t utime) const {
   const Sample* after = nullptr;
   for (auto sample = samples_.rbegin(); sample != samples_.rend(); ++sample) {

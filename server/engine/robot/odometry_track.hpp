@@ -28,7 +28,9 @@ class OdometryTrack {
   /// two successive samples that enclose it. Nothing while the stamp is newer than every sample, or where it
   /// is older than all that is kept.
   std::optional<Pose> at(std::int64_t utime) const { return at_own(utime - delay_us_); }
-  /// The same at one of odometry's own stamps.
+  /// The same, and beyond either end of what is kept the sample there; nothing where none is.
+  std::optional<Pose> at_nearest(std::int64_t utime) const;
+  /// The same as `at` at one of odometry's own stamps.
   std::optional<Pose> at_own(std::int64_t utime) const;
 
   /// Headings at so many of odometry's own stamps, each a step before the one before it; none where not all

@@ -29,7 +29,7 @@ TEST(Expect, PutsTheRobotWhereOdometrySays) {
 TEST(Expect, TakesOutWhatOdometryErrsByAlways) {
   Robot robot = robot_at({});
   for (int i = 0; i < 2000; ++i)
-    robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0.003}, 1e-4 * Eigen::Matrix3d::Identity(),
+    robot.bias.learn({0.1, 0, 0}, 0, {0.1, 0, 0.003}, 1e-4 * Eigen::Matrix3d::Identity(),
                      Eigen::Matrix2d::Identity(), {}, {});
   const Expectation expectation = expected(robot, {0.5, 0, 0});
   EXPECT_NEAR(expectation.step.yaw, 0.015, 0.001);

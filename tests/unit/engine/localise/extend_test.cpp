@@ -157,7 +157,7 @@ TEST(Extend, KeepsTheWayOfOdometryThatTurnsAreCountedWrongIn) {
 void learn_little_of_bias(Robot& robot) {
   const Pose step{0.5, 0, 0.1};
   for (int i = 0; i < 10; ++i)
-    robot.bias.learn(step, step, Eigen::Matrix3d::Identity(), Eigen::Matrix2d::Identity(), {}, {});
+    robot.bias.learn(step, 0, step, Eigen::Matrix3d::Identity(), Eigen::Matrix2d::Identity(), {}, {});
   ASSERT_GT(robot.bias.path_yaw_variance(step, {}), 1e-3);
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/engine/robot/robot_pose.hpp"
@@ -68,6 +69,30 @@ TEST(MoveOn, LearnsFromAStepThatTwoScansShowWhatOdometryMissed) {
     EXPECT_NEAR(on.robot.place->untold.yaw, seen ? 0.9 : 0, 1e-9) << "odometry may tell it yet";
     EXPECT_EQ(on.robot.place->lost_scans, 3) << "of the map";
   }
+}
+
+// A robot sets off, and its scans are .3 s late.
+TEST(MoveOn, TakesLateScansForNoWayThatOdometryCountsTooLong) {
+  OnPatches on({{0, 0, 0}});
+  const auto odometry_x = [](double s) {
+    return s < 0.6 ? 0.25 / 0.6 * s * std::max(0.0, s) : 0.5 * s - 0.15;
+  };
+  for (int i = -10; i < 30; ++i) on.robot.odometry.add(i * 50'000, {odometry_x(0.05 * i), 0, 0});
+  on.robot.place->utime = 0;
+  for (double s = 0.2; s < 1.3; s += 0.2) {
+    const auto step_at = [&](double at_s) { return Pose{odometry_x(at_s) - odometry_x(at_s - 0.2), 0, 0}; };
+    Expectation expectation;
+    expectation.step = expectation.claimed_step = step_at(s);
+    expectation.step_covariance = 1e-4 * Eigen::Matrix3d::Identity();
+    Placement placement;
+    placement.matched = true;
+    placement.local_from_robot = on.robot.place->pose.patch_from_object * step_at(s - 0.3);
+    placement.match.direction_trust = Eigen::Matrix2d::Identity();
+    placement.covariance = placement.tracking_covariance = 1e-4 * Eigen::Matrix3d::Identity();
+    move_on(on.robot, expectation, placement, {}, std::llround(1e6 * s), {});
+    on.robot.place->pose.patch_from_object = placement.local_from_robot;
+  }
+  EXPECT_NEAR(on.robot.bias.way_share(), 0, 0.015);
 }
 
 // What scans showed of a step was right, and odometry was not.

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "server/engine/robot/odometry_bias.hpp"
 #include "server/engine/robot/odometry_noise.hpp"
 #include "server/engine/robot/odometry_track.hpp"
@@ -138,6 +140,7 @@ struct BiasedWheels {
   static constexpr double turn_share = 0.02;
   static constexpr double aside_share = -0.02;
   static constexpr double way_share = 0.03;
+  static constexpr double at_one_speed = 0;
   Eigen::Matrix3d noise = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
   OdometryBias bias;
 
@@ -148,7 +151,7 @@ struct BiasedWheels {
   void drive(int steps, const Eigen::Matrix2d& trust = Eigen::Matrix2d::Identity()) {
     for (int i = 0; i < steps; ++i) {
       const Pose step{0.1, 0, i % 10 < 2 ? 0.2 : 0};
-      bias.learn(step, matched(step), noise, trust, {}, {});
+      bias.learn(step, at_one_speed, matched(step), noise, trust, {}, {});
     }
   }
 };
@@ -185,7 +188,8 @@ TEST(OdometryBias, IsHardlyMovedByASlip) {
   BiasedWheels robot;
   robot.drive(1000);
   const double before = robot.bias.turn_per_m();
-  robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0.6}, robot.noise, Eigen::Matrix2d::Identity(), {}, {});
+  robot.bias.learn({0.1, 0, 0}, BiasedWheels::at_one_speed, {0.1, 0, 0.6}, robot.noise,
+                   Eigen::Matrix2d::Identity(), {}, {});
   EXPECT_NEAR(robot.bias.turn_per_m(), before, 0.001);
 }
 
@@ -212,11 +216,36 @@ TEST(OdometryBias, TurnsPathsTogetherAsFarAsItIsNotKnown) {
       << "once it is learned";
 }
 
+// Scans that are .3 s late see a robot set off .3 s after its odometry, and drive as far as it says from then
+// on.
+TEST(OdometryBias, OfWaysIsNotWhatLateScansMissAsARobotSetsOff) {
+  const double delay_s = 0.3, period_s = 0.2, speed_mps = 0.5, accelerates_s = 0.6;
+  const auto odometry_x = [&](double s) {
+    const double accelerated_s = std::clamp(s, 0.0, accelerates_s);
+    return speed_mps *
+           (0.5 * accelerated_s * accelerated_s / accelerates_s + std::max(0.0, s - accelerates_s));
+  };
+  const auto step_at = [&](double s) { return odometry_x(s) - odometry_x(s - period_s); };
+  const auto learned = [&](bool may_be_late) {
+    BiasedWheels robot;
+    for (double s = period_s; s < 1.3; s += period_s) {
+      const double usual_s = ScanDelayOptions{}.sigma_s;
+      const double farther_if_late = may_be_late ? step_at(s - usual_s) - step_at(s) : 0;
+      robot.bias.learn({step_at(s), 0, 0}, farther_if_late, {step_at(s - delay_s), 0, 0}, robot.noise,
+                       Eigen::Matrix2d::Identity(), {}, {});
+    }
+    return robot.bias.way_share();
+  };
+  EXPECT_LT(learned(false), -0.04);
+  EXPECT_NEAR(learned(true), 0, 0.01);
+}
+
 TEST(OdometryBias, FollowsALoadThatChanges) {
   BiasedWheels robot;
   robot.drive(2000);
   for (int i = 0; i < 3000; ++i)
-    robot.bias.learn({0.1, 0, 0}, {0.1, 0, 0}, robot.noise, Eigen::Matrix2d::Identity(), {}, {});
+    robot.bias.learn({0.1, 0, 0}, BiasedWheels::at_one_speed, {0.1, 0, 0}, robot.noise,
+                     Eigen::Matrix2d::Identity(), {}, {});
   EXPECT_NEAR(robot.bias.turn_per_m(), 0, 0.005);
 }
 
