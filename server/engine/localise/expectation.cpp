@@ -37,12 +37,19 @@ double apart(const Pose& one, const Pose& other, double seconds, const LocaliseO
 // Odometry that stands still where the robot drove before may have frozen. As far as the robot would have
 // gone on, it is not known where it is, and scans may tell: held to rest, they would follow a freeze along a
 // corridor. It goes on no faster than it drove before: a scan that was placed too far ahead would let the
-// next one be placed farther still.
-Eigen::Matrix3d covariance_of_freeze(const Localisation& place, double probability) {
-  const double way_m = position(place.last_step).norm(), told_m = position(place.last_told).norm();
-  Eigen::Vector3d lost = to_vector(place.last_step);
+// next one be placed farther still. But it may have begun to turn, as fast as any robot does. Until a scan
+// tells that it stands, it may go on.
+Eigen::Matrix3d covariance_of_freeze(const Localisation& place, double seconds,
+                                     const EngineOptions& options) {
+  const LocaliseOptions& its = options.localise;
+  const Pose& went_on = place.unseen_steps > 0 ? place.last_told : place.last_step;
+  if (is_rest(went_on, options.odometry_learning)) return Eigen::Matrix3d::Zero();
+  const double way_m = position(went_on).norm(), told_m = position(place.last_told).norm();
+  Eigen::Vector3d lost = to_vector(went_on);
   if (way_m > told_m) lost.head<2>() *= told_m / way_m;
-  return probability * lost * lost.transpose();
+  Eigen::Matrix3d covariance = lost * lost.transpose();
+  covariance(2, 2) += std::pow(its.max_turn_rad_per_s * seconds, 2) / 3;  // of any turn rate up to that
+  return its.freeze_probability * covariance;
 }
 
 // Odometry that stood still while the robot moved may have lost that motion, or tell it late and at once. A
@@ -103,7 +110,7 @@ Expectation expect(const Robot& robot, const Pose& odom_from_robot, std::int64_t
                 .asDiagonal();
   }
   if (expectation.plausible && is_rest(expectation.claimed_step, options.odometry_learning))
-    noise += covariance_of_freeze(place, its.freeze_probability);
+    noise += covariance_of_freeze(place, seconds, options);
   // What wheels err by goes on from scan to scan while no match tells: the standard deviations add up.
   noise *= 1 + 2.0 * place.unseen_steps;
   expectation.step_covariance = noise;

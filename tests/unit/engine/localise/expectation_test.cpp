@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/localised.hpp"
 #include "tests/support/poses.hpp"
 
@@ -97,6 +99,30 @@ TEST(Expect, TakesAStepAsItIsWhereItIsLikeTheLastOne) {
   expect_near(expectation.step, {0.02, 0, 0.19});
   robot.place->untold = {};
   EXPECT_FALSE(expected(robot, {0.02, 0, 0.19}, 0.25).catches_up);
+}
+
+// Odometry that stands still may have frozen as the robot began to turn.
+TEST(Expect, DoubtsHowFarARobotTurnedWhoseOdometryStopped) {
+  Robot stopped = robot_at({});
+  stopped.place->last_step = stopped.place->last_told = {0.16, 0, -0.02};
+  const auto sigma_rad = [](const Robot& robot) {
+    return std::sqrt(expected(robot, {}, 0.25).step_covariance(2, 2));
+  };
+  EXPECT_GT(sigma_rad(stopped), 0.2);
+  EXPECT_LT(sigma_rad(robot_at({})), 0.05) << "of one that stood";
+}
+
+TEST(Expect, DoubtsThatARobotStandsUntilAScanShowsIt) {
+  Robot robot = robot_at({});
+  robot.place->last_told = {0.16, 0, -0.02};
+  robot.place->last_step = {};
+  const auto sigmas = [&]() -> Eigen::Vector3d {
+    return expected(robot, {}, 0.25).step_covariance.diagonal().cwiseSqrt();
+  };
+  EXPECT_LT(sigmas().x(), 0.05) << "a scan showed it";
+  robot.place->unseen_steps = 1;
+  EXPECT_GT(sigmas().x(), 0.08);
+  EXPECT_GT(sigmas().z(), 0.2);
 }
 
 // No robot is faster than some metres and half a turn a second.
