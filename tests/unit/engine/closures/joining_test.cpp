@@ -4,6 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/engine/input/engine_options.hpp"
+#include "server/engine/map/map.hpp"
+
 namespace isthmus {
 namespace {
 
