@@ -283,6 +283,10 @@ struct Doubted : MisreadBarcodes {
     now_s += 0.01;
     closures.advance(scene.world(now_s));
   }
+  void advance_by_a_second() {
+    now_s += 1;
+    advance();
+  }
   ClosureRecord merge() const { return closures.closures().at(0); }
 };
 
@@ -290,8 +294,7 @@ TEST(Closures, KeepAMergeThatIsDoubtedUntilWhatHangsOnItIsKnown) {
   Doubted met;
   EXPECT_EQ(met.merge().state, ClosureState::accepted) << "what would go with it is looked for in a thread";
   EXPECT_TRUE(met.closures.has_work());
-  met.now_s += 1;
-  met.advance();
+  met.advance_by_a_second();
   EXPECT_EQ(met.merge().state, ClosureState::withdrawn);
 }
 
@@ -309,12 +312,10 @@ TEST(Closures, KeepAMergeThatIsDoubtedWhileAnythingIsOnTrial) {
 TEST(Closures, AskAnewWhatHangsOnADoubtedMergeOnceTheMapIsAnother) {
   Doubted met;
   met.closures.forget_robot("R3");
-  met.now_s += 1;
-  met.advance();
+  met.advance_by_a_second();
   EXPECT_EQ(met.merge().state, ClosureState::accepted);
   EXPECT_TRUE(met.closures.has_work());
-  met.now_s += 1;
-  met.advance();
+  met.advance_by_a_second();
   EXPECT_EQ(met.merge().state, ClosureState::withdrawn);
 }
 
