@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "server/engine/map/surroundings.hpp"
+
 namespace isthmus {
 namespace {
 
@@ -17,6 +19,20 @@ SearchTerms terms_of(const EngineOptions& options) {
   terms.min_carrier_score = options.localise.min_score;
   terms.on_the_map = true;
   return terms;
+}
+
+// Whether a merge, or what came after it, has matched it with others than it was searched for among before:
+// then where it is among theirs is known.
+bool is_matched_with_others(const Map& map, const PlaceQuery& query) {
+  const auto is_of_another = [&](PatchId id) {
+    return std::ranges::find(query.not_of, map.manifold().patch(id).robot) == query.not_of.end();
+  };
+  return std::ranges::any_of(query.newest_first, [&](PatchId id) {
+    return std::ranges::any_of(map.graph().of(id), [&](RelationId relation) {
+      const Relation& its = *map.graph().find(relation);
+      return is_match(its) && is_of_another(its.a == id ? its.b : its.a);
+    });
+  });
 }
 
 }  // namespace
@@ -119,9 +135,10 @@ void Hypotheses::ask_again(const Map& map, std::span<const std::vector<PatchId>>
   }
 }
 
-void Hypotheses::next_late(const HypothesisOptions& options) {
-  while (!late_.empty() && queue_.size() < options.max_queries) {
-    queue_.push_back(std::move(late_.front()));
+void Hypotheses::next_late(World world) {
+  for (std::size_t i = 0; i < world.options.hypotheses.max_queries && !late_.empty(); ++i) {
+    PlaceQuery& next = late_.front();
+    if (next.not_of.empty() || !is_matched_with_others(world.map, next)) queue_.push_back(std::move(next));
     late_.pop_front();
   }
 }
@@ -130,7 +147,7 @@ void Hypotheses::next_late(const HypothesisOptions& options) {
 void Hypotheses::look_up(World world) {
   if (looking_up_ && looking_up_->is_due(world.now_utime)) end_look_up();
   if (looking_up_ || !ready_.empty()) return;
-  if (queue_.empty()) next_late(world.options.hypotheses);
+  if (queue_.empty()) next_late(world);
   if (queue_.empty()) return;
   asked_.assign(std::make_move_iterator(queue_.begin()), std::make_move_iterator(queue_.end()));
   queue_.clear();

@@ -93,7 +93,8 @@ class Hypotheses {
   void note_patch(World world, const std::string& robot, PatchId patch);
   /// Has a robot's last metres searched for, where they are enough.
   void ask(const std::string& robot, Way& way, const HypothesisOptions& options);
-  void next_late(const HypothesisOptions& options);
+  /// Some of those that waited until there are no others, but not what is known meanwhile.
+  void next_late(World world);
   void look_up(World world);
   void end_look_up();
   void work(World world);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "relations/disjoint_sets.hpp"
 #include "server/engine/map/surroundings.hpp"
 
 namespace isthmus {
@@ -84,22 +85,29 @@ bool known_near(const RelationGraph& graph, const Relation& relation) {
 Dependencies::Dependencies(const RelationGraph& graph) : sets_(1) {
   PastGraph past(graph);
   std::map<ClosureSet, std::uint32_t> numbers{{{}, 0}};
+  // Parts that hold together by what depends on nothing: between two of them no way need be looked for.
+  std::vector<PatchId> parents(graph.patch_count());
+  std::ranges::generate(parents, [next = 0]() mutable { return PatchId{next++}; });
+  DisjointSets<PatchId> parts(parents);
   bool any_closure = false;
   for (const auto& [id, relation] : graph.relations()) {
     set_of_.resize(index(id) + 1, 0);
     any_closure = any_closure || relation.origin.closure.valid();
-    if (!any_closure) continue;
     std::set<ClosureId> closures;
     if (relation.origin.closure.valid()) closures.insert(relation.origin.closure);
-    const auto independent = [&, &measured = relation](const Relation& link) {
-      return set_of_[index(link.id)] == 0 && carries(link, measured);
+    const auto is_near_independently = [&, &measured = relation] {
+      return parts.lowest(measured.a) == parts.lowest(measured.b) &&
+             past.way(measured, known_near_hops, [&](const Relation& link) {
+               return set_of_[index(link.id)] == 0 && carries(link, measured);
+             });
     };
-    if (!needs_no_map(relation) && !past.way(relation, known_near_hops, independent)) {
+    if (any_closure && !needs_no_map(relation) && !is_near_independently()) {
       const auto anything = [](const Relation&) { return true; };
       const auto way = past.way(relation, graph.patch_count(), anything);
       for (const RelationId link : way.value_or(std::vector<RelationId>{}))
         for (const ClosureId closure : of(link)) closures.insert(closure);
     }
+    if (closures.empty()) parts.join(relation.a, relation.b);
     const auto [set, is_new] =
         numbers.try_emplace(ClosureSet(closures.begin(), closures.end()), sets_.size());
     if (is_new) sets_.push_back(set->first);

@@ -191,6 +191,11 @@ struct JoinedAtOneEnd {
     hypotheses.ask_again(map, sides, options.hypotheses);
     finish();
   }
+  void match(PatchId a, PatchId b) {
+    Relation matched = odometry_relation(a, b, map.relative_pose(a, b));
+    matched.kind = RelationKind::point_to_line;
+    map.relate(matched);
+  }
   /// As if R2's patches came now; no time is left for searches.
   void drive_second() {
     options.hypotheses.work_share = 0;
@@ -255,6 +260,20 @@ TEST(Hypotheses, AfterAMergeSearchNoneOfARobotsOwnSide) {
   joined.ask_again({both});
   EXPECT_EQ(joined.hypotheses.counts().queries, 12);
   EXPECT_EQ(joined.hypotheses.counts().places_searched, 0);
+}
+
+TEST(Hypotheses, AfterAMergeSearchForNoWayThatIsMatchedWithTheOtherSide) {
+  JoinedAtOneEnd joined;
+  for (std::size_t i = 0; i < joined.second.size(); i += 2) joined.match(joined.first[i], joined.second[i]);
+  joined.ask_again({joined.second});
+  EXPECT_EQ(joined.hypotheses.counts().queries, 6);
+  EXPECT_EQ(joined.hypotheses.counts().places_searched, 0) << "where it is on the other side is known";
+
+  JoinedAtOneEnd matched_with_itself;
+  const std::vector<PatchId>& own = matched_with_itself.second;
+  for (std::size_t i = 2; i < own.size(); ++i) matched_with_itself.match(own[i - 2], own[i]);
+  matched_with_itself.ask_again({own});
+  EXPECT_GE(matched_with_itself.hypotheses.found().size(), 2U);
 }
 
 // Its islands merged one after the other: what was on the smaller side both times is asked of once, of all

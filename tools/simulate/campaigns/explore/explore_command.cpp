@@ -95,7 +95,9 @@ void add_explore_command(CLI::App& app) {
       "make, and tells what they found, how long it took, how far they drove, and what they touched.");
   arguments->add_scenarios(*explore);
   arguments->add_runs(*explore);
-  explore->add_option("--robots", arguments->robots, "of the scenario's, side by side; several numbers")
+  explore
+      ->add_option("--robots", arguments->robots,
+                   "of the scenario's, side by side; repeat for several numbers")
       ->check(integer_from(1))
       ->allow_extra_args(false);
   explore->add_flag("--apart", arguments->run.apart, "robots start where the scenario has them");
