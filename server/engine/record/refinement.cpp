@@ -6,6 +6,7 @@
 
 #include "scanmatch/match.hpp"
 #include "server/engine/map/surroundings.hpp"
+#include "server/engine/record/bridge.hpp"
 
 namespace isthmus {
 Refinement::Refinement(const MapCopy& map, const Configuration& configuration)
@@ -16,10 +17,13 @@ Refinement::Refinement(const MapCopy& map, const Configuration& configuration)
   rows_ = map.trajectory->read(0, map.trajectory_rows);
   for (std::size_t i = 0; i < rows_.size(); ++i)
     row_of_[{map.sessions[static_cast<std::size_t>(rows_[i].session)].robot, rows_[i].utime}] = i;
+  matched_.resize(rows_.size());
+  odom_from_robot_.resize(rows_.size());
 }
 
 void Refinement::take(const Event& event) {
   if (const auto* robot = std::get_if<RobotEvent>(&event.body)) take(*robot);
+  if (const auto* odometry = std::get_if<OdometryEvent>(&event.body)) take(*odometry);
   if (const auto* scan = std::get_if<ScanEvent>(&event.body)) take(*scan);
 }
 
@@ -28,6 +32,15 @@ void Refinement::take(const RobotEvent& robot) {
   const auto configured = configuration_.robots.find(robot.robot);
   if (configured == configuration_.robots.end() || !configured->second.declared)
     lasers_[robot.robot] = robot.laser;
+}
+
+void Refinement::take(const OdometryEvent& odometry) {
+  OdometryTrack& track = odometry_[odometry.robot];
+  track.add(odometry.utime, odometry.odom_from_robot);
+  std::erase_if(untold_[odometry.robot], [&](std::size_t row) {
+    odom_from_robot_[row] = track.at(rows_[row].utime);
+    return track.newest_utime() >= rows_[row].utime;
+  });
 }
 
 const std::vector<LocalPatch>& Refinement::well_determined_around(PatchId patch) {
@@ -72,11 +85,20 @@ void Refinement::take(const ScanEvent& scan) {
   const auto row_number = row_of_.find({scan.robot, scan.scan.utime});
   const auto laser = lasers_.find(scan.robot);
   if (row_number == row_of_.end() || laser == lasers_.end()) return;
-  TrajectoryRow& row = rows_[row_number->second];
-  const std::vector<ScanPoint> points = to_points(scan.scan, laser->second, options_.patch.normals);
-  if (static_cast<int>(points.size()) < options_.match.min_pairs) return;
+  const std::size_t row = row_number->second;
+  if (!(odom_from_robot_[row] = odometry_[scan.robot].at(scan.scan.utime)))
+    untold_[scan.robot].push_back(row);
+  const auto lies_at = match(to_points(scan.scan, laser->second, options_.patch.normals), rows_[row]);
+  if (!lies_at) return;
+  rows_[row].patch_from_robot = *lies_at;
+  matched_[row] = true;
+  ++refined_;
+}
+
+std::optional<Pose> Refinement::match(std::span<const ScanPoint> points, const TrajectoryRow& row) {
+  if (static_cast<int>(points.size()) < options_.match.min_pairs) return std::nullopt;
   const LocalMap local = local_map(row, points);
-  if (local.patches.empty()) return;
+  if (local.patches.empty()) return std::nullopt;
   MatchOptions match_options = options_.match;
   const RefinementOptions& its = options_.refinement;
   // The scan lies nearly right.
@@ -87,12 +109,51 @@ void Refinement::take(const ScanEvent& scan) {
   carried.information.diagonal() =
       Eigen::Vector3d(off_m, off_m, options_.common.yaw_rad(off_m)).cwiseAbs2().cwiseInverse();
   const Match match = match_scan(local, points, carried, match_options);
-  if (!match.ok || match.quality.score < options_.localise.min_score) return;
-  row.patch_from_robot = match.local_from_robot;
-  ++refined_;
+  if (!match.ok || match.quality.score < options_.localise.min_score) return std::nullopt;
+  return match.local_from_robot;
+}
+
+Pose Refinement::map_from_robot(std::size_t row) const {
+  return map_.manifold().pose(rows_[row].patch) * rows_[row].patch_from_robot;
+}
+
+void Refinement::bridge_gaps() {
+  std::map<std::int32_t, std::vector<std::size_t>> sessions;
+  for (std::size_t row = 0; row < rows_.size(); ++row) sessions[rows_[row].session].push_back(row);
+  for (auto& [session, rows] : sessions) {
+    std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return rows_[row].utime; });
+    std::optional<std::size_t> last;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (!matched_[rows[i]]) continue;
+      if (last && i > *last + 1) bridge_gap(std::span(rows).subspan(*last, i - *last + 1));
+      last = i;
+    }
+  }
+}
+
+// Between two that are not matched, as the engine had them: it knows more of odometry's errors than one step
+// tells.
+void Refinement::bridge_gap(std::span<const std::size_t> rows) {
+  const IslandId island = map_.graph().island(rows_[rows.front()].patch);
+  std::vector<Pose> steps;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    if (map_.graph().island(rows_[rows[i]].patch) != island) return;
+    const bool is_end = i == 1 || i + 1 == rows.size();
+    const std::optional<Pose>&from = odom_from_robot_[rows[i - 1]], &to = odom_from_robot_[rows[i]];
+    if (is_end && !(from && to)) return;
+    steps.push_back(is_end ? ominus(*to, *from)
+                           : ominus(map_from_robot(rows[i]), map_from_robot(rows[i - 1])));
+  }
+  const std::vector<Pose> poses =
+      bridge(map_from_robot(rows.front()), steps, map_from_robot(rows.back()), options_.odometry_noise);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    TrajectoryRow& row = rows_[rows[i + 1]];
+    row.patch_from_robot = ominus(poses[i], map_.manifold().pose(row.patch));
+  }
 }
 
 std::shared_ptr<const TrajectoryStore> Refinement::finish() {
+  bridge_gaps();
   auto store = std::make_shared<TrajectoryStore>();
   for (const TrajectoryRow& row : rows_) store->append(row);
   store->flush();
