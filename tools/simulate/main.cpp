@@ -28,22 +28,25 @@ struct Arguments {
 };
 
 constexpr const char* wild = "wild";
+constexpr const char* wild_campus = "wild_campus";
 
 void list() {
   for (const auto& scenario : isthmus::list_scenarios()) {
     std::cout << scenario.name << std::string(scenario.name.size() < 20 ? 20 - scenario.name.size() : 1, ' ')
               << scenario.summary << '\n';
   }
-  std::cout << "wild                an unseen building, its robots and their faults, all drawn from --seed\n";
+  std::cout << "wild                an unseen building, its robots and their faults, all drawn from --seed\n"
+               "wild_campus         the same of a campus, and lasers that see far\n";
 }
 
 void run(const Arguments& arguments) {
   isthmus::check_new_file(arguments.log, arguments.force);
   isthmus::check_new_files_in(arguments.truth, {".tum", ".csv", ".png"}, arguments.force);
-  if (arguments.scenario == wild) {
-    if (!arguments.overrides.empty())
-      throw std::runtime_error("--set: a wild building is drawn from its seed");
-    return isthmus::write_wild(isthmus::draw_wild(arguments.seed), arguments.log, arguments.truth);
+  const bool is_campus = arguments.scenario == wild_campus;
+  if (arguments.scenario == wild || is_campus) {
+    if (!arguments.overrides.empty()) throw std::runtime_error("--set: what is wild is drawn from its seed");
+    const auto place = is_campus ? isthmus::WildPlace::campus : isthmus::WildPlace::building;
+    return isthmus::write_wild(isthmus::draw_wild(arguments.seed, place), arguments.log, arguments.truth);
   }
   const isthmus::Scenario scenario = isthmus::load_scenario(arguments.scenario, arguments.overrides);
   const isthmus::SimulatedRun run = isthmus::simulate(scenario, arguments.seed);

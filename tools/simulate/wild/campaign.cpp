@@ -79,11 +79,13 @@ WildTrial end(const Child& child) {
 
 }  // namespace
 
-WildTrial try_wild(std::uint64_t seed, const std::string& directory, const Configuration& configuration) {
+WildTrial try_wild(std::uint64_t seed, const std::string& directory, const Configuration& configuration,
+                   WildPlace place) {
   WildTrial trial;
   trial.seed = seed;
+  trial.place = place;
   const double begin_s = process_cpu_s();
-  const WildDraw draw = draw_wild(seed);
+  const WildDraw draw = trial.draw();
   const Scenario scenario = make_wild_scenario(draw);
   const SimulatedRun run = simulate_wild(draw, scenario);
   for (const RobotTruth& robot : run.truth) trial.scans += robot.poses.size();
@@ -126,7 +128,7 @@ std::vector<WildTraitShare> compare_traits(const std::vector<WildTrial>& trials)
       std::ranges::count_if(trials, [](const WildTrial& trial) { return trial.failed(); }));
   const double others = static_cast<double>(trials.size()) - failed;
   for (const WildTrial& trial : trials) {
-    const std::vector<WildTrait> traits = traits_of(draw_wild(trial.seed));
+    const std::vector<WildTrait> traits = traits_of(trial.draw());
     shares.resize(traits.size());
     for (std::size_t i = 0; i < traits.size(); ++i) {
       shares[i].name = traits[i].name;
@@ -150,7 +152,7 @@ void write_wild_trials(const std::vector<WildTrial>& trials, const std::string& 
       "true_accepted,false_sightings,false_accepted,local_map_nees,local_map_median_nees,island_nees,"
       "island_median_nees,scans,simulation_cpu_s,cpu_s,drawn,traits");
   for (const WildTrial& t : trials) {
-    const WildDraw draw = draw_wild(t.seed);
+    const WildDraw draw = t.draw();
     std::string traits;
     for (const WildTrait& trait : traits_of(draw))
       if (trait.holds) traits += (traits.empty() ? "" : ";") + trait.name;

@@ -14,6 +14,7 @@ namespace isthmus {
 /// One seed.
 struct WildTrial {
   std::uint64_t seed = 0;
+  WildPlace place = WildPlace::building;
   bool finished = false;  ///< else the process ended before it had a map; what it said is on stderr
   WildScore score;
   Confidence local_map;  ///< of poses relative to patches that are near and well determined
@@ -23,12 +24,13 @@ struct WildTrial {
   double cpu_s = 0;  ///< of mapping
 
   bool failed() const { return !finished || score.failed(); }
+  WildDraw draw() const { return draw_wild(seed, place); }
 };
 
 /// Draws a run, maps it and judges the map. `directory`: where the log of a run that fails is kept, with its
 /// truth, in a folder of its own; empty: nowhere.
 WildTrial try_wild(std::uint64_t seed, const std::string& directory = {},
-                   const Configuration& configuration = {});
+                   const Configuration& configuration = {}, WildPlace place = WildPlace::building);
 
 /// Writes a drawn run as a log, with the truth beside it; either may be empty. Throws std::runtime_error
 /// naming the file and the reason.

@@ -22,6 +22,7 @@ struct WildArguments {
   std::uint64_t seeds = 100;
   std::uint64_t first_seed = 1;
   unsigned jobs = 1;
+  bool campus = false;
   CampaignConfiguration configuration;
   std::string output;
   bool keep_failed = false;
@@ -36,7 +37,7 @@ void print(const WildTrial& t) {
               : s.is_off() ? "OFF"
                            : "",
               s.wrong_merges, s.missed_merges, t.local_map.mean_nees, t.island.mean_nees,
-              t.cpu_s + t.simulation_cpu_s, describe(draw_wild(t.seed)).c_str());
+              t.cpu_s + t.simulation_cpu_s, describe(t.draw()).c_str());
   std::fflush(stdout);
 }
 
@@ -85,6 +86,7 @@ void summarise(const std::vector<WildTrial>& trials) {
 
 void wild_campaign(const WildArguments& arguments) {
   const Configuration configuration = arguments.configuration.load();
+  const WildPlace place = arguments.campus ? WildPlace::campus : WildPlace::building;
   if (!arguments.output.empty()) {
     check_new_file(arguments.output + "/wild.csv", arguments.force);
     std::filesystem::create_directories(arguments.output);
@@ -95,10 +97,11 @@ void wild_campaign(const WildArguments& arguments) {
   const std::string kept = arguments.keep_failed ? arguments.output : std::string();
   try_seeds(
       arguments.first_seed, arguments.seeds, arguments.jobs,
-      [&](std::uint64_t seed) { return try_wild(seed, kept, configuration); },
+      [&](std::uint64_t seed) { return try_wild(seed, kept, configuration, place); },
       [&](const WildTrial& trial) {
-        print(trial);
         trials.push_back(trial);
+        trials.back().place = place;  // also of one that has no map
+        print(trials.back());
       });
   summarise(trials);
   if (!arguments.output.empty()) write_wild_trials(trials, arguments.output + "/wild.csv");
@@ -122,6 +125,8 @@ void add_wild_command(CLI::App& app) {
   wild->add_option("--jobs", arguments->jobs, "Runs at a time")
       ->check(integer_from(1))
       ->capture_default_str();
+  wild->add_flag("--campus", arguments->campus,
+                 "Campuses instead: streets of 8 to 28 m between houses, lasers that see 25 to 80 m");
   arguments->configuration.add_to(*wild);
   CLI::Option* output =
       wild->add_option("-o,--output", arguments->output, "Where to write wild.csv, a row for each seed")

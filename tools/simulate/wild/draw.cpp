@@ -92,6 +92,36 @@ WildBuilding draw_building(double loop_m, Random random) {
   return building;
 }
 
+// Houses of 18 m at least along streets that a laser may not see across.
+WildBuilding draw_campus(double loop_m, Random random) {
+  WildBuilding campus;
+  campus.kind = WildKind::campus;
+  draw_inside(campus, random);
+  campus.corridor_m = random.uniform(8, 28);
+  const double block_m = campus.corridor_m + 18, half_m = 0.5 * loop_m;
+  campus.width_m = std::max(block_m, random.uniform(0.3, 0.5) * half_m);
+  campus.length_m = std::max(campus.width_m, half_m - campus.width_m);
+  campus.corridors_along_x = campus.width_m > 2 * block_m && random.chance(0.6) ? 3 : 2;
+  const int across = static_cast<int>(campus.length_m / std::max(block_m, random.uniform(40, 90)));
+  campus.corridors_along_y = std::clamp(across + 1, 2, 4);
+  draw_bend(campus, random);
+  campus.room_depth_m = 0;
+  campus.hall_share = 0;
+  campus.yard_share = 1;
+  campus.fixture_m = log_uniform(random, 3, 15);
+  campus.roughness_m = random.uniform(0, 0.03);
+  campus.trees_per_m2 = random.uniform(0, 0.01);
+  return campus;
+}
+
+// One that is made for streets.
+void make_far_sighted(LaserPlan& laser, Random random) {
+  constexpr std::array beams = {181, 361, 541, 720, 1081};
+  laser.beams = beams[random.index(beams.size())];
+  laser.laser.range_max_m = std::round(log_uniform(random, 25, 80));
+  laser.bearing_sigma_rad = random.uniform(0, 0.001);
+}
+
 // A laser sees both walls of a corridor, and the far wall of all but the largest halls.
 LaserPlan draw_laser(const WildBuilding& building, Random random) {
   LaserPlan laser;
@@ -174,6 +204,8 @@ void draw_robots(WildDraw& draw, Random random) {
     const std::string number = std::to_string(i);
     WildRobot robot;
     robot.laser = draw_laser(draw.building, Random(seed, "wild laser" + (alike ? "" : number)));
+    if (draw.building.kind == WildKind::campus)
+      make_far_sighted(robot.laser, Random(seed, "wild far laser" + (alike ? "" : number)));
     robot.odometry = draw_odometry(Random(seed, "wild odometry" + number));
     robot.faults = draw_faults(Random(seed, "wild faults" + (alike ? "" : number)));
     robot.drive = draw_drive(Random(seed, "wild drive" + (alike ? "" : number)));
@@ -207,6 +239,15 @@ WildTour draw_tour(Random random) {
   return tour;
 }
 
+// Round blocks of a campus, and seldom on the spot.
+void stretch(WildTour& tour, Random random) {
+  tour.loop_m = log_uniform(random, 250, longest_drive_m);
+  tour.laps = tour.loop_m < 0.5 * longest_drive_m && random.chance(0.5) ? 2 : 1;
+  tour.overlap_m = random.uniform(30, 80);
+  tour.rooms_per_100m = 0;
+  tour.spins_per_100m *= 0.2;
+}
+
 // Long tours are driven fewer times, by smaller teams, and scanned more slowly.
 void bound_cost(WildDraw& draw) {
   const auto excess = [&] {
@@ -224,11 +265,14 @@ void bound_cost(WildDraw& draw) {
 
 }  // namespace
 
-WildDraw draw_wild(std::uint64_t seed) {
+WildDraw draw_wild(std::uint64_t seed, WildPlace place) {
+  const bool is_campus = place == WildPlace::campus;
   WildDraw draw;
   draw.seed = seed;
   draw.tour = draw_tour(Random(seed, "wild tour"));
-  draw.building = draw_building(draw.tour.loop_m, Random(seed, "wild building"));
+  if (is_campus) stretch(draw.tour, Random(seed, "wild campus tour"));
+  draw.building = is_campus ? draw_campus(draw.tour.loop_m, Random(seed, "wild campus"))
+                            : draw_building(draw.tour.loop_m, Random(seed, "wild building"));
   draw_robots(draw, Random(seed, "wild robots"));
   draw_camera(draw, Random(seed, "wild camera"));
   Random people(seed, "wild people");

@@ -11,17 +11,22 @@
 
 namespace isthmus {
 
+/// What is drawn at all.
+enum class WildPlace : std::uint8_t { building, campus };
+
 enum class WildKind : std::uint8_t {
   offices,     ///< a ring of corridors and some through it, rooms of all sizes
   wings,       ///< one corridor, and wings that end blind
   halls,       ///< large rooms along a ring
   corridor,    ///< one long corridor, or two that are joined at their ends
   courtyards,  ///< corridors round yards
-  repeated     ///< as offices, each room like the next
+  repeated,    ///< as offices, each room like the next
+  campus       ///< wide streets with trees between houses, a fence all around; corridors are its streets
 };
 template <>
-inline constexpr auto words_of<WildKind> =
-    std::to_array<std::string_view>({"offices", "wings", "halls", "corridor", "courtyards", "repeated"});
+inline constexpr auto words_of<WildKind> = std::to_array<std::string_view>({"offices", "wings", "halls",
+                                                                            "corridor", "courtyards",
+                                                                            "repeated", "campus"});
 
 /// How the building is bent along its length.
 enum class WildBend : std::uint8_t {
@@ -46,8 +51,9 @@ struct WildBuilding {
   double hall_share = 0;  ///< of the blocks between corridors
   double yard_share = 0;
   double wing_m = 15;
-  double glass_share = 0;  ///< of walls; nothing comes back unless the beam is square to them
-  double dark_share = 0;   ///< of walls that give no return at a slant
+  double trees_per_m2 = 0;  ///< of streets
+  double glass_share = 0;   ///< of walls; nothing comes back unless the beam is square to them
+  double dark_share = 0;    ///< of walls that give no return at a slant
   double roughness_m = 0.004;
   double fixture_m = 2;     ///< between frames and pillars along a corridor's walls
   double furniture = 1;     ///< times the usual number of pieces
@@ -85,8 +91,8 @@ struct WildDraw {
   double false_sightings = 0;
 };
 
-/// The same for the same seed, always.
-WildDraw draw_wild(std::uint64_t seed);
+/// The same for the same seed and place, always.
+WildDraw draw_wild(std::uint64_t seed, WildPlace place = WildPlace::building);
 
 /// A property of a draw, yes or no, by which failed runs can be told from the others.
 struct WildTrait {

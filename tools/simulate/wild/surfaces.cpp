@@ -19,6 +19,7 @@ constexpr double dark_limit_rad = 40 * degree;
 constexpr double facet_m = 0.5;
 constexpr double passes_m = 0.3;  // of a robot's middle from furniture: its radius, and some more
 constexpr double largest_piece_m = 3;
+constexpr double tree_to_way_m = 1;
 
 enum class Surface : std::uint8_t { plain, glass, dark };
 constexpr std::size_t surfaces = 3;
@@ -57,7 +58,8 @@ class Builder {
     return plan;
   }
 
-  // Frames, pillars and radiators along the walls of corridors: no corridor of a real building is bare.
+  // Frames, pillars and radiators along the walls of corridors: no corridor of a real building is bare. And
+  // trees in streets.
   FloorPlan fixtures(const WildUse& use) {
     Random random(draw_.seed, "wild fixtures");
     std::vector<Polygon> pieces;
@@ -68,6 +70,7 @@ class Builder {
     }
     for (const FloorBorder& side : outer_corridor_walls())
       add_fixtures(side, side.from, side.to, random, pieces);
+    add_trees(use.ways, Random(draw_.seed, "wild trees"), pieces);
     return furniture(bent(std::move(pieces), use));
   }
 
@@ -137,9 +140,26 @@ class Builder {
       pieces.push_back(fixture(wall, at, random));
   }
 
-  // Half in the wall.
-  static Polygon fixture(const FloorBorder& border, double at, Random& random) {
-    const double along = random.uniform(0.1, 1), across = 2 * random.uniform(0.08, 0.25);
+  void add_trees(const std::vector<Segment>& ways, Random random, std::vector<Polygon>& pieces) const {
+    for (std::size_t i = 0; i < layout_.first_yard; ++i) {
+      const FloorCell& street = layout_.floor.cells[i];
+      const double usual = draw_.building.trees_per_m2 * street.size().prod();
+      for (int left = static_cast<int>(usual * random.uniform(0.6, 1.4)); left > 0; --left) {
+        const Vector2d at(random.uniform(street.low.x(), street.high.x()),
+                          random.uniform(street.low.y(), street.high.y()));
+        const double radius_m = random.uniform(0.08, 0.35);
+        if (std::ranges::any_of(ways,
+                                [&](const Segment& way) { return distance_m(at, way) < tree_to_way_m; }))
+          continue;
+        pieces.push_back(disc(at, radius_m, 8));
+      }
+    }
+  }
+
+  // Half in the wall; stairs and porches of houses.
+  Polygon fixture(const FloorBorder& border, double at, Random& random) const {
+    const double size = draw_.building.kind == WildKind::campus ? 2.5 : 1;
+    const double along = size * random.uniform(0.1, 1), across = 2 * size * random.uniform(0.08, 0.25);
     return border.upright ? box(border.point(at), across, along, 0) : box(border.point(at), along, across, 0);
   }
 

@@ -91,10 +91,30 @@ TEST(WildDraw, ToursAreOfTenMinutesOrSoAndTeamsThatAreLargeHaveShortOnes) {
   EXPECT_LT(sum_s, 700);
 }
 
+TEST(WildDraw, CampusesHaveWideStreetsRoundHousesAndLasersThatSeeFar) {
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    const WildDraw draw = draw_wild(seed, WildPlace::campus);
+    const WildBuilding& campus = draw.building;
+    EXPECT_EQ(campus.kind, WildKind::campus);
+    EXPECT_GE(campus.corridor_m, 8);
+    EXPECT_LE(campus.corridor_m, 28);
+    EXPECT_GE(campus.width_m / (campus.corridors_along_x - 1), campus.corridor_m + 18 - 1e-9);
+    EXPECT_GE(campus.length_m / (campus.corridors_along_y - 1), campus.corridor_m + 18 - 1e-9);
+    EXPECT_GE(draw.tour.loop_m, 250);
+    EXPECT_LE(draw.tour.loop_m * draw.tour.laps, 900);
+    for (const WildRobot& robot : draw.robots) {
+      EXPECT_GE(robot.laser.laser.range_max_m, 25);
+      EXPECT_LE(robot.laser.laser.range_max_m, 80);
+    }
+  }
+}
+
 TEST(WildDraw, EachTraitIsDrawnOftenAndNoneAlways) {
   std::map<std::string, std::size_t> drawn;
-  for (const WildDraw& draw : draws())
-    for (const WildTrait& trait : traits_of(draw)) drawn[trait.name] += trait.holds ? 1U : 0U;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed)
+    for (const WildTrait& trait :
+         traits_of(draw_wild(seed, seed % 5 == 0 ? WildPlace::campus : WildPlace::building)))
+      drawn[trait.name] += trait.holds ? 1U : 0U;
   for (const auto& [name, count] : drawn) {
     EXPECT_GT(count, seeds / 50) << name;
     EXPECT_LT(count, seeds * 9 / 10) << name;

@@ -99,6 +99,28 @@ TEST(WildSite, NoCorridorIsBare) {
   }
 }
 
+TEST(WildSite, TreesOfACampusStandInNobodysWay) {
+  std::uint64_t seed = 1;
+  while (draw_wild(seed, WildPlace::campus).building.trees_per_m2 < 0.005) ++seed;
+  WildDraw draw = draw_wild(seed, WildPlace::campus);
+  const Scenario with_trees = make_wild_scenario(draw);
+  draw.building.trees_per_m2 = 0;
+  EXPECT_GT(with_trees.plan.segments.size(), make_wild_scenario(draw).plan.segments.size() + 100);
+  for (const RobotPlan& robot : with_trees.robots) {
+    Vector2d last = position(robot.start);
+    for (const auto& step : robot.tour) {
+      const auto* to = std::get_if<Waypoint>(&step);
+      if (to == nullptr) continue;
+      const double length_m = (to->position - last).norm();
+      for (double along = 0; along < length_m; along += 0.5) {
+        const Vector2d at = last + along / length_m * (to->position - last);
+        for (const auto& segment : with_trees.plan.segments) ASSERT_GT(distance_m(at, segment), 0.25);
+      }
+      last = to->position;
+    }
+  }
+}
+
 TEST(WildLayout, RoomsOfARepeatedBuildingAreAlike) {
   std::uint64_t seed = 1;
   while (draw_wild(seed).building.kind != WildKind::repeated) ++seed;
