@@ -19,7 +19,6 @@ constexpr double dark_limit_rad = 40 * degree;
 constexpr double facet_m = 0.5;
 constexpr double passes_m = 0.3;  // of a robot's middle from furniture: its radius, and some more
 constexpr double largest_piece_m = 3;
-constexpr double tree_to_way_m = 1;
 
 enum class Surface : std::uint8_t { plain, glass, dark };
 constexpr std::size_t surfaces = 3;
@@ -70,7 +69,7 @@ class Builder {
     }
     for (const FloorBorder& side : outer_corridor_walls())
       add_fixtures(side, side.from, side.to, random, pieces);
-    add_trees(use.ways, Random(draw_.seed, "wild trees"), pieces);
+    add_trees(Random(draw_.seed, "wild trees"), pieces);
     return furniture(bent(std::move(pieces), use));
   }
 
@@ -140,18 +139,14 @@ class Builder {
       pieces.push_back(fixture(wall, at, random));
   }
 
-  void add_trees(const std::vector<Segment>& ways, Random random, std::vector<Polygon>& pieces) const {
+  void add_trees(Random random, std::vector<Polygon>& pieces) const {
     for (std::size_t i = 0; i < layout_.first_yard; ++i) {
       const FloorCell& street = layout_.floor.cells[i];
       const double usual = draw_.building.trees_per_m2 * street.size().prod();
       for (int left = static_cast<int>(usual * random.uniform(0.6, 1.4)); left > 0; --left) {
         const Vector2d at(random.uniform(street.low.x(), street.high.x()),
                           random.uniform(street.low.y(), street.high.y()));
-        const double radius_m = random.uniform(0.08, 0.35);
-        if (std::ranges::any_of(ways,
-                                [&](const Segment& way) { return distance_m(at, way) < tree_to_way_m; }))
-          continue;
-        pieces.push_back(disc(at, radius_m, 8));
+        pieces.push_back(disc(at, random.uniform(0.08, 0.35), 8));
       }
     }
   }

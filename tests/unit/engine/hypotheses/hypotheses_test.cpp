@@ -191,6 +191,10 @@ struct JoinedAtOneEnd {
     hypotheses.ask_again(map, sides, options.hypotheses);
     finish();
   }
+  /// Another patch so many metres along the second way.
+  PatchId patch(const std::string& robot, int x) {
+    return add_way(map, niched_hall(), {{1.0 * x, 0.6, 0}}, {0.4, 0.3, 0}, robot).front();
+  }
   void match(PatchId a, PatchId b) {
     Relation matched = odometry_relation(a, b, map.relative_pose(a, b));
     matched.kind = RelationKind::point_to_line;
@@ -262,18 +266,20 @@ TEST(Hypotheses, AfterAMergeSearchNoneOfARobotsOwnSide) {
   EXPECT_EQ(joined.hypotheses.counts().places_searched, 0);
 }
 
-TEST(Hypotheses, AfterAMergeSearchForNoWayThatIsMatchedWithTheOtherSide) {
+// R3's patches lie on those of R2: where R2's way is among others' is known, though R1's are far by the way.
+TEST(Hypotheses, AfterAMergeSearchForNoWayThatIsMatchedWithAnother) {
   JoinedAtOneEnd joined;
-  for (std::size_t i = 0; i < joined.second.size(); i += 2) joined.match(joined.first[i], joined.second[i]);
+  for (int i = 0; i <= 16; i += 2)
+    joined.match(joined.second[static_cast<std::size_t>(i)], joined.patch("R3", i));
   joined.ask_again({joined.second});
   EXPECT_EQ(joined.hypotheses.counts().queries, 6);
-  EXPECT_EQ(joined.hypotheses.counts().places_searched, 0) << "where it is on the other side is known";
+  EXPECT_EQ(joined.hypotheses.counts().places_searched, 0);
 
-  JoinedAtOneEnd matched_with_itself;
-  const std::vector<PatchId>& own = matched_with_itself.second;
-  for (std::size_t i = 2; i < own.size(); ++i) matched_with_itself.match(own[i - 2], own[i]);
-  matched_with_itself.ask_again({own});
-  EXPECT_GE(matched_with_itself.hypotheses.found().size(), 2U);
+  JoinedAtOneEnd with_its_own;
+  for (int i = 0; i <= 16; i += 2)
+    with_its_own.match(with_its_own.second[static_cast<std::size_t>(i)], with_its_own.patch("R2", i));
+  with_its_own.ask_again({with_its_own.second});
+  EXPECT_GE(with_its_own.hypotheses.found().size(), 2U);
 }
 
 // Its islands merged one after the other: what was on the smaller side both times is asked of once, of all

@@ -41,7 +41,7 @@ TEST(Bridge, BendsAWayWhereItTurned) {
   ASSERT_GT(way.off_m(told), 1.1);
   const std::vector<Pose> found = bridge(way.poses.front(), way.steps, way.poses.back(), {});
   ASSERT_EQ(found.size(), way.steps.size() - 1);
-  EXPECT_LT(way.off_m(found), 0.3);
+  EXPECT_LT(way.off_m(found), 0.1);
 }
 
 TEST(Bridge, LeavesAWayThatEndsWhereTheRobotWasFound) {

@@ -186,7 +186,10 @@ TEST(Refinement, BridgesNothingBetweenTwoIslands) {
   gap.map.graph = apart;
   auto rows = std::make_shared<TrajectoryStore>();
   for (TrajectoryRow row : gap.map.trajectory->read(0, WithAGap::scans)) {
-    if (row.utime == WithAGap::at(2)) row.patch = PatchId{5};
+    if (row.utime == WithAGap::at(2)) {
+      row.patch_from_robot = ominus(gap.map.poses[3] * row.patch_from_robot, gap.map.poses[5]);
+      row.patch = PatchId{5};
+    }
     rows->append(row);
   }
   rows->flush();
