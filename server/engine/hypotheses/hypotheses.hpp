@@ -47,7 +47,8 @@ class Hypotheses {
   void advance(World world, Closures& closures);
   /// Islands have merged one after the other, of which these patches were the smaller each time: wherever its
   /// robots drove, they may have driven on what the other has mapped. Their ways are searched for among the
-  /// others' patches, when nothing newer waits; a patch that was on several of them is asked of once.
+  /// others' patches, when nothing newer waits, but for those that are matched with others' by then; a patch
+  /// that was on several of them is asked of once.
   void ask_again(const Map& map, std::span<const std::vector<PatchId>> sides,
                  const HypothesisOptions& options);
 

@@ -62,7 +62,7 @@ TEST(Dependencies, WhatRobotsDoOnTheirOwnDependsOnNothing) {
 TEST(Dependencies, WhatAClosureMakesShorterIsKnownWithoutItAllTheSame) {
   RelationGraph graph = two_chains();
   graph.add(relation(0, 9, propagation_of(4)));
-  graph.add(relation(4, 9, propagation_of(4)));
+  graph.add(relation(4, 10, propagation_of(4)));
   EXPECT_EQ(of(graph, graph.add(relation(4, 0, by_match))), std::vector<int>{})
       << "by four steps of odometry";
   EXPECT_EQ(of(graph, graph.add(relation(5, 0, by_match))), std::vector<int>{}) << "and by that match";
