@@ -85,6 +85,7 @@ echo "Four robots explore the office by themselves, four times as fast as the cl
 url="udpm://239.255.76.67:7695?ttl=0"
 printf '[exploration]\nenabled = true\n' > "$out/explore.toml"
 rm -rf "$out/explored" "$out/drive"
+: > "$out/server.txt"
 "$bin/isthmus-server" --config "$out/explore.toml" --lcm-url "$url" --status-period 0.25 --output "$out/explored" \
   2> "$out/server.txt" &
 server=$!
