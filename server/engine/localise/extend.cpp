@@ -7,22 +7,12 @@
 #include <optional>
 #include <utility>
 
+#include "relations/odometry_relation.hpp"
 #include "scanmatch/match_relations.hpp"
 #include "server/engine/map/local_loop.hpp"
 
 namespace isthmus {
 namespace {
-
-Relation odometry_relation(PatchId previous, PatchId next, const OdometryPath& path,
-                           const Eigen::Matrix3d& covariance) {
-  Relation relation;
-  relation.a = previous;
-  relation.b = next;
-  relation.kind = RelationKind::odometry;
-  relation.measurement = RelativePose{path.start_from_end, covariance.inverse()};
-  relation.origin = {OriginKind::odometry, {}};
-  return relation;
-}
 
 // In the direction in which a scan tells least, a robot on known ground is where it was tracked to: from the
 // patch that it stood on, as surely as that is known beyond what odometry since its last patch says. Nothing
@@ -103,7 +93,7 @@ Eigen::Matrix3d path_covariance(Robot& robot, const OdometryPath& path, const Po
 Relation odometry_relation(Robot& robot, PatchId next, const EngineOptions& options) {
   const OdometryPath& path = robot.place->since_last_patch;
   // Where nothing matches, its own account is all there is.
-  return odometry_relation(robot.place->last_patch, next, path,
+  return odometry_relation(robot.place->last_patch, next, path.start_from_end,
                            path_covariance(robot, path, path.start_from_end, false, options));
 }
 
@@ -225,7 +215,7 @@ bool extend(Map& map, Robot& robot, Observation observation, const Placement& pl
   const Pose previous_from_robot =
       placement.matched ? ominus(map_from_robot, map.manifold().pose(previous)) : path.start_from_end;
   const Eigen::Matrix3d covariance = path_covariance(robot, path, previous_from_robot, well_seen, options);
-  const Relation odometry = odometry_relation(previous, id, path, covariance);
+  const Relation odometry = odometry_relation(previous, id, path.start_from_end, covariance);
   if (placement.matched) {
     if (std::optional<Relation> ground = ground_relation(map, robot, placement, odometry, options))
       relations.push_back(*std::move(ground));

@@ -1,8 +1,7 @@
 #include "server/engine/record/bridge.hpp"
 
-#include <Eigen/LU>
-
 #include "relations/fit.hpp"
+#include "relations/odometry_relation.hpp"
 #include "server/engine/robot/odometry_noise.hpp"
 
 namespace isthmus {
@@ -11,16 +10,6 @@ namespace {
 // Of a robot that nothing is known of, on a path of many steps.
 Eigen::Matrix3d covariance_of(const Pose& step, const OdometryNoiseOptions& options) {
   return options.first_path_scale * OdometryNoise(options).covariance(step, options);
-}
-
-Relation odometry(PatchId a, PatchId b, const Pose& step, const OdometryNoiseOptions& options) {
-  Relation relation;
-  relation.a = a;
-  relation.b = b;
-  relation.kind = RelationKind::odometry;
-  relation.measurement = RelativePose{step, covariance_of(step, options).inverse()};
-  relation.origin = {OriginKind::odometry, {}};
-  return relation;
 }
 
 }  // namespace
@@ -39,11 +28,11 @@ std::vector<Pose> bridge(const Pose& from, std::span<const Pose> steps, const Po
   PatchId last = add(from);
   for (const Pose& step : steps.first(steps.size() - 1)) {
     const PatchId next = add(poses.back() * step);
-    graph.add(odometry(last, next, step, options));
+    graph.add(odometry_relation(last, next, step, covariance_of(step, options)));
     between.push_back(next);
     last = next;
   }
-  graph.add(odometry(last, add(to), steps.back(), options));
+  graph.add(odometry_relation(last, add(to), steps.back(), covariance_of(steps.back(), options)));
   const FitReport report = fit(graph, between, poses);
   const double chi_squared = 2 * report.cost_after;
   if (!report.ok || chi_squared > options.common.surprise.bound(3)) return {};
