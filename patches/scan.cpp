@@ -56,7 +56,7 @@ double share_of_noise(const Moments& m, const Eigen::Vector2d& normal, double ac
   return noise < across ? noise / across : 1;
 }
 
-// Through the points; without a normal where they are not flat or too short.
+// Through the points; without a normal where they are too few or too short a row.
 Line line_through(const Moments& m, const NormalOptions& options) {
   if (m.n < options.min_points) return {};
   const Eigen::Vector2d mean = m.sum / m.n;
@@ -67,10 +67,7 @@ Line line_through(const Moments& m, const NormalOptions& options) {
   const double root = std::hypot(0.5 * (xx - yy), xy);
   const double across = std::max(0.0, half_trace - root);
   const double along = half_trace + root;
-  if (across > options.max_flatness_m * options.max_flatness_m || along < options.min_elongation * across ||
-      along < 1e-6) {
-    return {};
-  }
+  if (along < options.min_elongation * across || along < 1e-6) return {};
   const double line_yaw = 0.5 * std::atan2(2 * xy, xx - yy);
   const Eigen::Vector2d normal(-std::sin(line_yaw), std::cos(line_yaw));
   // Between the first point and the mean of all, as the variance is noise or form (Wiener's filter).
@@ -167,29 +164,45 @@ class RangeNoise {
 
   /// Whether noise makes a line at a beam as rough as it is, within so many standard deviations.
   bool explains(const Line& line, const Eigen::Vector2d& beam, double sigmas) const {
-    if (!sigma_m_) return true;
-    const double most_m = sigmas * *sigma_m_ * line.sine(beam);
-    return line.roughness_m2 <= most_m * most_m;
+    return !sigma_m_ || line.roughness_m2 <= sigmas * sigmas * variance_across_m2(line, beam);
+  }
+
+  /// Whether a line is as smooth as a surface that is rough by so much, seen with that noise.
+  bool is_flat(const Line& line, const Eigen::Vector2d& beam, double max_flatness_m) const {
+    return line.roughness_m2 <= max_flatness_m * max_flatness_m + variance_across_m2(line, beam);
+  }
+
+  /// Of the end of a beam across a line, or along the beam where there is none.
+  double variance_across_m2(const Line& line, const Eigen::Vector2d& beam) const {
+    const double across_m = sigma_m_.value_or(0) * (line.is_there() ? line.sine(beam) : 1);
+    return across_m * across_m;
   }
 
  private:
   std::optional<double> sigma_m_;
 };
 
-// The smoother of the lines of either side, of those that noise explains; else the line as it is.
-Line line_along(const Ends& ends, std::size_t point, Line line, const Eigen::Vector2d& beam,
-                const RangeNoise& noise, const NormalOptions& options) {
-  if (!line.is_there() || line.sine(beam) >= options.grazing_sine ||
-      noise.explains(line, beam, options.noise_sigmas)) {
-    return line;
-  }
+// The smoother of the lines of either side that `serves`, where it is smoother than `line` or that is none.
+template <class Serves>
+Line smoother_side(const Ends& ends, std::size_t point, Line line, const Serves& serves) {
   for (const std::ptrdiff_t step : {-1, 1}) {
     const Line side = ends.line_at(point, {step});
-    if (side.is_there() && side.roughness_m2 < line.roughness_m2 &&
-        noise.explains(side, beam, options.noise_sigmas)) {
+    if (side.is_there() && (!line.is_there() || side.roughness_m2 < line.roughness_m2) && serves(side))
       line = side;
-    }
   }
+  return line;
+}
+
+// The line of a point, from its neighbours on both sides or on one.
+Line line_of(const Ends& ends, std::size_t point, const Line& line, const Eigen::Vector2d& beam,
+             const RangeNoise& noise, const NormalOptions& options) {
+  const auto is_flat = [&](const Line& its) { return noise.is_flat(its, beam, options.max_flatness_m); };
+  const auto is_explained = [&](const Line& its) { return noise.explains(its, beam, options.noise_sigmas); };
+  // Through both walls of a corner.
+  if (!is_flat(line)) return smoother_side(ends, point, {}, is_flat);
+  // Through what stands out, and what it hides.
+  if (line.is_there() && line.sine(beam) < options.grazing_sine && !is_explained(line))
+    return smoother_side(ends, point, line, is_explained);
   return line;
 }
 
@@ -227,7 +240,9 @@ std::vector<ScanPoint> to_points(const Scan& scan, const Laser& laser, const Nor
   }
   const RangeNoise noise(ends, lines, beams, options);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    Line line = line_along(ends, i, lines[i], beams[i], noise, options);
+    Line line = line_of(ends, i, lines[i], beams[i], noise, options);
+    points[i].noise_m2 = static_cast<float>(noise.variance_across_m2(line, beams[i]));
+    if (!line.is_there()) continue;
     if (line.normal.dot(eye - points[i].position) < 0) {
       line.normal = -line.normal;
       line.off_m = -line.off_m;

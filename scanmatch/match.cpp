@@ -13,6 +13,10 @@ struct Beam {
   int point = 0;
   Eigen::Vector2d position;  // in the robot's frame
   Eigen::Vector2d normal;    // in the robot's frame; zero: none
+  double noise_m2 = 0;       // of the laser, across the surface
+
+  // A beam errs by its laser's noise besides what the loss is for: the squares add.
+  double squared_scale(double kernel) const { return kernel * kernel + noise_m2; }
 };
 
 struct NormalEquations {
@@ -30,14 +34,14 @@ std::vector<Beam> choose_beams(std::span<const ScanPoint> points, int most) {
   const int stride = std::max(1, static_cast<int>(points.size() + static_cast<std::size_t>(most) / 2) / most);
   for (int i = stride / 2; i < static_cast<int>(points.size()); i += stride) {
     const ScanPoint& point = points[static_cast<std::size_t>(i)];
-    beams.push_back({i, point.position, point.normal});
+    beams.push_back({i, point.position, point.normal, point.noise_m2});
   }
   return beams;
 }
 
 // Geman-McClure's weight of a squared distance: like Cauchy's near zero, falling faster far out.
-double robust_weight(double squared, double kernel) {
-  const double ratio = 1 + squared / (kernel * kernel);
+double robust_weight(double squared, double squared_scale) {
+  const double ratio = 1 + squared / squared_scale;
   return 1 / (ratio * ratio);
 }
 
@@ -102,7 +106,9 @@ class Matcher {
   int beams() const { return static_cast<int>(beams_.size()); }
 
  private:
-  double gate(double kernel) const { return std::max(options_.min_gate_m, options_.gate_kernels * kernel); }
+  double gate(double squared_scale) const {
+    return std::max(options_.min_gate_m, options_.gate_kernels * std::sqrt(squared_scale));
+  }
 
   // A patch, and the turns and steps into it and back.
   struct Frame {
@@ -134,10 +140,10 @@ class Matcher {
     paired_at_ = pose;
     hits_.clear();
     const double min_cosine = std::cos(options_.max_normal_angle_rad);
-    const double max_off = gate(kernel);
     const std::vector<Frame> frames = frames_at(pose);
     for (std::size_t i = 0; i < beams_.size(); ++i) {
       const Beam& beam = beams_[i];
+      const double max_off = gate(beam.squared_scale(kernel));
       const Eigen::Vector2d& p = beam.position;
       const bool has_normal = beam.normal.squaredNorm() > 0.5;
       for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -164,9 +170,12 @@ class Matcher {
     NormalEquations sums;
     const double c = std::cos(pose.yaw);
     const double s = std::sin(pose.yaw);
-    const double max_off = gate(kernel);
+    const double sharp = options_.kernel_m * options_.kernel_m;
     for (std::size_t first = 0, end = 0; first < hits_.size(); first = end) {
-      const Eigen::Vector2d& p = hits_[first].position;
+      const Beam& beam = beams_[static_cast<std::size_t>(hits_[first].beam)];
+      const double squared_scale = beam.squared_scale(kernel);
+      const double max_off = gate(squared_scale);
+      const Eigen::Vector2d& p = beam.position;
       const Eigen::Vector2d arm(c * p.x() - s * p.y(), s * p.x() + c * p.y());
       const double x = arm.x() + pose.x;
       const double y = arm.y() + pose.y;
@@ -177,14 +186,15 @@ class Matcher {
         hit.residual = hit.normal.x() * x + hit.normal.y() * y - hit.offset;
         hit.weight = 0;
         if (std::abs(hit.residual) > max_off) continue;
-        hit.weight = robust_weight(hit.residual * hit.residual, kernel);
+        hit.weight = robust_weight(hit.residual * hit.residual, squared_scale);
         best = std::max(best, hit.weight);
         ++count;
       }
       if (count == 0) continue;
       ++sums.paired;
       sums.weight_sum += best;
-      for (std::size_t i = first; i < end; ++i) add(hits_[i], arm, 1.0 / count, sums);
+      const double share = sharp / (beam.squared_scale(options_.kernel_m) * count);
+      for (std::size_t i = first; i < end; ++i) add(hits_[i], arm, share, sums);
     }
     return sums;
   }

@@ -111,7 +111,7 @@ TEST(MatchRelations, AFewBeamsAlongTheCorridorAreHardlyTrusted) {
 // However little they are trusted, they say that the patch is where they are, and not beyond.
 TEST(MatchRelations, OfAFewBeamsAlongTheCorridorAreAtTheirLeastWhereTheBeamsAre) {
   Walls walls = corridor();
-  add_box(walls, 3, 0.6, 3.1, 1);
+  add_box(walls, 3, 0.65, 3.1, 1);
   const Pose truth{0.5, 0.1, 0.05};
   Matched m = matched(walls, {{0, 0, 0}}, truth);
   ASSERT_LT(m.match.direction_trust(0, 0), 0.7);

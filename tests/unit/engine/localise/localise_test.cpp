@@ -62,8 +62,8 @@ TEST(Place, TriesWhetherAScanFitsSoMuchBetterElsewhereThatWheelsMustHaveSlipped)
 TEST(Place, IsHeldByOdometryWhereAScanFitsBetterButWheelsNeedNotHaveSlipped) {
   const auto with_doors_at = [](double x) {
     Walls walls = corridor();
-    walls.push_back({{x, 0.7}, {x, 1}});
-    walls.push_back({{x + 2, -1}, {x + 2, -0.7}});
+    walls.push_back({{x, 0.9}, {x, 1}});
+    walls.push_back({{x + 2, -1}, {x + 2, -0.9}});
     return walls;
   };
   Expectation expectation = expecting({0.3, 0, 0}, 0.07, 0.01);

@@ -94,8 +94,8 @@ inline Walls toothed_room() {
   const auto add = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     const Eigen::Vector2d along = (to - from).normalized(), out(along.y(), -along.x());
     Eigen::Vector2d before = from;
-    for (int i = 1; i * 0.1 < (to - from).norm(); ++i) {
-      const Eigen::Vector2d next = from + i * 0.1 * along + (i % 2 == 0 ? -0.1 : 0.1) * out;
+    for (int i = 1; i * 0.2 < (to - from).norm(); ++i) {
+      const Eigen::Vector2d next = from + i * 0.2 * along + (i % 2 == 0 ? -0.3 : 0.3) * out;
       walls.push_back({before, next});
       before = next;
     }
