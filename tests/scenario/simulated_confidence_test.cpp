@@ -44,8 +44,8 @@ TEST(SimulatedConfidence, CovariancesSayMoreThanErrorsShow) {
   print("local map", all.local.result());
   print("island", all.island.result());
   EXPECT_EQ(all.undetermined, 0U);
-  expect_known_shortfall(all.local.result(), 0.31);
-  expect_known_shortfall(all.island.result(), 0.48);
+  expect_known_shortfall(all.local.result(), 0.27);
+  expect_known_shortfall(all.island.result(), 0.36);
 }
 
 }  // namespace

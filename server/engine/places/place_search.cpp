@@ -107,12 +107,8 @@ std::vector<ScanPoint> thinned_points(const LocalMap& local, double cell_m) {
   for (const LocalPatch& patch : local.patches) {
     const Eigen::Matrix2d turn = Eigen::Rotation2Dd(patch.local_from_patch.yaw).toRotationMatrix();
     const Eigen::Vector2d origin = position(patch.local_from_patch);
-    for (const ScanPoint& point : patch.patch->points) {
-      ScanPoint moved = point;
-      moved.position = turn * point.position + origin;
-      moved.normal = turn * point.normal;
-      points.push_back(moved);
-    }
+    for (const ScanPoint& point : patch.patch->points)
+      points.push_back({turn * point.position + origin, turn * point.normal, point.beam});
   }
   std::vector<Cell> cells;
   cells.reserve(points.size());

@@ -110,18 +110,15 @@ TEST(Refine, FindsNothingByScansThatFitWorseThanIsAsked) {
   EXPECT_FALSE(refine(place, piece, answer, score + 1e-9, {}));
 }
 
-TEST(ThinnedPoints, TurnWithTheirPatchAndKeepTheNoiseOfTheirScan) {
+TEST(ThinnedPoints, TurnWithTheirPatch) {
   auto patch = std::make_shared<Patch>();
-  ScanPoint point{{2, 0}, {-1, 0}, 7};
-  point.noise_m2 = 0.01F;
-  patch->points.push_back(point);
+  patch->points.push_back({{2, 0}, {-1, 0}, 7});
   const LocalMap local{PatchId{0}, {{patch, Pose{1, 0, std::numbers::pi / 2}}}};
   const std::vector<ScanPoint> points = thinned_points(local, 0.1);
   ASSERT_EQ(points.size(), 1U);
   EXPECT_NEAR((points[0].position - Eigen::Vector2d(1, 2)).norm(), 0, 1e-12);
   EXPECT_NEAR((points[0].normal - Eigen::Vector2d(0, -1)).norm(), 0, 1e-12);
   EXPECT_EQ(points[0].beam, 7);
-  EXPECT_EQ(points[0].noise_m2, 0.01F);
 }
 
 TEST(SearchPlace, FindsNothingElsewhere) {
